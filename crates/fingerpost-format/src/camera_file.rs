@@ -1,0 +1,193 @@
+//! `camera.toml`: a camera's lens and mount, or four points on the road.
+
+use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, Pixel, View};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A calibration file that cannot be used.
+#[derive(Debug, Error)]
+pub enum CameraFileError {
+    /// The text is no TOML or YAML, or a key is missing, misspelt or of the wrong type.
+    #[error("the calibration cannot be read: {cause}; see `camera.toml` in the README for every key")]
+    Parse {
+        /// What the parser says.
+        cause: String,
+    },
+    /// A table is missing.
+    #[error(
+        "the calibration has {found}; give [intrinsics] and [mount], or [points] with four picture points and \
+         their places on the road"
+    )]
+    Incomplete {
+        /// What was found.
+        found: &'static str,
+    },
+    /// The distortion model is unknown.
+    #[error("distortion model {model:?} is unknown; use \"none\", \"brown-conrady\" or \"kannala-brandt\"")]
+    UnknownDistortion {
+        /// The model found.
+        model: String,
+    },
+    /// The numbers cannot be right.
+    #[error("the calibration cannot be right: {0}")]
+    Geometry(#[from] GeometryError),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraFile {
+    image: ImageTable,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    intrinsics: Option<IntrinsicsTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distortion: Option<DistortionTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mount: Option<MountTable>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<PointsTable>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImageTable {
+    width: usize,
+    height: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IntrinsicsTable {
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DistortionTable {
+    model: String,
+    #[serde(default)]
+    coefficients: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MountTable {
+    height_m: f64,
+    #[serde(default)]
+    pitch_deg: f64,
+    #[serde(default)]
+    yaw_deg: f64,
+    #[serde(default)]
+    roll_deg: f64,
+    #[serde(default)]
+    x_m: f64,
+    #[serde(default)]
+    y_m: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointsTable {
+    image_px: [[f64; 2]; 4],
+    road_m: [[f64; 2]; 4],
+}
+
+/// The camera of a `camera.toml`.
+///
+/// # Errors
+/// [`CameraFileError`] when the text is no such file or its numbers cannot be right.
+///
+/// ```
+/// let camera = fingerpost_format::camera_from_toml(
+///     "[image]\nwidth = 640\nheight = 480\n\
+///      [intrinsics]\nfx = 500.0\nfy = 500.0\ncx = 319.5\ncy = 239.5\n\
+///      [mount]\nheight_m = 1.5\npitch_deg = 2.0\n",
+/// ).unwrap();
+/// assert_eq!(camera.width(), 640);
+/// ```
+pub fn camera_from_toml(text: &str) -> Result<Camera, CameraFileError> {
+    let file: CameraFile =
+        toml::from_str(text).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })?;
+    let (width, height) = (file.image.width, file.image.height);
+    match (file.intrinsics, file.mount, file.points) {
+        (Some(k), Some(mount), None) => {
+            let intrinsics = Intrinsics { fx: k.fx, fy: k.fy, cx: k.cx, cy: k.cy };
+            let distortion = match file.distortion {
+                None => Distortion::None,
+                Some(table) => distortion_of(&table.model, &table.coefficients)?,
+            };
+            Ok(Camera::calibrated(width, height, intrinsics, distortion, mount_of(&mount))?)
+        }
+        (None, None, Some(points)) => {
+            let image = points.image_px.map(|[u, v]| Pixel::new(u, v));
+            Ok(Camera::from_points(width, height, image, points.road_m.map(|[x, y]| Point2::new(x, y)))?)
+        }
+        (Some(_), None, None) => Err(CameraFileError::Incomplete { found: "[intrinsics] but no [mount]" }),
+        (None, Some(_), None) => Err(CameraFileError::Incomplete { found: "[mount] but no [intrinsics]" }),
+        (None, None, None) => Err(CameraFileError::Incomplete { found: "neither [intrinsics] nor [points]" }),
+        (_, _, Some(_)) => {
+            Err(CameraFileError::Incomplete { found: "[points] beside a calibrated lens or mount" })
+        }
+    }
+}
+
+/// The `camera.toml` of a camera; none for one known by points, whose points are not kept.
+///
+/// # Errors
+/// [`CameraFileError::Parse`] when the numbers have no TOML form, [`CameraFileError::Incomplete`] for a camera known
+/// by points.
+pub fn camera_to_toml(camera: &Camera) -> Result<String, CameraFileError> {
+    let View::Calibrated { intrinsics, distortion, mount, .. } = camera.view() else {
+        return Err(CameraFileError::Incomplete {
+            found: "a camera known by points, which has no calibration",
+        });
+    };
+    let (model, coefficients) = match distortion {
+        Distortion::None => ("none", Vec::new()),
+        Distortion::BrownConrady { coefficients, .. } => ("brown-conrady", coefficients.to_vec()),
+        Distortion::KannalaBrandt { coefficients, .. } => ("kannala-brandt", coefficients.to_vec()),
+    };
+    let file = CameraFile {
+        image: ImageTable { width: camera.width(), height: camera.height() },
+        intrinsics: Some(IntrinsicsTable {
+            fx: intrinsics.fx,
+            fy: intrinsics.fy,
+            cx: intrinsics.cx,
+            cy: intrinsics.cy,
+        }),
+        distortion: Some(DistortionTable { model: model.to_owned(), coefficients }),
+        mount: Some(MountTable {
+            height_m: mount.height_m,
+            pitch_deg: mount.pitch_rad.to_degrees(),
+            yaw_deg: mount.yaw_rad.to_degrees(),
+            roll_deg: mount.roll_rad.to_degrees(),
+            x_m: mount.x_m,
+            y_m: mount.y_m,
+        }),
+        points: None,
+    };
+    toml::to_string(&file).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })
+}
+
+pub(crate) fn distortion_of(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
+    match model {
+        "none" => Ok(Distortion::None),
+        "brown-conrady" => Ok(Distortion::brown_conrady(coefficients)?),
+        "kannala-brandt" => Ok(Distortion::kannala_brandt(coefficients)?),
+        other => Err(CameraFileError::UnknownDistortion { model: other.to_owned() }),
+    }
+}
+
+fn mount_of(table: &MountTable) -> Mount {
+    Mount {
+        height_m: table.height_m,
+        pitch_rad: table.pitch_deg.to_radians(),
+        yaw_rad: table.yaw_deg.to_radians(),
+        roll_rad: table.roll_deg.to_radians(),
+        x_m: table.x_m,
+        y_m: table.y_m,
+    }
+}

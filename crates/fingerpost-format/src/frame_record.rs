@@ -1,0 +1,128 @@
+//! One line of `frames.jsonl`: what the program knew and decided in one frame.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Where the search for a route feature stands (paper 1, section VI).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrackState {
+    /// No route was given.
+    NoRoute,
+    /// The next feature has not been found yet.
+    Searching,
+    /// A feature is followed.
+    Tracking,
+    /// The feature's driving line has begun; the vehicle is on its way through.
+    Arrived,
+    /// A followed feature could not be found again; it is searched for anew.
+    Lost,
+    /// Every feature of the route has been passed.
+    RouteDone,
+}
+
+/// One frame of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameRecord {
+    /// Index of the frame in the input, from zero.
+    pub frame: u64,
+    /// Seconds since the first frame.
+    pub t_s: f64,
+    /// Where the search stands.
+    pub state: TrackState,
+    /// The followed or passed feature; none while searching.
+    pub feature: Option<FeatureRecord>,
+    /// Motion since the frame before; none in the first frame and after a broken one.
+    pub motion: Option<MotionRecord>,
+    /// The driving line through the feature: `[forward, left]` in the vehicle frame, metres.
+    pub driving_line_m: Vec<[f64; 2]>,
+    /// Signed curvature at each point of the driving line, 1/m, positive to the left.
+    #[serde(default)]
+    pub driving_line_curvature_per_m: Vec<f64>,
+    /// The road's middle from its surface alone.
+    pub centreline: Option<CentrelineRecord>,
+    /// Lane edges.
+    pub lanes: Option<LanesRecord>,
+    /// The vehicle's place on the map.
+    pub fix: Option<FixRecord>,
+    /// Distance along the route at which the vehicle is believed to be, metres.
+    #[serde(default)]
+    pub route_m: Option<f64>,
+    /// Wall time of every stage, milliseconds.
+    pub stage_ms: BTreeMap<String, f64>,
+    /// One sentence: what was decided and what decided it.
+    pub why: String,
+    /// What was wrong with the frame itself, where it could not be used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+}
+
+/// The followed feature in the vehicle frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FeatureRecord {
+    /// OpenStreetMap node.
+    pub id: i64,
+    /// `junction`, `side_road` or `bend`.
+    pub kind: String,
+    /// P(F), paper 1 equation 2; none where no sub-mask could be seen.
+    pub p: Option<f64>,
+    /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
+    pub sub: BTreeMap<String, f64>,
+    /// Distance ahead, metres.
+    pub forward_m: f64,
+    /// Distance to the left, metres.
+    pub left_m: f64,
+    /// Direction of the feature's approach against the vehicle's, radians, positive to the left.
+    pub heading_rad: f64,
+    /// Standard deviations of `forward_m` and `left_m`, metres.
+    pub sigma_m: [f64; 2],
+}
+
+/// The vehicle's motion since the frame before, in the vehicle frame of that frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MotionRecord {
+    /// Metres forward.
+    pub forward_m: f64,
+    /// Metres to the left.
+    pub left_m: f64,
+    /// Change of heading, radians, positive to the left.
+    pub yaw_rad: f64,
+    /// 0 (do not believe it) to 1.
+    pub quality: f64,
+}
+
+/// The road's middle near the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CentrelineRecord {
+    /// How far the middle lies to the left of the vehicle, metres.
+    pub offset_m: f64,
+    /// The road's direction against the vehicle's, radians.
+    pub heading_rad: f64,
+    /// Advised steering direction, radians.
+    pub steer_rad: f64,
+}
+
+/// Lane edges in the picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LanesRecord {
+    /// Left edge, `[u, v]` pixels.
+    pub left_px: Vec<[f64; 2]>,
+    /// Right edge, `[u, v]` pixels.
+    pub right_px: Vec<[f64; 2]>,
+}
+
+/// The vehicle's place on the map.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FixRecord {
+    /// Latitude, degrees.
+    pub lat: f64,
+    /// Longitude, degrees.
+    pub lon: f64,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Standard deviation, metres.
+    pub sigma_m: f64,
+    /// Protection level, metres.
+    pub bound_m: f64,
+}

@@ -1,0 +1,23 @@
+//! The outside contract as types: what the program's files hold.
+//!
+//! Texts in, values out and back; nothing here opens a file. Producers and consumers (the program, the simulator, the
+//! evaluation, anybody else's tools) meet in these types and in nothing else. Degrees appear here alone, in keys that
+//! end in `_deg`; everything behind the files is in radians.
+
+mod camera_file;
+mod camera_yaml;
+mod frame_record;
+mod lines;
+mod summary;
+mod times;
+mod truth;
+
+pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml};
+pub use camera_yaml::camera_from_yaml;
+pub use frame_record::{
+    CentrelineRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord, TrackState,
+};
+pub use lines::{LinesError, from_json_lines, to_json_line};
+pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};
+pub use times::{TimesError, parse_times};
+pub use truth::TruthRecord;

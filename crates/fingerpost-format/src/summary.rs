@@ -1,0 +1,92 @@
+//! `summary.json`: a run in numbers.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A run in numbers; the last table only where a truth file was given.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Frames processed.
+    pub frames: u64,
+    /// Frames that could not be read and were passed over.
+    #[serde(default)]
+    pub broken_frames: u64,
+    /// Frames a second of the whole run, decoding and writing included.
+    pub fps: f64,
+    /// Wall time of every stage.
+    pub stage_ms: BTreeMap<String, StageTime>,
+    /// Every feature of the route, in its order.
+    pub features: Vec<FeatureSummary>,
+    /// Frames in state `lost`.
+    pub lost_frames: u64,
+    /// Comparison with truth.
+    #[serde(flatten)]
+    pub truth: Option<TruthSummary>,
+    /// Whether the run was ended before its input was.
+    #[serde(default)]
+    pub interrupted: bool,
+}
+
+/// Wall time of a stage over a run, milliseconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct StageTime {
+    /// Median.
+    pub median: f64,
+    /// 95th percentile.
+    pub p95: f64,
+}
+
+/// What became of one feature of the route.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FeatureSummary {
+    /// OpenStreetMap node.
+    pub id: i64,
+    /// Name of the place.
+    #[serde(default)]
+    pub name: String,
+    /// `junction`, `side_road` or `bend`.
+    #[serde(default)]
+    pub kind: String,
+    /// Frame of its first detection.
+    pub detected_frame: Option<u64>,
+    /// How far ahead it was then, metres.
+    #[serde(default)]
+    pub detected_forward_m: Option<f64>,
+    /// Frame of arrival.
+    pub arrived_frame: Option<u64>,
+    /// Highest P(F) while it was followed.
+    pub max_p: Option<f64>,
+}
+
+/// A run against truth.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TruthSummary {
+    /// Features that the truth passes.
+    pub features_total: u64,
+    /// Of those, detected.
+    pub features_detected: u64,
+    /// Detections of a feature that was not there.
+    pub false_detections: u64,
+    /// Features arrived at.
+    pub arrivals: u64,
+    /// Distance between reported and true place of the followed feature, metres.
+    pub position_error_m: Option<ErrorQuantiles>,
+    /// Error of the summed motion, percent of the distance driven.
+    pub motion_error_pct: Option<f64>,
+    /// Distance between fix and truth, metres.
+    pub fix_error_m: Option<ErrorQuantiles>,
+    /// Frames in which the fix was further from the truth than its bound.
+    pub bound_violations: Option<u64>,
+}
+
+/// Quantiles of an error.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorQuantiles {
+    /// Median.
+    pub p50: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}

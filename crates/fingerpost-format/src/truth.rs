@@ -1,0 +1,41 @@
+//! One line of `truth.jsonl`: where the vehicle and its next feature really were.
+
+use serde::{Deserialize, Serialize};
+
+/// Truth of one frame, written by the simulator and by converters of recorded drives.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TruthRecord {
+    /// Index of the frame, from zero.
+    pub frame: u64,
+    /// Seconds since the first frame.
+    pub t_s: f64,
+    /// East of the route's first node, metres.
+    pub x_m: f64,
+    /// North of the route's first node, metres.
+    pub y_m: f64,
+    /// Radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Latitude, degrees.
+    pub lat: f64,
+    /// Longitude, degrees.
+    pub lon: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Yaw rate, rad/s, positive to the left.
+    pub yaw_rate_rps: f64,
+    /// OpenStreetMap node of the next feature of the route; none behind the last.
+    #[serde(default)]
+    pub feature_id: Option<i64>,
+    /// How far ahead of the vehicle it is, metres.
+    #[serde(default)]
+    pub feature_forward_m: Option<f64>,
+    /// How far to the left, metres.
+    #[serde(default)]
+    pub feature_left_m: Option<f64>,
+    /// Left lane edge, `[u, v]` pixels; empty without markings.
+    #[serde(default)]
+    pub lane_left_px: Vec<[f64; 2]>,
+    /// Right lane edge, `[u, v]` pixels; empty without markings.
+    #[serde(default)]
+    pub lane_right_px: Vec<[f64; 2]>,
+}
