@@ -1,0 +1,195 @@
+//! Grey, hue and saturation of 8-bit colour, in integers.
+//!
+//! Grey is the luma of ITU-R BT.601 (the former CCIR 601). Hue and saturation are those of the hexcone model (A. R.
+//! Smith, "Color gamut transform pairs", SIGGRAPH 1978) in the ranges that are usual for 8-bit pictures: hue in half
+//! degrees, 0 to 179 with red at 0, and saturation 0 to 255. Divisions are table look-ups.
+
+use crate::error::{PictureError, check_size};
+use crate::picture::{Plane, RgbImage};
+
+/// Number of hues: half degrees of the colour circle.
+pub const HUES: u16 = 180;
+/// Number of saturations.
+pub const SATURATIONS: u16 = 256;
+
+/// Bits behind the point of the luma weights; 16 is the most that keeps the sum in 32 bits with room to round.
+const LUMA_BITS: u32 = 16;
+/// Luma weights 0.299, 0.587 and 0.114 of red, green and blue, times 2^16; they sum to 2^16, so white stays 255.
+const LUMA: [u32; 3] = [19_595, 38_470, 7_471];
+
+/// Bits behind the point of the reciprocals; with these the rounded quotient is the exact one or its neighbour.
+const RECIPROCAL_BITS: u32 = 16;
+/// `255 * 2^16 / v`, rounded: makes saturation of the spread of the channels under the largest channel `v`.
+const SATURATION_FACTOR: [i32; 256] = rounded_reciprocals(255);
+/// `30 * 2^16 / d`, rounded: makes an offset in half degrees, one sixth of the circle at most, of a channel difference
+/// under the spread `d`.
+const HUE_FACTOR: [i32; 256] = rounded_reciprocals(30);
+
+const fn rounded_reciprocals(numerator: i32) -> [i32; 256] {
+    let mut table = [0; 256];
+    let mut divisor = 1;
+    while divisor < 256 {
+        table[divisor as usize] = ((numerator << RECIPROCAL_BITS) + divisor / 2) / divisor;
+        divisor += 1;
+    }
+    table
+}
+
+/// Luma of one colour, 0 to 255.
+///
+/// ```
+/// use fingerpost_vision::colour::grey_of;
+/// assert_eq!(grey_of([255, 255, 255]), 255);
+/// assert_eq!(grey_of([255, 0, 0]), 76); // 0.299 * 255 = 76.2
+/// ```
+#[must_use]
+#[inline]
+pub fn grey_of(rgb: [u8; 3]) -> u8 {
+    let [r, g, b] = rgb.map(u32::from);
+    ((r * LUMA[0] + g * LUMA[1] + b * LUMA[2] + (1 << (LUMA_BITS - 1))) >> LUMA_BITS) as u8
+}
+
+/// Hue in half degrees, 0 to 179, and saturation, 0 to 255, of one colour; both are 0 for greys.
+///
+/// ```
+/// use fingerpost_vision::colour::hue_saturation_of;
+/// assert_eq!(hue_saturation_of([0, 255, 0]), (60, 255)); // green: 120 degrees
+/// assert_eq!(hue_saturation_of([90, 90, 90]), (0, 0));
+/// ```
+#[must_use]
+#[inline]
+pub fn hue_saturation_of(rgb: [u8; 3]) -> (u8, u8) {
+    let [r, g, b] = rgb.map(i32::from);
+    let value = r.max(g).max(b);
+    let spread = value - r.min(g).min(b);
+    let half = 1 << (RECIPROCAL_BITS - 1);
+    let saturation = (spread * SATURATION_FACTOR[value as usize] + half) >> RECIPROCAL_BITS;
+    // Which channel is largest names the third of the circle; the other two say how far from its middle.
+    let (middle, difference) = if value == r {
+        (0, g - b)
+    } else if value == g {
+        (60, b - r)
+    } else {
+        (120, r - g)
+    };
+    let hue = middle + ((difference * HUE_FACTOR[spread as usize] + half) >> RECIPROCAL_BITS);
+    let hue = if hue < 0 { hue + i32::from(HUES) } else { hue };
+    (hue as u8, saturation as u8)
+}
+
+/// A division of hue and saturation into bins of equal width.
+///
+/// A colour's bin index is `hue_bin * saturation + saturation_bin`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HueSaturationBins {
+    /// Bins over hue, 1 to 180.
+    pub hue: u16,
+    /// Bins over saturation, 1 to 256.
+    pub saturation: u16,
+}
+
+/// A division of hue and saturation that cannot be made.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ColourError {
+    /// A number of bins is zero or larger than the number of values.
+    #[error(
+        "{hue} hue bins and {saturation} saturation bins; choose 1 to 180 hue bins and 1 to 256 saturation bins"
+    )]
+    Bins {
+        /// Bins over hue asked for.
+        hue: u16,
+        /// Bins over saturation asked for.
+        saturation: u16,
+    },
+    /// Pictures whose sizes do not fit.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+impl HueSaturationBins {
+    /// Checks the numbers of bins.
+    ///
+    /// # Errors
+    /// [`ColourError::Bins`] when one is 0, `hue` is above 180 or `saturation` above 256.
+    pub fn check(self) -> Result<(), ColourError> {
+        if (1..=HUES).contains(&self.hue) && (1..=SATURATIONS).contains(&self.saturation) {
+            Ok(())
+        } else {
+            Err(ColourError::Bins { hue: self.hue, saturation: self.saturation })
+        }
+    }
+
+    /// Number of bins.
+    #[must_use]
+    pub fn count(self) -> usize {
+        usize::from(self.hue) * usize::from(self.saturation)
+    }
+
+    /// Bin index of a hue in half degrees and a saturation; hues from 180 on count as 179.
+    #[must_use]
+    pub fn bin_of(self, hue: u8, saturation: u8) -> usize {
+        let hue = usize::from(hue).min(usize::from(HUES) - 1);
+        let hue_bin = hue * usize::from(self.hue) / usize::from(HUES);
+        let saturation_bin =
+            usize::from(saturation) * usize::from(self.saturation) / usize::from(SATURATIONS);
+        hue_bin * usize::from(self.saturation) + saturation_bin
+    }
+}
+
+/// Fills `grey` with the luma of `image`.
+///
+/// # Errors
+/// [`PictureError::SizeMismatch`] when the two differ in size.
+pub fn grey(image: &RgbImage, grey: &mut Plane<u8>) -> Result<(), PictureError> {
+    check_size("grey picture", image.size(), grey.size())?;
+    let (pixels, _) = image.as_slice().as_chunks::<3>();
+    for (out, &rgb) in grey.as_mut_slice().iter_mut().zip(pixels) {
+        *out = grey_of(rgb);
+    }
+    Ok(())
+}
+
+/// Fills `hue` (half degrees, 0 to 179) and `saturation` (0 to 255) with those of `image`.
+///
+/// # Errors
+/// [`PictureError::SizeMismatch`] when the three differ in size.
+pub fn hue_saturation(
+    image: &RgbImage,
+    hue: &mut Plane<u8>,
+    saturation: &mut Plane<u8>,
+) -> Result<(), PictureError> {
+    check_size("hue picture", image.size(), hue.size())?;
+    check_size("saturation picture", image.size(), saturation.size())?;
+    let (pixels, _) = image.as_slice().as_chunks::<3>();
+    let outs = hue.as_mut_slice().iter_mut().zip(saturation.as_mut_slice());
+    for ((hue, saturation), &rgb) in outs.zip(pixels) {
+        (*hue, *saturation) = hue_saturation_of(rgb);
+    }
+    Ok(())
+}
+
+/// Fills `grey` with the luma and `bin` with the hue-saturation bin index of each pixel of `image`, in one pass.
+///
+/// # Errors
+/// [`ColourError`] when the bins cannot be made or the pictures differ in size.
+pub fn grey_and_bins(
+    image: &RgbImage,
+    bins: HueSaturationBins,
+    grey: &mut Plane<u8>,
+    bin: &mut Plane<u16>,
+) -> Result<(), ColourError> {
+    bins.check()?;
+    check_size("grey picture", image.size(), grey.size())?;
+    check_size("bin picture", image.size(), bin.size())?;
+    // At most 180 * 256 bins, so an index fits 16 bits. A byte can index either table without a bounds check.
+    let hue_part: [u16; 256] = std::array::from_fn(|hue| bins.bin_of(hue as u8, 0) as u16);
+    let saturation_part: [u16; 256] =
+        std::array::from_fn(|saturation| bins.bin_of(0, saturation as u8) as u16);
+    let (pixels, _) = image.as_slice().as_chunks::<3>();
+    for ((grey, bin), &rgb) in grey.as_mut_slice().iter_mut().zip(bin.as_mut_slice()).zip(pixels) {
+        *grey = grey_of(rgb);
+        let (hue, saturation) = hue_saturation_of(rgb);
+        *bin = hue_part[usize::from(hue)] + saturation_part[usize::from(saturation)];
+    }
+    Ok(())
+}

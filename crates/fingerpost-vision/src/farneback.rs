@@ -1,0 +1,291 @@
+//! Dense optical flow between two pictures by polynomial expansion.
+//!
+//! G. Farneback, "Two-frame motion estimation based on polynomial expansion", SCIA 2003. Around every pixel each picture is
+//! approximated by a quadratic polynomial (section 2); a displacement turns one polynomial into another, which gives a
+//! linear equation for it (section 3.1, equation 8); the equations of a window are solved together by least squares
+//! (section 3.2), again and again with the flow found so far (section 3.5), from the coarsest level of a pyramid to the
+//! full picture (section 3.6).
+//!
+//! Parameters and conventions are those of OpenCV's `calcOpticalFlowFarneback` with a box window, and the results agree
+//! with it to a small fraction of a pixel; `tests/farneback_golden.rs` holds them together.
+//!
+//! Limits: motion larger than about half the window at the coarsest level is not found; where the picture has no texture
+//! the flow tends to that of its surroundings or to nothing; there is no measure of confidence.
+
+mod displacement;
+mod expansion;
+
+use crate::error::{PictureError, check_size};
+use crate::picture::{Plane, PlaneView};
+use crate::pyramid::{PyramidLevel, Resizer, pyramid_levels};
+use displacement::DisplacementSolver;
+use expansion::{Expander, Expansion};
+
+/// Most reductions of the pyramid; with the mildest scale they already span a factor of ten.
+const MAX_LEVELS: usize = 32;
+/// Widest window, pixels.
+const MAX_WINDOW_PX: usize = 255;
+/// Most iterations a level; the flow settles in a few.
+const MAX_ITERATIONS: usize = 100;
+/// Largest neighbourhood for the expansion to either side, pixels.
+const MAX_POLY_N_PX: usize = 31;
+/// Range of the scale between levels: outside it levels would repeat, or skip what the window can follow.
+const SCALES: std::ops::RangeInclusive<f64> = 0.1..=0.95;
+
+/// Parameters of [`Farneback`]; the defaults suit ground views.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FarnebackParams {
+    /// Size of each level of the pyramid relative to the next finer one, 0.1 to 0.95.
+    pub pyramid_scale: f64,
+    /// Levels below the full size, 0 to 32; levels smaller than 32 pixels are left out.
+    pub levels: usize,
+    /// Side of the square window over which displacements are taken to be alike, pixels; odd, 1 to 255.
+    pub window_px: usize,
+    /// Iterations at each level, 1 to 100.
+    pub iterations: usize,
+    /// Pixels to either side of a pixel that its polynomial is fitted to, 1 to 31.
+    pub poly_n_px: usize,
+    /// Standard deviation of the Gaussian that weights them, pixels; above 0 and at most `poly_n_px`.
+    pub poly_sigma_px: f64,
+}
+
+impl Default for FarnebackParams {
+    fn default() -> Self {
+        Self { pyramid_scale: 0.5, levels: 3, window_px: 15, iterations: 3, poly_n_px: 5, poly_sigma_px: 1.2 }
+    }
+}
+
+/// A flow that cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FarnebackError {
+    /// A parameter outside its range.
+    #[error("the flow's parameter {name} cannot be {value}; {range}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Value given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// Pictures whose sizes do not fit.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The initial flow holds a value that is not finite.
+    #[error("the initial flow at pixel ({x}, {y}) is not finite; leave the initial flow out or mend it")]
+    InitialFlow {
+        /// Column of the pixel.
+        x: usize,
+        /// Row of the pixel.
+        y: usize,
+    },
+}
+
+impl FarnebackParams {
+    /// Checks every parameter against its range.
+    ///
+    /// # Errors
+    /// [`FarnebackError::Parameter`] for the first one outside it.
+    pub fn check(&self) -> Result<(), FarnebackError> {
+        let refuse = |name, value, range| Err(FarnebackError::Parameter { name, value, range });
+        if !SCALES.contains(&self.pyramid_scale) {
+            return refuse("pyramid_scale", self.pyramid_scale, "give 0.1 to 0.95");
+        }
+        if self.levels > MAX_LEVELS {
+            return refuse("levels", self.levels as f64, "give 0 to 32");
+        }
+        if !(1..=MAX_WINDOW_PX).contains(&self.window_px) || self.window_px.is_multiple_of(2) {
+            return refuse("window_px", self.window_px as f64, "give an odd number from 1 to 255");
+        }
+        if !(1..=MAX_ITERATIONS).contains(&self.iterations) {
+            return refuse("iterations", self.iterations as f64, "give 1 to 100");
+        }
+        if !(1..=MAX_POLY_N_PX).contains(&self.poly_n_px) {
+            return refuse("poly_n_px", self.poly_n_px as f64, "give 1 to 31");
+        }
+        // Below a tenth of a pixel the neighbours' weights vanish and no polynomial can be fitted.
+        if !(0.1..=self.poly_n_px as f64).contains(&self.poly_sigma_px) {
+            return refuse("poly_sigma_px", self.poly_sigma_px, "give 0.1 to poly_n_px");
+        }
+        Ok(())
+    }
+}
+
+/// A displacement for every pixel: `next(x + dx, y + dy)` shows what `previous(x, y)` shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FlowField {
+    /// Displacement to the right, pixels.
+    pub dx: Plane<f32>,
+    /// Displacement down, pixels.
+    pub dy: Plane<f32>,
+}
+
+impl FlowField {
+    /// A flow of `width` x `height` pixels, each displaced by `(dx, dy)` pixels.
+    #[must_use]
+    pub fn uniform(width: usize, height: usize, [dx, dy]: [f32; 2]) -> Self {
+        Self { dx: Plane::new(width, height, dx), dy: Plane::new(width, height, dy) }
+    }
+
+    /// Width, pixels.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.dx.width()
+    }
+
+    /// Height, pixels.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.dx.height()
+    }
+
+    /// Displacement (right, down) of the pixel in column `x` and row `y`, pixels, or `None` outside the flow.
+    #[must_use]
+    pub fn get(&self, x: usize, y: usize) -> Option<[f32; 2]> {
+        Some([self.dx.get(x, y)?, self.dy.get(x, y)?])
+    }
+
+    fn check(&self, size: (usize, usize)) -> Result<(), FarnebackError> {
+        check_size("initial flow, dx", size, self.dx.size())?;
+        check_size("initial flow, dy", size, self.dy.size())?;
+        let mut pairs = self.dx.as_slice().iter().zip(self.dy.as_slice());
+        match pairs.position(|(dx, dy)| !(dx.is_finite() && dy.is_finite())) {
+            Some(index) => Err(FarnebackError::InitialFlow { x: index % size.0, y: index / size.0 }),
+            None => Ok(()),
+        }
+    }
+
+    fn reset(&mut self, width: usize, height: usize) {
+        self.dx.reset(width, height, 0.0);
+        self.dy.reset(width, height, 0.0);
+    }
+}
+
+/// Dense flow between pairs of pictures; keeps its buffers from pair to pair.
+///
+/// ```
+/// use fingerpost_vision::{farneback::{Farneback, FarnebackParams}, picture::Plane};
+/// // A smooth pattern, and the same moved two pixels to the right.
+/// let pattern = |shift: f32| {
+///     let value = |x: f32, y: f32| (127.0 + 60.0 * (0.35 * (x - shift)).sin() + 60.0 * (0.3 * y).cos()) as u8;
+///     Plane::from_vec(64, 64, (0..64 * 64).map(|i| value((i % 64) as f32, (i / 64) as f32)).collect())
+/// };
+/// let mut farneback = Farneback::new(FarnebackParams::default())?;
+/// let flow = farneback.flow(pattern(0.0)?.view(), pattern(2.0)?.view(), None)?;
+/// let [dx, dy] = flow.get(32, 32).unwrap_or_default();
+/// assert!((dx - 2.0).abs() < 0.1 && dy.abs() < 0.1);
+/// # Ok::<(), fingerpost_vision::farneback::FarnebackError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Farneback {
+    params: FarnebackParams,
+    levels: Vec<PyramidLevel>,
+    expander: Expander,
+    solver: DisplacementSolver,
+    resizer: Resizer,
+    pictures: [Plane<f32>; 2],
+    smoothed: Plane<f32>,
+    reduced: Plane<f32>,
+    expansions: [Expansion; 2],
+    flow: FlowField,
+    coarser: FlowField,
+}
+
+impl Farneback {
+    /// Prepares the flow.
+    ///
+    /// # Errors
+    /// [`FarnebackError::Parameter`] when a parameter is outside its range.
+    pub fn new(params: FarnebackParams) -> Result<Self, FarnebackError> {
+        params.check()?;
+        Ok(Self {
+            params,
+            levels: Vec::new(),
+            expander: Expander::new(params.poly_n_px, params.poly_sigma_px),
+            solver: DisplacementSolver::new(params.window_px / 2),
+            resizer: Resizer::default(),
+            pictures: Default::default(),
+            smoothed: Plane::default(),
+            reduced: Plane::default(),
+            expansions: [Expansion::default(), Expansion::default()],
+            flow: FlowField::default(),
+            coarser: FlowField::default(),
+        })
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn params(&self) -> &FarnebackParams {
+        &self.params
+    }
+
+    /// The flow from `previous` to `next`, grey pictures of one size, in pixels; starts from `initial` where given, which
+    /// must have the pictures' size.
+    ///
+    /// # Errors
+    /// [`FarnebackError::Picture`] when sizes differ or there are no pixels; [`FarnebackError::InitialFlow`].
+    pub fn flow(
+        &mut self,
+        previous: PlaneView<'_, u8>,
+        next: PlaneView<'_, u8>,
+        initial: Option<&FlowField>,
+    ) -> Result<&FlowField, FarnebackError> {
+        let size = previous.size();
+        check_size("next picture", size, next.size())?;
+        if size.0 == 0 || size.1 == 0 {
+            return Err(
+                PictureError::Empty { what: "previous picture", width: size.0, height: size.1 }.into()
+            );
+        }
+        if let Some(initial) = initial {
+            initial.check(size)?;
+        }
+        if self.levels.last().map(|level| (level.width, level.height)) != Some(size) {
+            self.levels = pyramid_levels(size.0, size.1, self.params.pyramid_scale, self.params.levels);
+        }
+        copy_to_f32(previous, &mut self.pictures[0]);
+        copy_to_f32(next, &mut self.pictures[1]);
+        for index in 0..self.levels.len() {
+            self.start_level(index, initial);
+            self.expand_pictures(index)?;
+            let [from, to] = &self.expansions;
+            for _ in 0..self.params.iterations {
+                self.solver.refine(from, to, &mut self.flow)?;
+            }
+        }
+        Ok(&self.flow)
+    }
+
+    /// Brings the flow found so far, or the initial one, to the size of a level.
+    fn start_level(&mut self, index: usize, initial: Option<&FlowField>) {
+        let level = &self.levels[index];
+        std::mem::swap(&mut self.flow, &mut self.coarser);
+        self.flow.reset(level.width, level.height);
+        let (start, gain) = match (index, initial) {
+            (0, None) => return,
+            (0, Some(initial)) => (initial, level.scale),
+            _ => (&self.coarser, 1.0 / self.params.pyramid_scale),
+        };
+        self.resizer.resize(&start.dx, &mut self.flow.dx, gain as f32);
+        self.resizer.resize(&start.dy, &mut self.flow.dy, gain as f32);
+    }
+
+    fn expand_pictures(&mut self, index: usize) -> Result<(), PictureError> {
+        let level = &mut self.levels[index];
+        for (picture, expansion) in self.pictures.iter().zip(&mut self.expansions) {
+            self.smoothed.reset(picture.width(), picture.height(), 0.0);
+            level.smoothing.apply(picture, &mut self.smoothed)?;
+            self.reduced.reset(level.width, level.height, 0.0);
+            self.resizer.resize(&self.smoothed, &mut self.reduced, 1.0);
+            self.expander.expand(&self.reduced, expansion);
+        }
+        Ok(())
+    }
+}
+
+fn copy_to_f32(source: PlaneView<'_, u8>, target: &mut Plane<f32>) {
+    target.reset(source.width(), source.height(), 0.0);
+    for y in 0..source.height() {
+        target.row_mut(y).iter_mut().zip(source.row(y)).for_each(|(out, &value)| *out = f32::from(value));
+    }
+}

@@ -1,0 +1,30 @@
+//! Picture kernels of Fingerpost: arrays in, arrays out.
+//!
+//! The kernels know pixels and nothing of roads, vehicles or metres; they read no file, clock or environment, and the
+//! same input gives the same bytes on every run. Pixel coordinates are those of the `image` frame: u (column) to the
+//! right, v (row) down, the origin at the *centre* of the top-left pixel, so that pixel `(c, r)` has its centre at
+//! `(c, r)` exactly.
+//!
+//! | module | what | source |
+//! |---|---|---|
+//! | [`picture`] | planes, views, colour pictures, rectangles | |
+//! | [`warp`] | resampling through a table built once | |
+//! | [`colour`] | grey, hue and saturation, histogram bins | ITU-R BT.601; Smith 1978 |
+//! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
+//! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
+//! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
+//! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
+//! | [`farneback`] | dense optical flow | Farneback 2003 |
+//!
+//! "Paper 1" is the method's paper on interpretable single-camera localisation.
+
+pub mod backprojection;
+pub mod colour;
+pub mod error;
+pub mod farneback;
+pub mod filter;
+pub mod histogram;
+pub mod picture;
+pub mod pyramid;
+pub mod span;
+pub mod warp;
