@@ -1,0 +1,24 @@
+//! Road maps and routes: OpenStreetMap, GPX and `route.geojson` in; a road graph, routes and route features out.
+//!
+//! The way of the data: [`OsmData`] (what the file holds) -> [`RoadGraph`] (drivable ways, metres) -> [`Route`] (by
+//! [`plan`] from places or [`match_track`] from a GPX track), cut into [`RouteFeature`]s: junctions, side roads and
+//! bends with the course of every arm, which is what the method looks for in the picture (paper 1, sections V and VII;
+//! paper 2, section 5). Takes bytes and text, never paths; the same input gives the same bytes.
+//!
+//! Limits: no turn restrictions, no ferries, heights left out, maps of up to about 100 km across.
+
+mod feature;
+mod graph;
+mod osm;
+mod osm_pbf;
+mod osm_xml;
+mod road;
+mod route;
+mod tangent_plane;
+
+pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
+pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
+pub use osm::{OsmData, OsmError, OsmNode, OsmWay};
+pub use road::{RoadAttributes, RoadClass, Travel, parse_width_m};
+pub use route::{Route, RoutePoint};
+pub use tangent_plane::{LatLon, LatLonError, TangentPlane};

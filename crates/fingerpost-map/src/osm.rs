@@ -1,0 +1,136 @@
+//! OpenStreetMap data as it is stored: nodes with a place, ways with tags.
+//!
+//! Only what a road map needs is kept: every node, and the ways that carry a `highway` tag. Relations (turn
+//! restrictions among them) are left out. OSM XML and OSM PBF; both come to the same data in the same order.
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+
+use crate::{LatLon, osm_pbf, osm_xml};
+
+/// A node: a place with a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OsmNode {
+    /// OSM's number.
+    pub id: i64,
+    /// Where it is.
+    pub at: LatLon,
+}
+
+/// A way: the numbers of its nodes in their order, and its tags.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OsmWay {
+    /// OSM's number.
+    pub id: i64,
+    /// Numbers of its nodes, in the way's direction.
+    pub nodes: Vec<i64>,
+    /// Tags: key and value.
+    pub tags: BTreeMap<String, String>,
+}
+
+/// The nodes and highways of an extract, each sorted by number.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OsmData {
+    /// Nodes, ascending numbers, no number twice.
+    pub nodes: Vec<OsmNode>,
+    /// Ways that carry a `highway` tag, ascending numbers, no number twice.
+    pub ways: Vec<OsmWay>,
+}
+
+/// Why bytes are no OpenStreetMap data.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum OsmError {
+    /// No bytes at all.
+    #[error("the map is empty (0 bytes); export or download it again")]
+    Empty,
+    /// A compressed file.
+    #[error("the map is packed with {packer}; unpack it first ({command})")]
+    Packed {
+        /// The packer its first bytes name.
+        packer: &'static str,
+        /// The command that unpacks it.
+        command: &'static str,
+    },
+    /// Neither XML nor PBF.
+    #[error("this is neither OSM XML nor OSM PBF (it starts with \"{start}\"); give a .osm or .osm.pbf file")]
+    UnknownFormat {
+        /// The first bytes, printable ones as they are.
+        start: String,
+    },
+    /// XML that is not well formed or holds values that cannot be read.
+    #[error("the OSM XML is broken at byte {at_byte}: {cause}; export or download it again")]
+    Xml {
+        /// Where reading stopped, bytes from the start.
+        at_byte: u64,
+        /// What is wrong there.
+        cause: String,
+    },
+    /// PBF that is cut short or damaged.
+    #[error("the OSM PBF is broken: {cause}; download it again")]
+    Pbf {
+        /// What is wrong.
+        cause: String,
+    },
+}
+
+/// How many of the first bytes a message shows.
+const SHOWN_BYTES: usize = 16;
+/// Where a PBF file names its first block: after the block header's length (4 bytes) and the name's tag and length.
+const PBF_NAME_AT: usize = 6;
+
+impl OsmData {
+    /// Reads OSM XML or OSM PBF, whichever it is.
+    ///
+    /// # Errors
+    /// Empty, packed or foreign bytes, and those of [`Self::from_xml`] and [`Self::from_pbf`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, OsmError> {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+        if bytes.is_empty() {
+            Err(OsmError::Empty)
+        } else if bytes.get(PBF_NAME_AT..).is_some_and(|rest| rest.starts_with(b"OSMHeader")) {
+            Self::from_pbf(bytes)
+        } else if text.starts_with(b"<") {
+            Self::from_xml(bytes)
+        } else if bytes.starts_with(b"BZh") {
+            Err(OsmError::Packed { packer: "bzip2", command: "bunzip2 FILE" })
+        } else if bytes.starts_with(b"\x1f\x8b") {
+            Err(OsmError::Packed { packer: "gzip", command: "gunzip FILE" })
+        } else {
+            let start = bytes[..bytes.len().min(SHOWN_BYTES)].escape_ascii().to_string();
+            Err(OsmError::UnknownFormat { start })
+        }
+    }
+
+    /// Reads OSM XML (`<osm>` with `<node>` and `<way>`).
+    ///
+    /// # Errors
+    /// [`OsmError::Empty`], and [`OsmError::Xml`] for XML that is cut short, not well formed, no OSM document, or holds
+    /// a number or place that cannot be read.
+    pub fn from_xml(bytes: &[u8]) -> Result<Self, OsmError> {
+        if bytes.is_empty() {
+            return Err(OsmError::Empty);
+        }
+        osm_xml::read(bytes).map(Self::sorted)
+    }
+
+    /// Reads OSM PBF.
+    ///
+    /// # Errors
+    /// [`OsmError::Empty`], and [`OsmError::Pbf`] for data that is cut short, damaged, or holds a place that is none.
+    pub fn from_pbf(bytes: &[u8]) -> Result<Self, OsmError> {
+        if bytes.is_empty() {
+            return Err(OsmError::Empty);
+        }
+        osm_pbf::read(bytes).map(Self::sorted)
+    }
+
+    fn sorted(mut self) -> Self {
+        // Stable sorts: of a number given twice the first stays.
+        self.nodes.sort_by_key(|node| node.id);
+        self.nodes.dedup_by_key(|node| node.id);
+        self.ways.sort_by_key(|way| way.id);
+        self.ways.dedup_by_key(|way| way.id);
+        self
+    }
+}
