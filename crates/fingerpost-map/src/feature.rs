@@ -1,5 +1,7 @@
 //! Route features: the places of a route that can be told in a picture, with the course of every road that meets there.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{LatLon, RoadClass};
 
 /// A junction, side road or bend of a route.
@@ -22,7 +24,8 @@ pub struct RouteFeature {
 }
 
 /// What a route feature is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FeatureKind {
     /// The route turns, or four and more roads meet.
     Junction,
@@ -48,7 +51,8 @@ pub struct Arm {
 }
 
 /// Part of an arm in the route.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ArmRole {
     /// The route comes along it.
     Approach,

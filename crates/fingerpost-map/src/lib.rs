@@ -7,18 +7,30 @@
 //!
 //! Limits: no turn restrictions, no ferries, heights left out, maps of up to about 100 km across.
 
+mod course;
+mod cut;
 mod feature;
+mod gpx;
 mod graph;
+mod match_track;
 mod osm;
 mod osm_pbf;
 mod osm_xml;
+mod path;
+mod plan;
 mod road;
 mod route;
+mod route_file;
+mod search;
 mod tangent_plane;
 
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
+pub use gpx::{GpxError, GpxPoint, parse_gpx};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
+pub use match_track::match_track;
 pub use osm::{OsmData, OsmError, OsmNode, OsmWay};
+pub use plan::plan;
 pub use road::{RoadAttributes, RoadClass, Travel, parse_width_m};
-pub use route::{Route, RoutePoint};
+pub use route::{Route, RouteError, RoutePoint};
+pub use route_file::{RouteFileError, read_route, write_route};
 pub use tangent_plane::{LatLon, LatLonError, TangentPlane};

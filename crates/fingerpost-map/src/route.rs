@@ -1,6 +1,7 @@
 //! Routes: a line on the map and its features.
 
 use fingerpost_geometry::{GeometryError, Polyline};
+use thiserror::Error;
 
 use crate::{LatLon, RouteFeature, TangentPlane};
 
@@ -39,4 +40,82 @@ impl Route {
         let plane = self.plane().ok_or(GeometryError::TooFewPoints { found: 0 })?;
         Polyline::new(self.line.iter().map(|point| plane.map_from_wgs84(point.at)))
     }
+}
+
+/// Why there is no route.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RouteError {
+    /// Fewer than two stops.
+    #[error("a route needs at least two stops, not {found}; give where it starts and where it ends")]
+    TooFewStops {
+        /// How many were given.
+        found: usize,
+    },
+    /// A stop far from every road.
+    #[error(
+        "stop {stop} (latitude {lat_deg}, longitude {lon_deg}) is {nearest_m:.0} m from the nearest road of the map; check \
+         the place, or take a map that covers it"
+    )]
+    StopOffRoad {
+        /// Which stop, counted from 1.
+        stop: usize,
+        /// Its latitude, degrees.
+        lat_deg: f64,
+        /// Its longitude, degrees.
+        lon_deg: f64,
+        /// Distance to the nearest road, metres.
+        nearest_m: f64,
+    },
+    /// No road leads from one stop to the next.
+    #[error(
+        "no road of the map leads from stop {from_stop} to stop {to_stop}; one-way streets or the map's edge are in \
+         between: move a stop, or take a larger map"
+    )]
+    Unreachable {
+        /// The stop that is left, counted from 1.
+        from_stop: usize,
+        /// The stop that is not reached.
+        to_stop: usize,
+    },
+    /// All stops are one place.
+    #[error("the route has no length: its stops are one place; give different ones")]
+    NoLength,
+    /// Too little of a track.
+    #[error(
+        "the track has {found} usable points; matching needs at least two that lie {spacing_m:.0} m apart"
+    )]
+    TrackTooShort {
+        /// How many points were left after thinning.
+        found: usize,
+        /// Distance that points must lie apart, metres.
+        spacing_m: f64,
+    },
+    /// A stretch of a track where there are no roads.
+    #[error(
+        "the track leaves the map at its point {point} (latitude {lat_deg}, longitude {lon_deg}): no road within \
+         {reach_m:.0} m; cut the track there, or take a map that covers it"
+    )]
+    TrackOffRoad {
+        /// Which point of the track, counted from 1.
+        point: usize,
+        /// Its latitude, degrees.
+        lat_deg: f64,
+        /// Its longitude, degrees.
+        lon_deg: f64,
+        /// How far roads were looked for, metres.
+        reach_m: f64,
+    },
+    /// Roads near the track that do not connect.
+    #[error(
+        "no connected roads follow the track at its point {point} (latitude {lat_deg}, longitude {lon_deg}): it jumps, or \
+         goes against a one-way street, or the map lacks a road there; cut the track, or correct the map"
+    )]
+    TrackBroken {
+        /// Which point of the track, counted from 1.
+        point: usize,
+        /// Its latitude, degrees.
+        lat_deg: f64,
+        /// Its longitude, degrees.
+        lon_deg: f64,
+    },
 }

@@ -1,0 +1,213 @@
+//! GPX tracks: places, and when they were passed.
+//!
+//! GPX 1.0 and 1.1 (Topografix). A file's track points are taken, of all tracks and segments in their order; where it has
+//! none its route points, else its waypoints. Elevation and everything else is passed over.
+
+use std::str::FromStr;
+
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::reader::Reader;
+use thiserror::Error;
+
+use crate::LatLon;
+
+/// A point of a GPX track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GpxPoint {
+    /// Where.
+    pub at: LatLon,
+    /// When, seconds since 1970-01-01 00:00 UTC; `None` where the file does not say.
+    pub time_s: Option<f64>,
+}
+
+/// Why text is no GPX track.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum GpxError {
+    /// Not well formed, cut short, or a value that cannot be read.
+    #[error("the GPX is broken at byte {at_byte}: {cause}; export the track again")]
+    Broken {
+        /// Where reading stopped, bytes from the start.
+        at_byte: u64,
+        /// What is wrong there.
+        cause: String,
+    },
+    /// No points.
+    #[error("the GPX holds no track, route or waypoints; export the track itself")]
+    NoPoints,
+}
+
+/// The elements that hold points, in the order of preference.
+const POINT_ELEMENTS: [&str; 3] = ["trkpt", "rtept", "wpt"];
+
+/// Reads the points of a GPX document.
+///
+/// # Errors
+/// [`GpxError::Broken`] and [`GpxError::NoPoints`].
+pub fn parse_gpx(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
+    let mut reader = Reader::from_str(text);
+    let mut document = Document::default();
+    loop {
+        let at_byte = reader.buffer_position();
+        let step = match reader.read_event() {
+            Ok(Event::Start(element)) => document.open(&element),
+            Ok(Event::Empty(element)) => document.open(&element).and_then(|()| document.close()),
+            Ok(Event::End(_)) => document.close(),
+            Ok(Event::Text(text)) => {
+                document.text.push_str(&text);
+                Ok(())
+            }
+            Ok(Event::Eof) => break,
+            Ok(_) => Ok(()),
+            Err(error) => Err(error.to_string()),
+        };
+        step.map_err(|cause| GpxError::Broken { at_byte, cause })?;
+    }
+    document.finish().map_err(|cause| GpxError::Broken { at_byte: text.len() as u64, cause })?
+}
+
+#[derive(Default)]
+struct Document {
+    /// Names of the open elements.
+    open: Vec<String>,
+    /// Text since the last tag.
+    text: String,
+    /// The point whose element is open, and its place in [`POINT_ELEMENTS`].
+    point: Option<(usize, GpxPoint)>,
+    points: [Vec<GpxPoint>; 3],
+    is_gpx: bool,
+}
+
+impl Document {
+    fn open(&mut self, element: &BytesStart<'_>) -> Result<(), String> {
+        let name = element.local_name().as_ref().to_owned();
+        if self.open.is_empty() {
+            if name != "gpx" {
+                return Err(format!("the document is <{name}>, not <gpx>"));
+            }
+            self.is_gpx = true;
+        }
+        if let Some(sort) = POINT_ELEMENTS.iter().position(|point| *point == name) {
+            let at = LatLon::new(degrees(element, "lat")?, degrees(element, "lon")?);
+            let at = at.map_err(|error| error.to_string())?;
+            self.point = Some((sort, GpxPoint { at, time_s: None }));
+        }
+        self.open.push(name);
+        self.text.clear();
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), String> {
+        let name = self.open.pop();
+        let is_point = |name: &str| POINT_ELEMENTS.contains(&name);
+        match name.as_deref() {
+            Some(name) if is_point(name) => {
+                if let Some((sort, point)) = self.point.take() {
+                    self.points[sort].push(point);
+                }
+            }
+            // Extensions may hold times of their own.
+            Some("time") if self.open.last().is_some_and(|parent| is_point(parent)) => {
+                let time_s = parse_time_s(&self.text)
+                    .ok_or_else(|| format!("time \"{}\" is not ISO 8601", self.text.trim()))?;
+                if let Some((_, point)) = &mut self.point {
+                    point.time_s = Some(time_s);
+                }
+            }
+            _ => {}
+        }
+        self.text.clear();
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Result<Vec<GpxPoint>, GpxError>, String> {
+        if !self.is_gpx {
+            return Err("there is no <gpx> element".to_owned());
+        }
+        if !self.open.is_empty() {
+            return Err("the document ends in the middle; it is cut short".to_owned());
+        }
+        Ok(self.points.into_iter().find(|points| !points.is_empty()).ok_or(GpxError::NoPoints))
+    }
+}
+
+fn degrees(element: &BytesStart<'_>, key: &str) -> Result<f64, String> {
+    let name = element.local_name().as_ref().to_owned();
+    let attribute = element.try_get_attribute(key).map_err(|error| error.to_string())?;
+    let attribute = attribute.ok_or_else(|| format!("<{name}> lacks the attribute {key}"))?;
+    let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
+    value.trim().parse().map_err(|_| format!("{key}=\"{value}\" of <{name}> is no number"))
+}
+
+/// Seconds in a day.
+const DAY_S: i64 = 86_400;
+
+/// An ISO 8601 date and time ("2011-10-03T12:55:34.5Z", "...+02:00") as seconds since 1970-01-01 00:00 UTC; a time
+/// without a zone is UTC, as GPX has it. `None` for anything else.
+fn parse_time_s(text: &str) -> Option<f64> {
+    let (date, clock) = text.trim().split_once(['T', ' '])?;
+    let [year, month, day] = numbers::<i64, 3>(date, '-')?;
+    let zone_at = clock.find(['Z', '+', '-']).unwrap_or(clock.len());
+    let (clock, zone) = clock.split_at(zone_at);
+    let (clock, second) = clock.rsplit_once(':')?;
+    let [hour, minute] = numbers::<i64, 2>(clock, ':')?;
+    let second: f64 = second.parse().ok()?;
+    let in_range = (1..=12).contains(&month)
+        && (1..=31).contains(&day)
+        && (0..=24).contains(&hour)
+        && (0..=59).contains(&minute)
+        && (0.0..61.0).contains(&second);
+    if !in_range {
+        return None;
+    }
+    let zone_s = match zone {
+        "" | "Z" => 0,
+        _ => {
+            let [hours, minutes] = numbers::<i64, 2>(&zone[1..], ':')?;
+            (hours * 60 + minutes) * 60 * if zone.starts_with('-') { -1 } else { 1 }
+        }
+    };
+    let whole_s = days_since_1970(year, month, day) * DAY_S + (hour * 60 + minute) * 60 - zone_s;
+    Some(whole_s as f64 + second)
+}
+
+fn numbers<T: FromStr, const N: usize>(text: &str, separator: char) -> Option<[T; N]> {
+    let parts: Option<Vec<T>> = text.split(separator).map(|part| part.parse().ok()).collect();
+    parts?.try_into().ok()
+}
+
+/// Days from 1970-01-01 to a date of the Gregorian calendar: years are counted from March, so that the leap day is the
+/// last day of its year and the months before it have a fixed pattern of lengths.
+fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
+    /// Days from 0000-03-01 to 1970-01-01.
+    const MARCH_OF_YEAR_0: i64 = 719_468;
+    let years = if month > 2 { year } else { year - 1 };
+    let months_from_march = (month + 9) % 12;
+    let days_before_month = (153 * months_from_march + 2) / 5;
+    let leap_days = years.div_euclid(4) - years.div_euclid(100) + years.div_euclid(400);
+    years * 365 + leap_days + days_before_month + day - 1 - MARCH_OF_YEAR_0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_known_instants() {
+        // `date -u -d 2011-10-03T12:55:34Z +%s`, and leap days by the same.
+        for (text, expected_s) in [
+            ("1970-01-01T00:00:00Z", 0.0),
+            ("2011-10-03T12:55:34Z", 1_317_646_534.0),
+            ("2011-10-03T14:55:34.25+02:00", 1_317_646_534.25),
+            ("2011-10-03T07:25:34-05:30", 1_317_646_534.0),
+            ("2000-02-29T23:59:59", 951_868_799.0),
+            ("2024-03-01T00:00:00Z", 1_709_251_200.0),
+        ] {
+            let seen_s = parse_time_s(text).unwrap();
+            assert!((seen_s - expected_s).abs() < 1e-6, "{text}: {seen_s}");
+        }
+        for text in ["", "yesterday", "2011-10-03", "2011-13-03T00:00:00Z", "2011-10-03T12:60:00Z"] {
+            assert_eq!(parse_time_s(text), None, "{text}");
+        }
+    }
+}
