@@ -24,11 +24,19 @@ pub enum CameraFileError {
         found: &'static str,
     },
     /// The distortion model is unknown.
-    #[error("distortion model {model:?} is unknown; use \"none\", \"brown-conrady\" or \"kannala-brandt\"")]
+    #[error("distortion model {model:?} is unknown; use {known}")]
     UnknownDistortion {
         /// The model found.
         model: String,
+        /// The models that this kind of file may name.
+        known: &'static str,
     },
+    /// A YAML calibration comes without the camera's place on the vehicle.
+    #[error(
+        "the calibration does not say where the camera sits on the vehicle; add a mapping `mount:` with height_m and, \
+         where they are not zero, pitch_deg, yaw_deg, roll_deg, x_m, y_m"
+    )]
+    NoMount,
     /// The numbers cannot be right.
     #[error("the calibration cannot be right: {0}")]
     Geometry(#[from] GeometryError),
@@ -72,9 +80,10 @@ struct DistortionTable {
     coefficients: Vec<f64>,
 }
 
+/// A mount as files state it: degrees, and zero for all but the height unless stated.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MountTable {
+pub(crate) struct MountTable {
     height_m: f64,
     #[serde(default)]
     pitch_deg: f64,
@@ -95,7 +104,14 @@ struct PointsTable {
     road_m: [[f64; 2]; 4],
 }
 
-/// The camera of a `camera.toml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MountFile {
+    mount: MountTable,
+}
+
+/// The camera of a `camera.toml`: `[image]` with `[intrinsics]`, `[mount]` and optionally `[distortion]`, or `[image]`
+/// with `[points]`.
 ///
 /// # Errors
 /// [`CameraFileError`] when the text is no such file or its numbers cannot be right.
@@ -119,7 +135,7 @@ pub fn camera_from_toml(text: &str) -> Result<Camera, CameraFileError> {
                 None => Distortion::None,
                 Some(table) => distortion_of(&table.model, &table.coefficients)?,
             };
-            Ok(Camera::calibrated(width, height, intrinsics, distortion, mount_of(&mount))?)
+            Ok(Camera::calibrated(width, height, intrinsics, distortion, Mount::from(mount))?)
         }
         (None, None, Some(points)) => {
             let image = points.image_px.map(|[u, v]| Pixel::new(u, v));
@@ -134,7 +150,24 @@ pub fn camera_from_toml(text: &str) -> Result<Camera, CameraFileError> {
     }
 }
 
-/// The `camera.toml` of a camera; none for one known by points, whose points are not kept.
+/// The mount of a text with the table `[mount]` alone, as it stands beside calibrations that have none.
+///
+/// # Errors
+/// [`CameraFileError`] when the text is no such table or its numbers cannot be right.
+///
+/// ```
+/// let mount = fingerpost_format::mount_from_toml("[mount]\nheight_m = 1.5\npitch_deg = 2.0\n").unwrap();
+/// assert!((mount.pitch_rad - 2.0_f64.to_radians()).abs() < 1e-12);
+/// ```
+pub fn mount_from_toml(text: &str) -> Result<Mount, CameraFileError> {
+    let file: MountFile =
+        toml::from_str(text).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })?;
+    let mount = Mount::from(file.mount);
+    mount.check()?;
+    Ok(mount)
+}
+
+/// The `camera.toml` of a calibrated camera; one known by points does not keep them.
 ///
 /// # Errors
 /// [`CameraFileError::Parse`] when the numbers have no TOML form, [`CameraFileError::Incomplete`] for a camera known
@@ -172,22 +205,27 @@ pub fn camera_to_toml(camera: &Camera) -> Result<String, CameraFileError> {
     toml::to_string(&file).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })
 }
 
-pub(crate) fn distortion_of(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
+fn distortion_of(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
     match model {
         "none" => Ok(Distortion::None),
         "brown-conrady" => Ok(Distortion::brown_conrady(coefficients)?),
         "kannala-brandt" => Ok(Distortion::kannala_brandt(coefficients)?),
-        other => Err(CameraFileError::UnknownDistortion { model: other.to_owned() }),
+        other => Err(CameraFileError::UnknownDistortion {
+            model: other.to_owned(),
+            known: "\"none\", \"brown-conrady\" or \"kannala-brandt\"",
+        }),
     }
 }
 
-fn mount_of(table: &MountTable) -> Mount {
-    Mount {
-        height_m: table.height_m,
-        pitch_rad: table.pitch_deg.to_radians(),
-        yaw_rad: table.yaw_deg.to_radians(),
-        roll_rad: table.roll_deg.to_radians(),
-        x_m: table.x_m,
-        y_m: table.y_m,
+impl From<MountTable> for Mount {
+    fn from(table: MountTable) -> Self {
+        Self {
+            height_m: table.height_m,
+            pitch_rad: table.pitch_deg.to_radians(),
+            yaw_rad: table.yaw_deg.to_radians(),
+            roll_rad: table.roll_deg.to_radians(),
+            x_m: table.x_m,
+            y_m: table.y_m,
+        }
     }
 }

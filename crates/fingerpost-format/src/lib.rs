@@ -12,7 +12,7 @@ mod summary;
 mod times;
 mod truth;
 
-pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml};
+pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use frame_record::{
     CentrelineRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord, TrackState,

@@ -1,1 +1,30 @@
-//! Placeholder.
+//! Files, videos and cameras: the only library crate that touches the outside world.
+//!
+//! Frames come in through [`FrameSource`], calibrations through [`read_camera`], results go out through [`RunFolder`],
+//! [`DriveFolder`] and [`VideoWriter`]. Every error names the file, the cause and what to do next. Nothing is printed.
+
+mod camera;
+mod drive_folder;
+mod ffmpeg;
+mod file;
+mod json_lines;
+mod picture_file;
+mod picture_folder;
+mod run_folder;
+mod source;
+mod video;
+mod video_writer;
+
+pub use camera::{CameraReadError, read_camera};
+pub use drive_folder::{DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
+pub use ffmpeg::{FfmpegPrograms, VideoError};
+pub use file::{FileError, create_folder, read_bytes, read_text, write_file};
+pub use json_lines::{AppendError, JsonLinesFile, LineSink};
+pub use picture_file::{
+    EncodeError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg,
+    write_png,
+};
+pub use picture_folder::PictureFolderError;
+pub use run_folder::{RunFolder, RunFolderError};
+pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
+pub use video_writer::VideoWriter;

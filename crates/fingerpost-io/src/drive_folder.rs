@@ -1,0 +1,187 @@
+//! A simulated drive as a folder, readable as an input and as truth.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
+
+use fingerpost_format::{LinesError, TruthRecord, from_json_lines};
+use fingerpost_vision::picture::{Plane, RgbImage};
+use thiserror::Error;
+
+use crate::{
+    file::{FileError, create_folder, read_text, remove_if_there, write_file},
+    json_lines::{AppendError, JsonLinesFile},
+    picture_file::{PictureFileError, write_grey_png, write_jpeg, write_png},
+    picture_folder::{FRAMES_FOLDER, TIMES_FILE},
+};
+
+/// Name of the file of truth.
+const TRUTH_FILE: &str = "truth.jsonl";
+/// Folder of the road-surface masks.
+const MASKS_FOLDER: &str = "road_masks";
+/// JPEG quality of frames: the noise that the simulator added survives, at a fifth of a PNG's size.
+const FRAME_QUALITY: u8 = 92;
+
+/// A drive that cannot be written.
+#[derive(Debug, Error)]
+pub enum DriveFolderError {
+    /// The folder or one of its files cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A truth record cannot be added; those before are whole.
+    #[error(transparent)]
+    Append(#[from] AppendError),
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Picture(#[from] PictureFileError),
+}
+
+/// A truth file that cannot be used.
+#[derive(Debug, Error)]
+pub enum TruthFileError {
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// One of its lines is no truth record.
+    #[error("{}: {cause}", .path.display())]
+    Lines {
+        /// The file.
+        path: PathBuf,
+        /// Which line, and what is wrong with it.
+        cause: LinesError,
+    },
+}
+
+/// How frames are stored.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FrameFormat {
+    /// Small and quick to read.
+    #[default]
+    Jpeg,
+    /// Every pixel as it was rendered.
+    Png,
+}
+
+/// The folder of a drive being written: `frames/`, `road_masks/`, `times.txt`, `truth.jsonl`, `camera.toml`,
+/// `route.geojson`.
+#[derive(Debug)]
+pub struct DriveFolder {
+    path: PathBuf,
+    format: FrameFormat,
+    truth: JsonLinesFile,
+    times: String,
+}
+
+impl DriveFolder {
+    /// Makes the folder, or takes one that exists: frames, masks and files of an earlier drive are removed, all other
+    /// files stay.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when the folder cannot be made or earlier files cannot be removed.
+    pub fn create(path: &Path, format: FrameFormat) -> Result<Self, DriveFolderError> {
+        for folder in [FRAMES_FOLDER, MASKS_FOLDER] {
+            let folder = path.join(folder);
+            create_folder(&folder)?;
+            remove_numbered_pictures(&folder)?;
+        }
+        for name in [TIMES_FILE, "camera.toml", "route.geojson"] {
+            remove_if_there(&path.join(name))?;
+        }
+        let truth = JsonLinesFile::create(&path.join(TRUTH_FILE))?;
+        Ok(Self { path: path.to_owned(), format, truth, times: String::new() })
+    }
+
+    /// Where `truth.jsonl` is.
+    pub fn truth_path(&self) -> PathBuf {
+        self.path.join(TRUTH_FILE)
+    }
+
+    /// Writes `camera.toml` and gives its path.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when it cannot be written.
+    pub fn write_camera(&self, toml: &str) -> Result<PathBuf, DriveFolderError> {
+        self.write_text("camera.toml", toml)
+    }
+
+    /// Writes `route.geojson` and gives its path.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when it cannot be written.
+    pub fn write_route(&self, geojson: &str) -> Result<PathBuf, DriveFolderError> {
+        self.write_text("route.geojson", geojson)
+    }
+
+    /// Writes the picture of frame `index`; frames may be written in any order and from several threads.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::Picture`] when it cannot be written.
+    pub fn write_frame(&self, index: u64, picture: &RgbImage) -> Result<(), DriveFolderError> {
+        let folder = self.path.join(FRAMES_FOLDER);
+        match self.format {
+            FrameFormat::Jpeg => write_jpeg(&folder.join(format!("{index:06}.jpg")), picture, FRAME_QUALITY)?,
+            FrameFormat::Png => write_png(&folder.join(format!("{index:06}.png")), picture)?,
+        }
+        Ok(())
+    }
+
+    /// Writes the road-surface mask of frame `index` (255 road, 0 none); in any order and from several threads.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::Picture`] when it cannot be written.
+    pub fn write_road_mask(&self, index: u64, mask: &Plane<u8>) -> Result<(), DriveFolderError> {
+        let name = format!("{index:06}.png");
+        Ok(write_grey_png(&self.path.join(MASKS_FOLDER).join(name), mask)?)
+    }
+
+    /// Adds the truth of the next frame, and its time to `times.txt`.
+    ///
+    /// # Errors
+    /// [`DriveFolderError`] when it cannot be written; the records before stay whole.
+    pub fn append(&mut self, truth: &TruthRecord) -> Result<(), DriveFolderError> {
+        self.truth.append(truth)?;
+        // Writing to a string does not fail.
+        let _ = writeln!(self.times, "{:.6}", truth.t_s);
+        Ok(())
+    }
+
+    /// Ends the drive: writes `times.txt`.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when it cannot be written.
+    pub fn finish(self) -> Result<(), DriveFolderError> {
+        Ok(write_file(&self.path.join(TIMES_FILE), self.times)?)
+    }
+
+    fn write_text(&self, name: &str, text: &str) -> Result<PathBuf, DriveFolderError> {
+        let path = self.path.join(name);
+        write_file(&path, text)?;
+        Ok(path)
+    }
+}
+
+/// The truth of a drive, one record a frame.
+///
+/// # Errors
+/// [`TruthFileError`] when the file cannot be read or names the first line that is no truth record.
+pub fn read_truth(path: &Path) -> Result<Vec<TruthRecord>, TruthFileError> {
+    let text = read_text(path)?;
+    from_json_lines(&text).map_err(|cause| TruthFileError::Lines { path: path.to_owned(), cause })
+}
+
+/// Removes pictures named like an earlier drive's frames, six digits.
+fn remove_numbered_pictures(folder: &Path) -> Result<(), FileError> {
+    let reading = || FileError::reading(folder);
+    for entry in std::fs::read_dir(folder).map_err(reading())? {
+        let path = entry.map_err(reading())?.path();
+        let is_numbered = path
+            .file_stem()
+            .and_then(|stem| stem.to_str())
+            .is_some_and(|stem| stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit()));
+        if is_numbered && path.extension().is_some_and(|ending| ending == "jpg" || ending == "png") {
+            remove_if_there(&path)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! A file of JSON lines that holds whole lines only, whatever happens.
+
+use std::{
+    fs::File,
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+
+use fingerpost_format::{LinesError, to_json_line};
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::file::FileError;
+
+/// A record that cannot be added to its file.
+#[derive(Debug, Error)]
+pub enum AppendError {
+    /// The record has no JSON form.
+    #[error("{}: {cause}", .path.display())]
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with the record.
+        cause: LinesError,
+    },
+    /// The file cannot be written; the lines before are whole.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+/// Something that lines are written to and that can be cut back to a length.
+pub trait LineSink: Write {
+    /// Forgets everything behind the first `length` bytes and goes on from there.
+    ///
+    /// # Errors
+    /// Whatever the system says.
+    fn cut_back(&mut self, length: u64) -> io::Result<()>;
+}
+
+impl LineSink for File {
+    fn cut_back(&mut self, length: u64) -> io::Result<()> {
+        use std::io::Seek;
+        self.set_len(length)?;
+        self.seek(io::SeekFrom::Start(length)).map(|_| ())
+    }
+}
+
+/// A file of JSON lines being written.
+///
+/// Every line goes out in one piece as it comes: a program that ends between two lines leaves a valid file. A line that
+/// can be written only in part (a full disk) is cut off again.
+#[derive(Debug)]
+pub struct JsonLinesFile<S = File> {
+    path: PathBuf,
+    sink: S,
+    whole_bytes: u64,
+    torn: bool,
+}
+
+impl JsonLinesFile {
+    /// Starts an empty file, replacing one of that name.
+    ///
+    /// # Errors
+    /// [`FileError::Write`] when it cannot be made.
+    pub fn create(path: &Path) -> Result<Self, FileError> {
+        let file = File::create(path).map_err(FileError::writing(path))?;
+        Ok(Self::over(path, file))
+    }
+}
+
+impl<S: LineSink> JsonLinesFile<S> {
+    /// Writes to an empty sink; `path` is what messages call it.
+    pub fn over(path: &Path, sink: S) -> Self {
+        Self { path: path.to_owned(), sink, whole_bytes: 0, torn: false }
+    }
+
+    /// Adds a record as one line.
+    ///
+    /// # Errors
+    /// [`AppendError`] when the record has no JSON form or the line cannot be written; the lines before stay whole, and
+    /// a later line may be tried.
+    pub fn append<T: Serialize>(&mut self, record: &T) -> Result<(), AppendError> {
+        let line =
+            to_json_line(record).map_err(|cause| AppendError::Record { path: self.path.clone(), cause })?;
+        if self.torn {
+            self.sink.cut_back(self.whole_bytes).map_err(FileError::writing(&self.path))?;
+            self.torn = false;
+        }
+        match self.sink.write_all(line.as_bytes()).and_then(|()| self.sink.flush()) {
+            Ok(()) => {
+                self.whole_bytes += line.len() as u64;
+                Ok(())
+            }
+            Err(cause) => {
+                // Where even that fails it is tried again before the next line.
+                self.torn = self.sink.cut_back(self.whole_bytes).is_err();
+                Err(FileError::Write { path: self.path.clone(), cause }.into())
+            }
+        }
+    }
+
+    /// The sink, as far as it was written.
+    pub fn into_inner(self) -> S {
+        self.sink
+    }
+}

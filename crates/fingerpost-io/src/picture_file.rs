@@ -1,0 +1,241 @@
+//! Pictures in files: PNG and JPEG in, PNG and JPEG out.
+//!
+//! Everything becomes 8-bit red, green and blue: grey is repeated, 16 bits are reduced to their upper 8, palettes are
+//! looked up, transparency is left out.
+
+use std::{
+    io::{BufWriter, Cursor},
+    path::{Path, PathBuf},
+};
+
+use fingerpost_vision::picture::{Plane, RgbImage};
+use thiserror::Error;
+use zune_jpeg::{
+    JpegDecoder,
+    zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
+};
+
+use crate::file::{FileError, read_bytes, write_file};
+
+/// Largest side of a picture that is read or written, pixels: no camera's is larger, a broken header's may be.
+pub(crate) const MAX_SIDE_PX: usize = 16_384;
+
+/// First bytes of every PNG file.
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+/// First bytes of every JPEG file.
+const JPEG_SIGNATURE: &[u8] = b"\xff\xd8\xff";
+
+/// A picture file that cannot be read or written.
+#[derive(Debug, Error)]
+pub enum PictureFileError {
+    /// The file itself cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The file holds no picture of a known kind.
+    #[error("{} is neither PNG nor JPEG; convert it, or take it out of the folder", .path.display())]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The picture is truncated or damaged.
+    #[error("the picture {} is damaged ({cause}); copy or record it again", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder says.
+        cause: String,
+    },
+    /// The picture is larger than any camera's, or cannot be encoded.
+    #[error("a picture of {width} x {height} pixels cannot be written to {} ({cause}); check its size", .path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// Width, pixels.
+        width: usize,
+        /// Height, pixels.
+        height: usize,
+        /// What the encoder says.
+        cause: String,
+    },
+}
+
+/// Reads a PNG or JPEG file; its first bytes, not its name, decide which it is.
+///
+/// # Errors
+/// [`PictureFileError`] when the file cannot be read, is of another kind, truncated or damaged.
+pub fn read_picture(path: &Path) -> Result<RgbImage, PictureFileError> {
+    read_picture_into(path, Vec::new())
+}
+
+/// [`read_picture`] into the memory of `buffer`, where the decoder allows it.
+pub(crate) fn read_picture_into(path: &Path, buffer: Vec<u8>) -> Result<RgbImage, PictureFileError> {
+    let bytes = read_bytes(path)?;
+    let decoded = if bytes.starts_with(PNG_SIGNATURE) {
+        decode_png(&bytes, buffer)
+    } else if bytes.starts_with(JPEG_SIGNATURE) {
+        decode_jpeg(&bytes, buffer)
+    } else if bytes.is_empty() {
+        Err("the file is empty".to_owned())
+    } else {
+        return Err(PictureFileError::UnknownKind { path: path.to_owned() });
+    };
+    decoded.map_err(|cause| PictureFileError::Damaged { path: path.to_owned(), cause })
+}
+
+/// Writes a colour picture as PNG.
+///
+/// # Errors
+/// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
+pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), PictureFileError> {
+    let encoded = png_bytes(picture.size(), png::ColorType::Rgb, picture.as_slice());
+    write_encoded(path, picture.size(), encoded)
+}
+
+/// Writes a grey picture as PNG.
+///
+/// # Errors
+/// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
+pub fn write_grey_png(path: &Path, picture: &Plane<u8>) -> Result<(), PictureFileError> {
+    let encoded = png_bytes(picture.size(), png::ColorType::Grayscale, picture.as_slice());
+    write_encoded(path, picture.size(), encoded)
+}
+
+/// Writes a colour picture as JPEG of `quality` 1 to 100.
+///
+/// # Errors
+/// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
+pub fn write_jpeg(path: &Path, picture: &RgbImage, quality: u8) -> Result<(), PictureFileError> {
+    write_encoded(path, picture.size(), jpeg_bytes(picture, quality))
+}
+
+/// A colour picture as the bytes of a PNG file, as a report holds it.
+///
+/// # Errors
+/// [`EncodeError`] when the picture has no pixels or is too large.
+pub fn encode_png(picture: &RgbImage) -> Result<Vec<u8>, EncodeError> {
+    let (width, height) = picture.size();
+    png_bytes((width, height), png::ColorType::Rgb, picture.as_slice()).map_err(|cause| EncodeError {
+        width,
+        height,
+        cause,
+    })
+}
+
+/// A colour picture as the bytes of a JPEG file of `quality` 1 to 100, as a report holds it.
+///
+/// # Errors
+/// [`EncodeError`] when the picture has no pixels or is too large.
+pub fn encode_jpeg(picture: &RgbImage, quality: u8) -> Result<Vec<u8>, EncodeError> {
+    let (width, height) = picture.size();
+    jpeg_bytes(picture, quality).map_err(|cause| EncodeError { width, height, cause })
+}
+
+/// A picture that cannot be encoded.
+#[derive(Debug, Error)]
+#[error("a picture of {width} x {height} pixels cannot be encoded ({cause}); check its size")]
+pub struct EncodeError {
+    /// Width, pixels.
+    pub width: usize,
+    /// Height, pixels.
+    pub height: usize,
+    /// What the encoder says.
+    pub cause: String,
+}
+
+fn write_encoded(
+    path: &Path,
+    (width, height): (usize, usize),
+    encoded: Result<Vec<u8>, String>,
+) -> Result<(), PictureFileError> {
+    let bytes =
+        encoded.map_err(|cause| PictureFileError::Encode { path: path.to_owned(), width, height, cause })?;
+    Ok(write_file(path, bytes)?)
+}
+
+fn png_bytes(
+    (width, height): (usize, usize),
+    colour: png::ColorType,
+    data: &[u8],
+) -> Result<Vec<u8>, String> {
+    let (width, height) = (encodable_side(width)?, encodable_side(height)?);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(BufWriter::new(&mut bytes), u32::from(width), u32::from(height));
+    encoder.set_color(colour);
+    encoder.set_depth(png::BitDepth::Eight);
+    // Report and debug pictures are many and looked at once; the small gain of slower settings is not worth the wait.
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().map_err(|cause| cause.to_string())?;
+    writer.write_image_data(data).map_err(|cause| cause.to_string())?;
+    writer.finish().map_err(|cause| cause.to_string())?;
+    Ok(bytes)
+}
+
+fn jpeg_bytes(picture: &RgbImage, quality: u8) -> Result<Vec<u8>, String> {
+    let (width, height) = (encodable_side(picture.width())?, encodable_side(picture.height())?);
+    let mut bytes = Vec::new();
+    jpeg_encoder::Encoder::new(&mut bytes, quality.clamp(1, 100))
+        .encode(picture.as_slice(), width, height, jpeg_encoder::ColorType::Rgb)
+        .map_err(|cause| cause.to_string())?;
+    Ok(bytes)
+}
+
+/// A side as the encoders take it.
+fn encodable_side(side: usize) -> Result<u16, String> {
+    u16::try_from(side)
+        .ok()
+        .filter(|side| (1..=MAX_SIDE_PX).contains(&usize::from(*side)))
+        .ok_or_else(|| format!("each side must have 1 to {MAX_SIDE_PX} pixels"))
+}
+
+fn check_side(width: usize, height: usize) -> Result<(), String> {
+    let sides = 1..=MAX_SIDE_PX;
+    if sides.contains(&width) && sides.contains(&height) {
+        Ok(())
+    } else {
+        Err(format!("its header says {width} x {height} pixels"))
+    }
+}
+
+fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|cause| cause.to_string())?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    check_side(width, height)?;
+    let (colour, _) = reader.output_color_type();
+    buffer.clear();
+    buffer.resize(width * height * colour.samples(), 0);
+    reader.next_frame(&mut buffer).map_err(|cause| cause.to_string())?;
+    let rgb = match colour {
+        png::ColorType::Rgb => buffer,
+        png::ColorType::Rgba => drop_last_channel(&buffer),
+        png::ColorType::Grayscale => buffer.iter().flat_map(|grey| [*grey; 3]).collect(),
+        png::ColorType::GrayscaleAlpha => {
+            buffer.as_chunks::<2>().0.iter().flat_map(|[grey, _]| [*grey; 3]).collect()
+        }
+        png::ColorType::Indexed => return Err("its palette cannot be looked up".to_owned()),
+    };
+    RgbImage::from_vec(width, height, rgb).map_err(|cause| cause.to_string())
+}
+
+fn drop_last_channel(rgba: &[u8]) -> Vec<u8> {
+    rgba.as_chunks::<4>().0.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect()
+}
+
+fn decode_jpeg(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
+    let options = DecoderOptions::default()
+        .jpeg_set_out_colorspace(ColorSpace::RGB)
+        .set_max_width(MAX_SIDE_PX)
+        .set_max_height(MAX_SIDE_PX)
+        // Without it a truncated picture is filled with grey and passes for a whole one.
+        .set_strict_mode(true);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(|cause| cause.to_string())?;
+    let info = decoder.info().ok_or("it has no header")?;
+    let (width, height) = (usize::from(info.width), usize::from(info.height));
+    check_side(width, height)?;
+    buffer.clear();
+    buffer.resize(width * height * RgbImage::CHANNELS, 0);
+    decoder.decode_into(&mut buffer).map_err(|cause| cause.to_string())?;
+    RgbImage::from_vec(width, height, buffer).map_err(|cause| cause.to_string())
+}
