@@ -1,16 +1,17 @@
 //! Dense optical flow between two pictures by polynomial expansion.
 //!
 //! G. Farneback, "Two-frame motion estimation based on polynomial expansion", SCIA 2003. Around every pixel each picture is
-//! approximated by a quadratic polynomial (section 2); a displacement turns one polynomial into another, which gives a
-//! linear equation for it (section 3.1, equation 8); the equations of a window are solved together by least squares
-//! (section 3.2), again and again with the flow found so far (section 3.5), from the coarsest level of a pyramid to the
-//! full picture (section 3.6).
+//! approximated by a quadratic polynomial; a displacement turns one polynomial into another, which gives a linear equation
+//! for it; the equations of a window are solved together by least squares, again and again with the flow found so far, from
+//! the coarsest level of a pyramid to the full picture.
 //!
 //! Parameters and conventions are those of OpenCV's `calcOpticalFlowFarneback` with a box window, and the results agree
-//! with it to a small fraction of a pixel; `tests/farneback_golden.rs` holds them together.
+//! with it to a small fraction of a pixel; `tests/opencv_golden.rs` holds them together.
 //!
 //! Limits: motion larger than about half the window at the coarsest level is not found; where the picture has no texture
-//! the flow tends to that of its surroundings or to nothing; there is no measure of confidence.
+//! the flow tends to that of its surroundings or to nothing; there is no measure of confidence. Pixels of the last row and
+//! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a still picture): take
+//! means over an inner region.
 
 mod displacement;
 mod expansion;

@@ -3,6 +3,12 @@
 //! A [`Plane`] owns tightly packed rows; a [`PlaneView`] or [`PlaneViewMut`] is a window on one with a stride, so that
 //! a kernel can work on a region without a copy. Sizes are in pixels; a plane of no pixels is valid.
 
+mod rgb;
+mod view;
+
+pub use rgb::RgbImage;
+pub use view::{PlaneView, PlaneViewMut};
+
 use crate::error::PictureError;
 
 /// A rectangle of whole pixels inside a picture.
@@ -131,238 +137,12 @@ impl<T: Copy> Plane<T> {
     }
 }
 
-/// A window on a single-channel picture.
-#[derive(Debug, Clone, Copy)]
-pub struct PlaneView<'a, T> {
-    data: &'a [T],
-    width: usize,
-    height: usize,
-    stride: usize,
-}
-
-impl<'a, T: Copy> PlaneView<'a, T> {
-    /// A view of `height` rows of `width` pixels that start `stride` values apart in `data`.
-    ///
-    /// # Errors
-    /// [`PictureError::Stride`] when rows would overlap or end outside `data`.
-    pub fn new(data: &'a [T], width: usize, height: usize, stride: usize) -> Result<Self, PictureError> {
-        check_stride(width, height, stride, data.len())?;
-        Ok(Self { data, width, height, stride })
-    }
-
-    /// Width, pixels.
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Height, pixels.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Width and height, pixels.
-    #[must_use]
-    pub fn size(&self) -> (usize, usize) {
-        (self.width, self.height)
-    }
-
-    /// The pixels of row `y`, left to right.
-    ///
-    /// # Panics
-    /// When `y` is not below the height, as indexing a slice does.
-    #[must_use]
-    pub fn row(&self, y: usize) -> &'a [T] {
-        &self.data[y * self.stride..y * self.stride + self.width]
-    }
-
-    /// The part of the view inside `rect`.
-    ///
-    /// # Errors
-    /// [`PictureError::CropOutside`] when `rect` reaches outside the view.
-    pub fn crop(&self, rect: Rect) -> Result<Self, PictureError> {
-        let start = crop_start(rect, self.width, self.height, self.stride)?;
-        let data = self.data.get(start..).unwrap_or(&[]);
-        Ok(Self { data, width: rect.width, height: rect.height, stride: self.stride })
-    }
-}
-
-/// A window on a single-channel picture through which its pixels can be changed.
-#[derive(Debug)]
-pub struct PlaneViewMut<'a, T> {
-    data: &'a mut [T],
-    width: usize,
-    height: usize,
-    stride: usize,
-}
-
-impl<'a, T: Copy> PlaneViewMut<'a, T> {
-    /// A view of `height` rows of `width` pixels that start `stride` values apart in `data`.
-    ///
-    /// # Errors
-    /// [`PictureError::Stride`] when rows would overlap or end outside `data`.
-    pub fn new(data: &'a mut [T], width: usize, height: usize, stride: usize) -> Result<Self, PictureError> {
-        check_stride(width, height, stride, data.len())?;
-        Ok(Self { data, width, height, stride })
-    }
-
-    /// Width, pixels.
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Height, pixels.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// The pixels of row `y`, to be changed.
-    ///
-    /// # Panics
-    /// When `y` is not below the height, as indexing a slice does.
-    pub fn row_mut(&mut self, y: usize) -> &mut [T] {
-        &mut self.data[y * self.stride..y * self.stride + self.width]
-    }
-
-    /// The part of the view inside `rect`.
-    ///
-    /// # Errors
-    /// [`PictureError::CropOutside`] when `rect` reaches outside the view.
-    pub fn crop(self, rect: Rect) -> Result<Self, PictureError> {
-        let start = crop_start(rect, self.width, self.height, self.stride)?;
-        let data = self.data.get_mut(start..).unwrap_or(&mut []);
-        Ok(Self { data, width: rect.width, height: rect.height, stride: self.stride })
-    }
-}
-
-/// A colour picture of 8 bits a channel, interleaved red, green, blue, tightly packed.
-///
-/// ```
-/// use fingerpost_vision::picture::RgbImage;
-/// let image = RgbImage::from_vec(1, 2, vec![255, 0, 0, 0, 0, 255])?;
-/// assert_eq!(image.get(0, 1), Some([0, 0, 255]));
-/// assert!(RgbImage::from_vec(2, 2, vec![0; 11]).is_err());
-/// # Ok::<(), fingerpost_vision::error::PictureError>(())
-/// ```
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct RgbImage {
-    width: usize,
-    height: usize,
-    data: Vec<u8>,
-}
-
-impl RgbImage {
-    /// Channels a pixel.
-    pub const CHANNELS: usize = 3;
-
-    /// A black picture of `width` x `height` pixels.
-    #[must_use]
-    pub fn new(width: usize, height: usize) -> Self {
-        Self { width, height, data: vec![0; width * height * Self::CHANNELS] }
-    }
-
-    /// A picture over `data`: red, green, blue of each pixel, row by row from the top.
-    ///
-    /// # Errors
-    /// [`PictureError::BufferLength`] when `data` does not hold exactly `width * height * 3` bytes.
-    pub fn from_vec(width: usize, height: usize, data: Vec<u8>) -> Result<Self, PictureError> {
-        check_length(width, height, Self::CHANNELS, data.len())?;
-        Ok(Self { width, height, data })
-    }
-
-    /// Width, pixels.
-    #[must_use]
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Height, pixels.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Width and height, pixels.
-    #[must_use]
-    pub fn size(&self) -> (usize, usize) {
-        (self.width, self.height)
-    }
-
-    /// The bytes of row `y`, three a pixel.
-    ///
-    /// # Panics
-    /// When `y` is not below the height, as indexing a slice does.
-    #[must_use]
-    pub fn row(&self, y: usize) -> &[u8] {
-        let length = self.width * Self::CHANNELS;
-        &self.data[y * length..(y + 1) * length]
-    }
-
-    /// The bytes of row `y`, three a pixel, to be changed.
-    ///
-    /// # Panics
-    /// When `y` is not below the height, as indexing a slice does.
-    pub fn row_mut(&mut self, y: usize) -> &mut [u8] {
-        let length = self.width * Self::CHANNELS;
-        &mut self.data[y * length..(y + 1) * length]
-    }
-
-    /// Red, green and blue of the pixel in column `x` and row `y`, or `None` outside the picture.
-    #[must_use]
-    pub fn get(&self, x: usize, y: usize) -> Option<[u8; 3]> {
-        if x >= self.width || y >= self.height {
-            return None;
-        }
-        let (pixels, _) = self.row(y).as_chunks::<3>();
-        pixels.get(x).copied()
-    }
-
-    /// All bytes, three a pixel, row by row from the top.
-    #[must_use]
-    pub fn as_slice(&self) -> &[u8] {
-        &self.data
-    }
-
-    /// All bytes, three a pixel, row by row from the top, to be changed.
-    pub fn as_mut_slice(&mut self) -> &mut [u8] {
-        &mut self.data
-    }
-
-    /// The bytes themselves, three a pixel, row by row from the top.
-    #[must_use]
-    pub fn into_vec(self) -> Vec<u8> {
-        self.data
-    }
-}
-
 fn check_length(width: usize, height: usize, channels: usize, found: usize) -> Result<(), PictureError> {
     let expected = width.saturating_mul(height).saturating_mul(channels);
     if expected == found {
         Ok(())
     } else {
         Err(PictureError::BufferLength { width, height, expected, found })
-    }
-}
-
-fn check_stride(width: usize, height: usize, stride: usize, found: usize) -> Result<(), PictureError> {
-    let last_row_end = height.saturating_sub(1).saturating_mul(stride).saturating_add(width);
-    if stride >= width && (height == 0 || last_row_end <= found) {
-        Ok(())
-    } else {
-        Err(PictureError::Stride { width, height, stride, found })
-    }
-}
-
-fn crop_start(rect: Rect, width: usize, height: usize, stride: usize) -> Result<usize, PictureError> {
-    let fits =
-        |start: usize, length: usize, limit: usize| start.checked_add(length).is_some_and(|end| end <= limit);
-    if fits(rect.x, rect.width, width) && fits(rect.y, rect.height, height) {
-        Ok(rect.y * stride + rect.x)
-    } else {
-        Err(PictureError::CropOutside { rect, width, height })
     }
 }
 

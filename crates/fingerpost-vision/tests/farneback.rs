@@ -1,5 +1,7 @@
 //! The flow's behaviour on motions that are known, and on input that is not usable.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use fingerpost_vision::farneback::{Farneback, FarnebackError, FarnebackParams, FlowField};
 use fingerpost_vision::picture::{Plane, Rect};
 
@@ -40,15 +42,19 @@ fn what_moves_left_and_down_flows_left_and_down() {
 
 #[test]
 fn what_stands_still_does_not_flow() {
+    // Half of the window, 7 pixels, at the coarsest of three levels, four times smaller, and a little more.
+    const EDGE_REACH_PX: usize = 30;
     let mut farneback = farneback();
     for picture in [textured(128, 128, [0.0; 2]), Plane::new(128, 128, 93)] {
         let flow = farneback.flow(picture.view(), picture.view(), None).unwrap();
-        // Pixels on the lower and the right edge have no partner; their equations reach a little way into the picture.
         let [dx, dy] = mean_inside(flow, 0);
         assert!(dx.abs() < 5e-4 && dy.abs() < 5e-4, "mean ({dx}, {dy})");
-        for (y, x) in (0..80).flat_map(|y| (0..80).map(move |x| (y, x))) {
+        for (y, x) in (0..128).flat_map(|y| (0..128).map(move |x| (y, x))) {
             let [dx, dy] = flow.get(x, y).unwrap();
-            assert!(dx.abs() < 2e-3 && dy.abs() < 2e-3, "({dx}, {dy}) at ({x}, {y})");
+            let is_inner = [x, y].iter().all(|c| (EDGE_REACH_PX..128 - EDGE_REACH_PX).contains(c));
+            // OpenCV's flow of the textured picture reaches 0.14 px at its edges.
+            let allowed = if is_inner { 1e-4 } else { 0.2 };
+            assert!(dx.hypot(dy) < allowed, "({dx}, {dy}) at ({x}, {y})");
         }
     }
 }

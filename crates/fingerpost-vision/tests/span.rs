@@ -1,5 +1,7 @@
 //! Masks and their cover against plain twins that go pixel by pixel.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::span::{Cover, RowSums, Span, SpanMask};
 use proptest::prelude::*;

@@ -13,7 +13,7 @@ const EDGE_WEIGHTS: [f32; 5] = [0.14, 0.14, 0.4472, 0.4472, 0.4472];
 /// so that a window without texture gives no displacement instead of any. The value is that of OpenCV's implementation.
 const DETERMINANT_FLOOR: f32 = 1e-3;
 
-/// Refines a flow by one step of windowed least squares (Farneback 2003, sections 3.2 and 3.5).
+/// Refines a flow by one step of windowed least squares (Farneback 2003).
 #[derive(Debug, Clone)]
 pub(super) struct DisplacementSolver {
     window: BoxMean,
@@ -67,7 +67,7 @@ impl DisplacementSolver {
             let row_weight = edge_weight(y, height);
             for (x, here) in from.quadratics[y * width..(y + 1) * width].iter().enumerate() {
                 let there = sample(to, x as f32 + dx[x], y as f32 + dy[x]);
-                // Equations 9 and 10: A is the mean of both, b half the difference of the slopes, plus what the
+                // A is the mean of both, b half the difference of the slopes, plus what the
                 // displacement so far accounts for. Where the other picture shows nothing, this one's A stands alone.
                 let [a_xx, a_yy, a_xy] = match there {
                     Some(q) => [0.5 * (here.xx + q.xx), 0.5 * (here.yy + q.yy), 0.25 * (here.xy + q.xy)],

@@ -21,7 +21,7 @@ pub(super) struct Expansion {
     pub(super) quadratics: Vec<Quadratic>,
 }
 
-/// Fits polynomials by Gaussian-weighted least squares (Farneback 2003, section 2).
+/// Fits polynomials by Gaussian-weighted least squares (Farneback 2003).
 ///
 /// With a symmetric separable weight `w(x) w(y)` of sum 1, the normal equations fall apart. With `b = sum w x^2` and `c =
 /// sum w x^4`, and `m` for the weighted moments of the picture: `r_x = m_x / b`, `r_xx = (m_xx - b m_1) / (c - b^2)`, `r_xy
