@@ -8,7 +8,8 @@ DATA is the folder that FINGERPOST_DATA names in the tests on real data; KITTI's
 written, only the flow between their ground views. All numbers are little-endian.
 
     synthetic_N_previous.grey, _next.grey   WIDTH x HEIGHT bytes
-    synthetic_N.flow, kitti_FROM_TO.flow    f32 pairs (dx, dy) at every STEP-th column of every STEP-th row
+    synthetic_N.flow, kitti_FROM_TO.flow    f32 pairs (dx, dy) at every STEP-th (KITTI_STEP-th)
+                                            column of every such row
     colour.bin                              grey, hue, saturation of each colour of a LEVELS^3 grid, blue fastest
     warp.grey                               synthetic_1_previous resampled by warp_place, 0 where it looks outside
 """
@@ -21,6 +22,7 @@ import numpy as np
 
 WIDTH, HEIGHT = 128, 160  # columns and rows of every ground view, pixels
 STEP = 4  # one flow vector is kept every so many pixels, to keep the files small
+KITTI_STEP = 8  # coarser for recorded drives, whose licence lets only such samples ship
 LEVELS = range(0, 256, 15)  # levels of each channel in the grid of colours
 FLOW = dict(pyr_scale=0.5, levels=3, winsize=15, iterations=3, poly_n=5, poly_sigma=1.2, flags=0)
 
@@ -105,8 +107,8 @@ def flow_between(previous, following):
     return cv2.calcOpticalFlowFarneback(previous, following, None, **FLOW)
 
 
-def save_flow(path, flow):
-    path.write_bytes(flow[::STEP, ::STEP].astype("<f4").tobytes())
+def save_flow(path, flow, step):
+    path.write_bytes(flow[::step, ::step].astype("<f4").tobytes())
 
 
 def main():
@@ -115,7 +117,7 @@ def main():
         previous, following = (np.clip(np.rint(picture), 0, 255).astype(np.uint8) for picture in pair)
         (out / f"synthetic_{number}_previous.grey").write_bytes(previous.tobytes())
         (out / f"synthetic_{number}_next.grey").write_bytes(following.tobytes())
-        save_flow(out / f"synthetic_{number}.flow", flow_between(previous, following))
+        save_flow(out / f"synthetic_{number}.flow", flow_between(previous, following), STEP)
         if number == 1:
             col, row = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
             u, v = warp_place(col, row)
@@ -125,7 +127,7 @@ def main():
     for first, second in KITTI_PAIRS:
         folder = data / "kitti" / "frames00"
         flow = flow_between(kitti_view(folder, first), kitti_view(folder, second))
-        save_flow(out / f"kitti_{first}_{second}.flow", flow)
+        save_flow(out / f"kitti_{first}_{second}.flow", flow, KITTI_STEP)
     grid = np.array([(r, g, b) for r in LEVELS for g in LEVELS for b in LEVELS], np.uint8)[None]
     hsv, grey = cv2.cvtColor(grid, cv2.COLOR_RGB2HSV), cv2.cvtColor(grid, cv2.COLOR_RGB2GRAY)
     (out / "colour.bin").write_bytes(np.dstack([grey, hsv[:, :, 0], hsv[:, :, 1]]).tobytes())
