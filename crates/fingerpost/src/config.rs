@@ -1,0 +1,188 @@
+//! The effective configuration of a run: one table a stage.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::driving_line::DrivingLineConfig;
+use crate::feature_masks::FeatureMaskConfig;
+use crate::ground_view::GroundViewConfig;
+use crate::matching::MatchConfig;
+use crate::motion::FarnebackMotionConfig;
+use crate::road_surface::RoadSurfaceConfig;
+use crate::route_progress::RouteProgressConfig;
+use crate::track::TrackConfig;
+use crate::vehicle::VehicleConfig;
+
+/// All settings; every key has a default, so that an empty file is a valid one.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The vehicle.
+    pub vehicle: VehicleConfig,
+    /// The part of the road seen from above.
+    pub ground_view: GroundViewConfig,
+    /// Road surface detection.
+    pub road_surface: RoadSurfaceConfig,
+    /// Ego-motion.
+    pub motion: FarnebackMotionConfig,
+    /// Masks of the route features.
+    pub feature_mask: FeatureMaskConfig,
+    /// Driving line through a feature.
+    pub driving_line: DrivingLineConfig,
+    /// Match of masks and road surface.
+    #[serde(rename = "match")]
+    pub matching: MatchConfig,
+    /// Search and tracking.
+    pub track: TrackConfig,
+    /// Progress along the route.
+    pub route_progress: RouteProgressConfig,
+}
+
+/// A setting that cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{key} = {value} cannot be used: give {expected}")]
+pub struct ConfigError {
+    /// Key, with its table.
+    pub key: &'static str,
+    /// Value found.
+    pub value: f64,
+    /// What would be accepted.
+    pub expected: &'static str,
+}
+
+impl Config {
+    /// Checks every number against its range; the stages check what only they know.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first key out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let checks: &[(&'static str, f64, f64, f64, &'static str)] = &[
+            ("vehicle.width_m", self.vehicle.width_m, 0.3, 6.0, "0.3 to 6 metres"),
+            ("vehicle.margin_m", self.vehicle.margin_m, 0.0, 2.0, "0 to 2 metres"),
+            ("vehicle.turning_radius_m", self.vehicle.turning_radius_m, 0.5, 50.0, "0.5 to 50 metres"),
+            (
+                "road_surface.sample_length_m",
+                self.road_surface.sample_length_m,
+                0.5,
+                20.0,
+                "0.5 to 20 metres",
+            ),
+            ("road_surface.sample_width_m", self.road_surface.sample_width_m, 0.2, 10.0, "0.2 to 10 metres"),
+            (
+                "road_surface.backprojection.frames",
+                self.road_surface.backprojection.frames as f64,
+                1.0,
+                1000.0,
+                "1 to 1000 frames",
+            ),
+            (
+                "road_surface.backprojection.min_sample_probability",
+                self.road_surface.backprojection.min_sample_probability,
+                0.0,
+                1.0,
+                "a probability, 0 to 1",
+            ),
+            ("motion.region_width_m", self.motion.region_width_m, 1.0, 20.0, "1 to 20 metres"),
+            ("motion.region_length_m", self.motion.region_length_m, 1.0, 20.0, "1 to 20 metres"),
+            ("feature_mask.arm_width_share", self.feature_mask.arm_width_share, 0.05, 2.0, "0.05 to 2"),
+            (
+                "feature_mask.heading_step_deg",
+                self.feature_mask.heading_step_deg,
+                0.1,
+                5.0,
+                "0.1 to 5 degrees",
+            ),
+            ("driving_line.min_setback_m", self.driving_line.min_setback_m, 0.5, 20.0, "0.5 to 20 metres"),
+            ("driving_line.max_setback_m", self.driving_line.max_setback_m, 0.5, 40.0, "0.5 to 40 metres"),
+            ("driving_line.step_m", self.driving_line.step_m, 0.1, 5.0, "0.1 to 5 metres"),
+            ("driving_line.lead_m", self.driving_line.lead_m, 0.0, 200.0, "0 to 200 metres"),
+            ("match.binary_threshold", self.matching.binary_threshold, 0.0, 1.0, "a probability, 0 to 1"),
+            ("match.min_seen_share", self.matching.min_seen_share, 0.0, 1.0, "a share, 0 to 1"),
+            ("match.min_seen_length_m", self.matching.min_seen_length_m, 0.0, 20.0, "0 to 20 metres"),
+            ("track.detect_threshold", self.track.detect_threshold, 0.0, 1.0, "a probability, 0 to 1"),
+            (
+                "track.confirm_threshold",
+                self.track.confirm_threshold,
+                0.0,
+                self.track.detect_threshold,
+                "a probability, 0 to track.detect_threshold",
+            ),
+            ("track.detect_frames", self.track.detect_frames as f64, 1.0, 100.0, "1 to 100 frames"),
+            ("track.lost_frames", self.track.lost_frames as f64, 1.0, 1000.0, "1 to 1000 frames"),
+            ("track.search_forward_step_m", self.track.search_forward_step_m, 0.05, 5.0, "0.05 to 5 metres"),
+            ("track.search_left_step_m", self.track.search_left_step_m, 0.05, 5.0, "0.05 to 5 metres"),
+            ("track.search_heading_deg", self.track.search_heading_deg, 0.0, 45.0, "0 to 45 degrees"),
+            (
+                "track.search_heading_step_deg",
+                self.track.search_heading_step_deg,
+                0.2,
+                45.0,
+                "0.2 to 45 degrees",
+            ),
+            ("track.bracket_forward_m", self.track.bracket_forward_m, 0.0, 10.0, "0 to 10 metres"),
+            ("track.bracket_left_m", self.track.bracket_left_m, 0.0, 10.0, "0 to 10 metres"),
+            ("track.bracket_heading_deg", self.track.bracket_heading_deg, 0.0, 45.0, "0 to 45 degrees"),
+            (
+                "track.alignment.piece_length_m",
+                self.track.alignment.piece_length_m,
+                0.5,
+                10.0,
+                "0.5 to 10 metres",
+            ),
+            (
+                "track.alignment.piece_width_m",
+                self.track.alignment.piece_width_m,
+                0.1,
+                2.0,
+                "0.1 to 2 metres",
+            ),
+            (
+                "track.alignment.slide_beyond_m",
+                self.track.alignment.slide_beyond_m,
+                0.2,
+                10.0,
+                "0.2 to 10 metres",
+            ),
+            ("track.alignment.slide_step_m", self.track.alignment.slide_step_m, 0.02, 1.0, "0.02 to 1 metre"),
+            ("track.alignment.sigma_m", self.track.alignment.sigma_m, 0.01, 5.0, "0.01 to 5 metres"),
+            (
+                "track.alignment.pitch_sigma_deg",
+                self.track.alignment.pitch_sigma_deg,
+                0.0,
+                10.0,
+                "0 to 10 degrees",
+            ),
+            (
+                "route_progress.start_sigma_m",
+                self.route_progress.start_sigma_m,
+                0.1,
+                1e4,
+                "0.1 to 10000 metres",
+            ),
+            ("route_progress.drift_share", self.route_progress.drift_share, 0.0, 1.0, "a share, 0 to 1"),
+            ("route_progress.gps_sigma_m", self.route_progress.gps_sigma_m, 0.1, 1e4, "0.1 to 10000 metres"),
+            ("route_progress.gps_gate_m", self.route_progress.gps_gate_m, 1.0, 1e4, "1 to 10000 metres"),
+        ];
+        match checks.iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value)) {
+            None => Ok(()),
+            Some(&(key, value, _, _, expected)) => Err(ConfigError { key, value, expected }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_in_range_and_a_wrong_number_is_named() {
+        assert_eq!(Config::default().check(), Ok(()));
+        let mut config = Config::default();
+        config.track.detect_threshold = f64::NAN;
+        assert_eq!(config.check().unwrap_err().key, "track.detect_threshold");
+        config = Config::default();
+        config.vehicle.width_m = -1.0;
+        assert!(config.check().unwrap_err().to_string().starts_with("vehicle.width_m = -1"));
+    }
+}

@@ -1,0 +1,197 @@
+//! Driving line: the way through a feature that the vehicle can steer.
+//!
+//! Paper 1, section V-B: a quadratic Bezier curve from the approach over the feature to the exit. The approach and
+//! exit points are set back from the node until the tightest curvature respects the vehicle's turning circle; for a
+//! symmetric curve that turns by theta the set-back d gives the radius d cos^2(theta/2) / sin(theta/2).
+//!
+//! Limits: turns beyond about 150 degrees need more room than [`DrivingLineConfig::max_setback_m`] gives; the line
+//! then says by its curvature that it is too tight.
+
+use fingerpost_geometry::{GeometryError, Polyline};
+use kurbo::{ParamCurve, ParamCurveCurvature, QuadBez};
+use nalgebra::{Point2, Vector2};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::feature_model::FeatureModel;
+use crate::vehicle::VehicleConfig;
+
+/// Settings of the driving line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct DrivingLineConfig {
+    /// Shortest distance of the curve's ends from the node, metres, 0.5 to 20; default 3.
+    pub min_setback_m: f64,
+    /// Longest distance of the curve's ends from the node, metres, up to 40; default 12.
+    pub max_setback_m: f64,
+    /// Distance between the points that are handed out, metres, 0.1 to 5; default 0.5.
+    pub step_m: f64,
+    /// Length of approach before and of exit behind the curve that is handed out too, metres; default 15.
+    pub lead_m: f64,
+}
+
+impl Default for DrivingLineConfig {
+    fn default() -> Self {
+        Self { min_setback_m: 3.0, max_setback_m: 12.0, step_m: 0.5, lead_m: 15.0 }
+    }
+}
+
+/// The driving line through a feature, in the feature frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivingLine {
+    /// The three control points: approach, corner, exit; metres.
+    pub control: [Point2<f64>; 3],
+    /// The curve alone, sampled, metres.
+    pub curve: Polyline,
+    /// Approach, curve and exit, `step_m` apart, metres.
+    pub points: Vec<Point2<f64>>,
+    /// Signed curvature at each of `points`, 1/m, positive to the left.
+    pub curvature_per_m: Vec<f64>,
+    /// Radius at the tightest place of the curve, metres (infinite on a straight one).
+    pub tightest_radius_m: f64,
+    /// Whether that radius is at least the vehicle's.
+    pub within_turning_circle: bool,
+}
+
+/// Pieces into which the curve is cut; at 25 m of curve a piece is shorter than a pixel of steering.
+const CURVE_PIECES: usize = 64;
+/// Growth of the set-back from one try to the next, metres.
+const SETBACK_STEP_M: f64 = 0.25;
+
+impl DrivingLine {
+    /// The driving line of `vehicle` through `feature`; none when the feature has no approach or exit.
+    ///
+    /// # Errors
+    /// [`GeometryError`] when the arms leave no room for a curve.
+    pub fn new(
+        config: &DrivingLineConfig,
+        vehicle: &VehicleConfig,
+        feature: &FeatureModel,
+    ) -> Result<Option<Self>, GeometryError> {
+        let (Some(approach), Some(exit)) = (feature.approach(), feature.exit()) else { return Ok(None) };
+        let share = vehicle.traffic.left_share();
+        let inbound = approach.course.reversed().offset(share * approach.width_m)?;
+        let outbound = exit.course.offset(share * exit.width_m)?;
+        // The offset lines end and begin beside the node; there the curve's corner lies.
+        let mut setback_m = config.min_setback_m;
+        let mut curve = bezier(&inbound, &outbound, setback_m);
+        while tightest_radius_m(&curve) < vehicle.turning_radius_m
+            && setback_m + SETBACK_STEP_M <= config.max_setback_m.max(config.min_setback_m)
+        {
+            setback_m += SETBACK_STEP_M;
+            curve = bezier(&inbound, &outbound, setback_m);
+        }
+        let tightest_radius_m = tightest_radius_m(&curve);
+        let sampled = Polyline::new(
+            (0..=CURVE_PIECES).map(|i| from_kurbo(curve.eval(i as f64 / CURVE_PIECES as f64))),
+        )?;
+        let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setback_m);
+        Ok(Some(Self {
+            control: [curve.p0, curve.p1, curve.p2].map(from_kurbo),
+            curve: sampled,
+            points,
+            curvature_per_m,
+            tightest_radius_m,
+            within_turning_circle: tightest_radius_m >= vehicle.turning_radius_m,
+        }))
+    }
+
+    /// Where the curve begins, feature frame, metres.
+    pub const fn start(&self) -> Point2<f64> {
+        self.control[0]
+    }
+
+    /// Where the curve ends, feature frame, metres.
+    pub const fn end(&self) -> Point2<f64> {
+        self.control[2]
+    }
+}
+
+fn bezier(inbound: &Polyline, outbound: &Polyline, setback_m: f64) -> QuadBez {
+    let (start, inward) = inbound.at(inbound.length_m() - setback_m);
+    let (end, outward) = outbound.at(setback_m);
+    let corner = crossing(start, inward, end, outward).unwrap_or_else(|| {
+        let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
+        Point2::from(0.5 * (before.coords + after.coords))
+    });
+    QuadBez::new(to_kurbo(start), to_kurbo(corner), to_kurbo(end))
+}
+
+/// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
+/// the roads along their own direction.
+fn crossing(
+    start: Point2<f64>,
+    inward: Vector2<f64>,
+    end: Point2<f64>,
+    outward: Vector2<f64>,
+) -> Option<Point2<f64>> {
+    let sine = inward.perp(&outward);
+    // Under 6 degrees the crossing runs away along the road.
+    if sine.abs() < 0.1 {
+        return None;
+    }
+    let gap = end - start;
+    let (along, back) = (gap.perp(&outward) / sine, gap.perp(&inward) / sine);
+    (along > 0.0 && back < 0.0).then(|| start + inward * along)
+}
+
+fn tightest_radius_m(curve: &QuadBez) -> f64 {
+    let tightest =
+        (0..=CURVE_PIECES).map(|i| curve.curvature(i as f64 / CURVE_PIECES as f64).abs()).fold(0.0, f64::max);
+    if tightest > 0.0 { 1.0 / tightest } else { f64::INFINITY }
+}
+
+fn hand_out(
+    config: &DrivingLineConfig,
+    inbound: &Polyline,
+    curve: &QuadBez,
+    sampled: &Polyline,
+    outbound: &Polyline,
+    setback_m: f64,
+) -> (Vec<Point2<f64>>, Vec<f64>) {
+    let step = config.step_m.max(0.05);
+    let lead = (config.lead_m / step).floor() as usize;
+    let mut points: Vec<Point2<f64>> =
+        (1..=lead).rev().map(|i| inbound.at(inbound.length_m() - setback_m - step * i as f64).0).collect();
+    let pieces = (sampled.length_m() / step).ceil().max(1.0) as usize;
+    let parameters: Vec<f64> =
+        (0..=pieces).map(|i| parameter_at(sampled, sampled.length_m() * i as f64 / pieces as f64)).collect();
+    points.extend(parameters.iter().map(|&t| from_kurbo(curve.eval(t))));
+    points.extend((1..=lead).map(|i| outbound.at(setback_m + step * i as f64).0));
+    let curvature = (0..points.len())
+        .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {
+            Some(&t) => curve.curvature(t),
+            None if i == 0 || i + 1 == points.len() => 0.0,
+            None => three_point_curvature(points[i - 1], points[i], points[i + 1]),
+        })
+        .collect();
+    (points, curvature)
+}
+
+/// Signed curvature of the circle through three points, 1/m, positive to the left.
+fn three_point_curvature(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
+    let sides = (b - a).norm() * (c - b).norm() * (c - a).norm();
+    if sides > 0.0 { 2.0 * (b - a).perp(&(c - b)) / sides } else { 0.0 }
+}
+
+/// Bezier parameter at an arc length, by linear interpolation between the samples, which are equal steps of it.
+fn parameter_at(sampled: &Polyline, along_m: f64) -> f64 {
+    let mut walked = 0.0;
+    let pieces = sampled.points().len() - 1;
+    for (i, ends) in sampled.points().windows(2).enumerate() {
+        let length = (ends[1] - ends[0]).norm();
+        if walked + length >= along_m {
+            return (i as f64 + (along_m - walked) / length) / pieces as f64;
+        }
+        walked += length;
+    }
+    1.0
+}
+
+fn to_kurbo(p: Point2<f64>) -> kurbo::Point {
+    kurbo::Point::new(p.x, p.y)
+}
+
+fn from_kurbo(p: kurbo::Point) -> Point2<f64> {
+    Point2::new(p.x, p.y)
+}

@@ -1,0 +1,216 @@
+//! Feature masks: a route feature as row spans of the ground view.
+//!
+//! Paper 1, section V-A; paper 2, sections 3.2, 3.3, 4 and "Extension of feature masks". One sub-mask an arm, drawn
+//! along the arm's own nodes out to beyond the ground view's edge, and one of the driving line at the vehicle's own
+//! width. Spans are relative to the feature's node, so that one drawing serves every place at the same heading;
+//! drawings are kept by heading.
+
+use std::collections::BTreeMap;
+
+use fingerpost_geometry::{GroundGrid, Polyline, wrap_angle};
+use fingerpost_map::ArmRole;
+use fingerpost_vision::span::{SpanError, SpanMask};
+use nalgebra::{Isometry2, Point2, Vector2};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::driving_line::DrivingLine;
+use crate::feature_model::FeatureModel;
+use crate::vehicle::VehicleConfig;
+
+/// Settings of the feature masks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FeatureMaskConfig {
+    /// Width of an arm's mask as a share of the vehicle's width, 0.05 to 2; default 0.25 (paper 2, 3.2).
+    pub arm_width_share: f64,
+    /// Step between headings at which masks are drawn, degrees, 0.1 to 5; default 0.5.
+    pub heading_step_deg: f64,
+}
+
+impl Default for FeatureMaskConfig {
+    fn default() -> Self {
+        Self { arm_width_share: 0.25, heading_step_deg: 0.5 }
+    }
+}
+
+/// What a sub-mask stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SubMaskKind {
+    /// An arm of the feature.
+    Arm {
+        /// What the route does with it.
+        role: ArmRole,
+        /// Index of the arm in the feature's model.
+        index: usize,
+    },
+    /// The driving line at the vehicle's width.
+    DrivingLine,
+}
+
+/// One sub-mask, relative to the feature's node.
+#[derive(Debug, Clone)]
+pub struct SubMask {
+    /// What it stands for.
+    pub kind: SubMaskKind,
+    /// `approach`, `exit`, `side_1`, ..., `driving_line`.
+    pub label: String,
+    /// The mask, pixels from the node's pixel.
+    pub spans: SpanMask,
+    /// Pixels of it that lie on the crossing roads rather than on the arm itself.
+    pub mouth_px: u64,
+    /// Width with which it is drawn, pixels.
+    pub width_px: f64,
+    /// Whether it leaves the line of the approach: without such an arm a plain road would match.
+    pub leaves_the_line: bool,
+}
+
+/// All sub-masks of a feature at one heading.
+#[derive(Debug, Clone)]
+pub struct FeatureMasks {
+    /// The heading at which they are drawn, radians.
+    pub heading_rad: f64,
+    /// The sub-masks; the driving line last.
+    pub subs: Vec<SubMask>,
+}
+
+/// Masks laid on a ground view.
+#[derive(Debug, Clone, Copy)]
+pub struct PlacedMasks<'a> {
+    /// The masks, relative to the feature's node.
+    pub masks: &'a FeatureMasks,
+    /// Column of the node's pixel.
+    pub column: i32,
+    /// Row of the node's pixel.
+    pub row: i32,
+}
+
+/// What of an arm is drawn.
+#[derive(Debug)]
+struct DrawnArm {
+    kind: SubMaskKind,
+    label: String,
+    course: Polyline,
+    mouth_m: f64,
+    leaves_the_line: bool,
+}
+
+/// The masks of one feature, drawn when first asked for and kept by heading.
+#[derive(Debug)]
+pub struct MaskCache {
+    arms: Vec<DrawnArm>,
+    curve: Option<Polyline>,
+    arm_width_m: f64,
+    line_width_m: f64,
+    heading_step_rad: f64,
+    metres_per_pixel: f64,
+    drawn: BTreeMap<i64, FeatureMasks>,
+}
+
+impl MaskCache {
+    /// A cache for `feature` and its driving line on the raster `grid`.
+    pub fn new(
+        config: &FeatureMaskConfig,
+        vehicle: &VehicleConfig,
+        grid: &GroundGrid,
+        feature: &FeatureModel,
+        line: Option<&DrivingLine>,
+    ) -> Self {
+        // From any place in view an arm this long leaves the view.
+        let reach_m = (grid.far_m() - grid.near_m()).hypot(2.0 * grid.half_width_m());
+        let arms = feature
+            .arms
+            .iter()
+            .enumerate()
+            .map(|(index, arm)| DrawnArm {
+                kind: SubMaskKind::Arm { role: arm.role, index },
+                label: arm.label.clone(),
+                course: drawn_course(&arm.course, reach_m),
+                mouth_m: arm.mouth_m,
+                leaves_the_line: arm.leaves_the_line(),
+            })
+            .collect();
+        Self {
+            arms,
+            curve: line.map(|line| line.curve.clone()),
+            arm_width_m: config.arm_width_share * vehicle.width_m,
+            line_width_m: vehicle.width_m + 2.0 * vehicle.margin_m,
+            heading_step_rad: config.heading_step_deg.to_radians(),
+            metres_per_pixel: grid.metres_per_pixel(),
+            drawn: BTreeMap::new(),
+        }
+    }
+
+    /// The masks at the drawn heading nearest to `heading_rad`.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm's coordinates cannot be drawn, as in a damaged route file.
+    pub fn at(&mut self, heading_rad: f64) -> Result<&FeatureMasks, SpanError> {
+        let key = self.key(heading_rad);
+        if !self.drawn.contains_key(&key) {
+            let masks = self.draw(key as f64 * self.heading_step_rad)?;
+            self.drawn.insert(key, masks);
+        }
+        Ok(&self.drawn[&key])
+    }
+
+    /// The masks nearest to `heading_rad`, if they have been drawn.
+    pub fn drawn(&self, heading_rad: f64) -> Option<&FeatureMasks> {
+        self.drawn.get(&self.key(heading_rad))
+    }
+
+    fn key(&self, heading_rad: f64) -> i64 {
+        (wrap_angle(heading_rad) / self.heading_step_rad).round() as i64
+    }
+
+    fn draw(&self, heading_rad: f64) -> Result<FeatureMasks, SpanError> {
+        let width_px = self.arm_width_m / self.metres_per_pixel;
+        let mut subs = Vec::new();
+        for arm in &self.arms {
+            subs.push(SubMask {
+                kind: arm.kind,
+                label: arm.label.clone(),
+                spans: self.stroke(&arm.course, heading_rad, width_px)?,
+                mouth_px: (arm.mouth_m / self.metres_per_pixel * width_px).round() as u64,
+                width_px,
+                leaves_the_line: arm.leaves_the_line,
+            });
+        }
+        if let Some(curve) = &self.curve {
+            let width_px = self.line_width_m / self.metres_per_pixel;
+            subs.push(SubMask {
+                kind: SubMaskKind::DrivingLine,
+                label: "driving_line".to_owned(),
+                spans: self.stroke(curve, heading_rad, width_px)?,
+                mouth_px: 0,
+                width_px,
+                leaves_the_line: false,
+            });
+        }
+        Ok(FeatureMasks { heading_rad, subs })
+    }
+
+    fn stroke(&self, course: &Polyline, heading_rad: f64, width_px: f64) -> Result<SpanMask, SpanError> {
+        let turned = course.transformed(&Isometry2::rotation(heading_rad));
+        let pixels: Vec<[f64; 2]> = turned.points().iter().map(|p| self.offset_px(p.coords)).collect();
+        SpanMask::stroke(&pixels, width_px)
+    }
+
+    /// Pixels right of and below the node for a displacement in the vehicle frame, metres.
+    fn offset_px(&self, d_in_vehicle: Vector2<f64>) -> [f64; 2] {
+        [-d_in_vehicle.y / self.metres_per_pixel, -d_in_vehicle.x / self.metres_per_pixel]
+    }
+}
+
+/// The course cut at, or carried straight on to, `reach_m`.
+fn drawn_course(course: &Polyline, reach_m: f64) -> Polyline {
+    let end: Point2<f64> = course.at(reach_m).0;
+    let kept = course.points().iter().copied().take_while(|p| course.nearest(*p).along_m < reach_m);
+    Polyline::new(kept.chain([end])).unwrap_or_else(|_| course.clone())
+}
+
+/// Whole pixels from the ground view's corner to the pixel in which the feature's node lies.
+pub fn node_pixel(grid: &GroundGrid, vehicle_from_feature: &Isometry2<f64>) -> (i32, i32) {
+    let pixel = grid.ground_from_vehicle(Point2::from(vehicle_from_feature.translation.vector));
+    (pixel.column.round() as i32, pixel.row.round() as i32)
+}

@@ -1,0 +1,147 @@
+//! Ground view: the picture as seen from above (inverse perspective mapping).
+//!
+//! Paper 1, section IV-A; paper 2, sections 2.1, 3.1 and 6. One table, built once, maps each ground pixel to the
+//! frame with the lens folded in. Limits: the road is taken as flat; whatever stands on it is smeared away from the
+//! camera.
+
+use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel};
+use fingerpost_vision::colour::grey;
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::warp::WarpTable;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Which part of the road the ground view shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct GroundViewConfig {
+    /// Lower edge, metres ahead of the rear axle; below far_m; default 4.
+    pub near_m: f64,
+    /// Upper edge, metres ahead; 15 to 20 works best (paper 2, section 6); default 20.
+    pub far_m: f64,
+    /// Left and right edge, metres from the centre line; default 10.
+    pub half_width_m: f64,
+    /// Scale, metres per pixel, 0.005 to 1; default 0.05.
+    pub metres_per_pixel: f64,
+}
+
+impl Default for GroundViewConfig {
+    fn default() -> Self {
+        Self { near_m: 4.0, far_m: 20.0, half_width_m: 10.0, metres_per_pixel: 0.05 }
+    }
+}
+
+/// A ground view that cannot be made.
+#[derive(Debug, Error)]
+pub enum GroundViewError {
+    /// The configured part of the road cannot be a picture.
+    #[error("the ground view cannot be made: {0}")]
+    Grid(#[from] GeometryError),
+    /// The camera sees too little of the configured part of the road.
+    #[error(
+        "the camera sees {seen_percent:.1} % of the ground view ({near_m} to {far_m} m ahead); check the mount's height \
+         and pitch, or move near_m and far_m"
+    )]
+    NothingSeen {
+        /// Share of the ground view inside the picture, percent.
+        seen_percent: f64,
+        /// Lower edge, metres.
+        near_m: f64,
+        /// Upper edge, metres.
+        far_m: f64,
+    },
+    /// A frame does not have the camera's size.
+    #[error("the frame cannot be warped: {0}")]
+    Frame(#[from] PictureError),
+}
+
+/// The table from frame to ground view, built once for a camera.
+#[derive(Debug)]
+pub struct GroundView {
+    grid: GroundGrid,
+    table: WarpTable,
+    nearest_seen_m: f64,
+}
+
+/// The ground view of one frame.
+#[derive(Debug, Clone, Default)]
+pub struct GroundPicture {
+    /// Colour, black where unseen.
+    pub colour: RgbImage,
+    /// Grey (CCIR 601), black where unseen.
+    pub grey: Plane<u8>,
+}
+
+/// Share of the ground view that must be inside the picture, percent; with less no arm could be seen whole.
+const MIN_SEEN_PERCENT: f64 = 5.0;
+/// Half the width of the strip ahead whose nearest wholly seen row counts as the bottom of the view, metres.
+const CORRIDOR_HALF_WIDTH_M: f64 = 0.9;
+
+impl GroundView {
+    /// Builds the table for `camera`.
+    ///
+    /// # Errors
+    /// [`GroundViewError::Grid`] for limits that make no picture, [`GroundViewError::NothingSeen`] when the camera
+    /// looks elsewhere.
+    pub fn new(config: &GroundViewConfig, camera: &Camera) -> Result<Self, GroundViewError> {
+        let grid =
+            GroundGrid::new(config.near_m, config.far_m, config.half_width_m, config.metres_per_pixel)?;
+        let table =
+            WarpTable::new(grid.columns(), grid.rows(), camera.width(), camera.height(), |column, row| {
+                let pixel = GroundPixel { column: column as f64, row: row as f64 };
+                camera.pixel_of_ground(grid.vehicle_from_ground(pixel)).map(|p| [p.u, p.v])
+            })?;
+        let validity = table.validity();
+        let seen = validity.as_slice().iter().filter(|&&v| v != 0).count();
+        let seen_percent = 100.0 * seen as f64 / validity.as_slice().len() as f64;
+        let nothing_seen =
+            GroundViewError::NothingSeen { seen_percent, near_m: config.near_m, far_m: config.far_m };
+        if seen_percent < MIN_SEEN_PERCENT {
+            return Err(nothing_seen);
+        }
+        let Some(nearest_seen_m) = nearest_seen_m(&grid, validity) else { return Err(nothing_seen) };
+        Ok(Self { grid, table, nearest_seen_m })
+    }
+
+    /// The raster of the ground view.
+    pub const fn grid(&self) -> &GroundGrid {
+        &self.grid
+    }
+
+    /// The validity mask (the papers' "IPM mask"): 1 where the picture shows the road plane, 0 where it does not.
+    pub fn validity(&self) -> &Plane<u8> {
+        self.table.validity()
+    }
+
+    /// The bottom of what is seen straight ahead, metres from the vehicle's origin.
+    pub const fn nearest_seen_m(&self) -> f64 {
+        self.nearest_seen_m
+    }
+
+    /// Warps `frame` into `picture`, whose memory is reused.
+    ///
+    /// # Errors
+    /// [`GroundViewError::Frame`] when the frame's size is not the camera's.
+    pub fn render(&self, frame: &RgbImage, picture: &mut GroundPicture) -> Result<(), GroundViewError> {
+        let (columns, rows) = (self.grid.columns(), self.grid.rows());
+        if picture.colour.size() != (columns, rows) {
+            picture.colour = RgbImage::new(columns, rows);
+            picture.grey = Plane::new(columns, rows, 0);
+        }
+        self.table.warp_rgb(frame, &mut picture.colour)?;
+        grey(&picture.colour, &mut picture.grey)?;
+        Ok(())
+    }
+}
+
+fn nearest_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> Option<f64> {
+    let middle = 0.5 * grid.columns() as f64;
+    let half = CORRIDOR_HALF_WIDTH_M.min(grid.half_width_m()) / grid.metres_per_pixel();
+    let columns = (middle - half).floor() as usize..(middle + half).ceil() as usize;
+    (0..grid.rows())
+        .rev()
+        .find(|&row| validity.row(row)[columns.clone()].iter().all(|&v| v != 0))
+        .map(|row| grid.vehicle_from_ground(GroundPixel { column: 0.0, row: row as f64 + 0.5 }).x)
+}

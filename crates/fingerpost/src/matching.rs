@@ -1,0 +1,253 @@
+//! Match: how probable a feature is at a pose.
+//!
+//! Paper 1, section V-C. P(F_sub) is the mean road probability under the seen part of a sub-mask (equation 1), P(F)
+//! the smallest of them (equation 2), so that one arm that is not there cannot be made up for by the others.
+//!
+//! An arm of which too little is seen takes no part, and the evidence says so: nearly all of what is left would lie on
+//! the crossing roads, and would be road whether the arm exists or not.
+
+use fingerpost_geometry::GroundGrid;
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::picture::Plane;
+use fingerpost_vision::span::{Cover, RowSums, SpanError};
+use nalgebra::Isometry2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::feature_masks::{MaskCache, SubMask, SubMaskKind, node_pixel};
+use crate::road_surface::RoadSurface;
+
+/// Settings of the match.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MatchConfig {
+    /// What the masks are laid over: "probability" or "binary"; default "probability".
+    pub surface: MatchedSurface,
+    /// Road probability from which a pixel of the binary mask is road, 0 to 1; default 0.5.
+    pub binary_threshold: f64,
+    /// Share of a sub-mask inside the view that must be seen for it to take part, 0 to 1; default 0.3.
+    pub min_seen_share: f64,
+    /// Length of an arm beyond the crossing roads that must be seen for it to take part, metres; default 2.5.
+    pub min_seen_length_m: f64,
+}
+
+impl Default for MatchConfig {
+    fn default() -> Self {
+        Self {
+            surface: MatchedSurface::Probability,
+            binary_threshold: 0.5,
+            min_seen_share: 0.3,
+            min_seen_length_m: 2.5,
+        }
+    }
+}
+
+/// What the masks are laid over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MatchedSurface {
+    /// The road probabilities themselves.
+    Probability,
+    /// Road or not, by a threshold.
+    Binary,
+}
+
+/// Whether a sub-mask takes part in the match, and if not, why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Participation {
+    /// It does.
+    TakesPart,
+    /// The validity mask cuts too much of it.
+    CutByValidity,
+    /// Too little of it reaches beyond the crossing roads within the view.
+    TooShort,
+}
+
+/// One sub-mask's part in a match.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubMatch {
+    /// `approach`, `exit`, `side_1`, ..., `driving_line`.
+    pub label: String,
+    /// What the sub-mask stands for.
+    pub kind: SubMaskKind,
+    /// P(F_sub), equation 1; none where nothing of it is seen.
+    pub p: Option<f64>,
+    /// Seen share of its part inside the view.
+    pub seen_share: f64,
+    /// Whether it takes part.
+    pub participation: Participation,
+    /// Whether it leaves the line of the approach.
+    pub leaves_the_line: bool,
+}
+
+/// The match of a feature at one pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Match {
+    /// The pose that was tried.
+    pub vehicle_from_feature: Isometry2<f64>,
+    /// Every sub-mask.
+    pub subs: Vec<SubMatch>,
+    /// P(F), equation 2, over the sub-masks that take part; none where none does.
+    pub p: Option<f64>,
+    /// Index in `subs` of the weakest sub-mask.
+    pub weakest: Option<usize>,
+}
+
+/// Lays masks over the road surface.
+#[derive(Debug)]
+pub struct Matcher {
+    config: MatchConfig,
+    grid: GroundGrid,
+    binary: Plane<u8>,
+    binary_sums: RowSums,
+}
+
+impl Matcher {
+    /// A matcher on the raster `grid`.
+    pub fn new(config: &MatchConfig, grid: &GroundGrid) -> Self {
+        Self {
+            config: config.clone(),
+            grid: *grid,
+            binary: Plane::default(),
+            binary_sums: RowSums::default(),
+        }
+    }
+
+    /// The surface that the masks are laid over: the probabilities themselves, or a road mask by the threshold.
+    ///
+    /// # Errors
+    /// [`PictureError`] when surface and validity differ in size.
+    pub fn laid<'a>(
+        &'a mut self,
+        surface: &'a RoadSurface,
+        validity: &Plane<u8>,
+    ) -> Result<LaidSurface<'a>, PictureError> {
+        let sums = match self.config.surface {
+            MatchedSurface::Probability => &surface.sums,
+            MatchedSurface::Binary => {
+                let (width, height) = surface.probability.size();
+                self.binary.reset(width, height, 0);
+                let threshold = 255.0 * self.config.binary_threshold;
+                let pixels = surface.probability.as_slice().iter();
+                for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
+                    *out = if f64::from(p) >= threshold { 255 } else { 0 };
+                }
+                self.binary_sums.rebuild(self.binary.view(), validity.view())?;
+                &self.binary_sums
+            }
+        };
+        Ok(LaidSurface { config: &self.config, grid: &self.grid, sums })
+    }
+}
+
+/// A frame's road surface, ready for any number of masks.
+#[derive(Debug, Clone, Copy)]
+pub struct LaidSurface<'a> {
+    config: &'a MatchConfig,
+    grid: &'a GroundGrid,
+    sums: &'a RowSums,
+}
+
+impl LaidSurface<'_> {
+    /// The raster of the surface.
+    pub const fn grid(&self) -> &GroundGrid {
+        self.grid
+    }
+
+    /// The prefix sums of the surface.
+    pub const fn sums(&self) -> &RowSums {
+        self.sums
+    }
+
+    /// The match of a feature at one pose, with every sub-mask's part in it.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn explain(
+        &self,
+        masks: &mut MaskCache,
+        vehicle_from_feature: Isometry2<f64>,
+    ) -> Result<Match, SpanError> {
+        let (column, row) = node_pixel(self.grid, &vehicle_from_feature);
+        let masks = masks.at(vehicle_from_feature.rotation.angle())?;
+        let subs: Vec<SubMatch> = masks
+            .subs
+            .iter()
+            .map(|sub| {
+                let cover = self.sums.cover(&sub.spans, column, row);
+                SubMatch {
+                    label: sub.label.clone(),
+                    kind: sub.kind,
+                    p: cover.probability(),
+                    seen_share: if cover.in_view > 0 {
+                        cover.seen as f64 / cover.in_view as f64
+                    } else {
+                        0.0
+                    },
+                    participation: self.participation(sub, &cover),
+                    leaves_the_line: sub.leaves_the_line,
+                }
+            })
+            .collect();
+        let taking_part =
+            subs.iter().enumerate().filter(|(_, sub)| sub.participation == Participation::TakesPart);
+        let weakest =
+            taking_part.filter_map(|(i, sub)| sub.p.map(|p| (i, p))).min_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(Match {
+            vehicle_from_feature,
+            subs,
+            p: weakest.map(|(_, p)| p),
+            weakest: weakest.map(|(index, _)| index),
+        })
+    }
+
+    /// P(F) at one pose, or none as soon as a sub-mask falls below `at_least`, or when no arm takes part that would
+    /// tell the feature from a plain road.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn score(
+        &self,
+        masks: &mut MaskCache,
+        vehicle_from_feature: &Isometry2<f64>,
+        at_least: f64,
+    ) -> Result<Option<f64>, SpanError> {
+        let (column, row) = node_pixel(self.grid, vehicle_from_feature);
+        let masks = masks.at(vehicle_from_feature.rotation.angle())?;
+        let mut least = f64::INFINITY;
+        let mut told = false;
+        for sub in &masks.subs {
+            let cover = self.sums.cover(&sub.spans, column, row);
+            if self.participation(sub, &cover) != Participation::TakesPart {
+                continue;
+            }
+            told |= sub.leaves_the_line;
+            least = least.min(cover.probability().unwrap_or(0.0));
+            if least < at_least {
+                return Ok(None);
+            }
+        }
+        Ok((told && least.is_finite()).then_some(least))
+    }
+
+    fn participation(&self, sub: &SubMask, cover: &Cover) -> Participation {
+        let needed_px = match sub.kind {
+            SubMaskKind::Arm { .. } => {
+                self.config.min_seen_length_m / self.grid.metres_per_pixel() * sub.width_px
+            }
+            // The curve lies wholly on the feature: the share alone decides.
+            SubMaskKind::DrivingLine => 1.0,
+        };
+        if (cover.seen.saturating_sub(sub.mouth_px) as f64) < needed_px {
+            if (cover.in_view.saturating_sub(sub.mouth_px) as f64) < needed_px {
+                Participation::TooShort
+            } else {
+                Participation::CutByValidity
+            }
+        } else if (cover.seen as f64) < self.config.min_seen_share * cover.in_view as f64 {
+            Participation::CutByValidity
+        } else {
+            Participation::TakesPart
+        }
+    }
+}

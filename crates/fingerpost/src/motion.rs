@@ -1,0 +1,98 @@
+//! Ego-motion: how the vehicle moved since the frame before, from the ground view.
+//!
+//! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
+//! ground view a frame; other ways take the place of the papers' behind the trait.
+
+mod coarse;
+mod farneback;
+mod rigid_fit;
+
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::farneback::FarnebackError;
+use fingerpost_vision::picture::Rect;
+use nalgebra::{Isometry2, Matrix3};
+use thiserror::Error;
+
+pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
+
+use crate::ground_view::{GroundPicture, GroundView};
+
+/// The vehicle's motion between two frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// The vehicle's new pose in its old frame: metres forward and left, radians to the left.
+    pub previous_from_current: Isometry2<f64>,
+    /// Covariance of forward (m), left (m) and yaw (rad); never zero.
+    pub covariance: Matrix3<f64>,
+    /// 0 (do not believe it) to 1.
+    pub quality: f64,
+}
+
+/// How a motion was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionEvidence {
+    /// The region in the newer ground view whose flow was measured, pixels.
+    pub region: Rect,
+    /// A grid of flow vectors.
+    pub samples: Vec<FlowSample>,
+    /// Mean displacement of the road in the region, pixels right and down.
+    pub mean_flow_px: [f64; 2],
+    /// Root mean square of what the motion leaves unexplained of the accepted flow, pixels.
+    pub residual_px: f64,
+    /// Where the flow started from.
+    pub start: FlowStart,
+}
+
+/// One flow vector.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowSample {
+    /// Place in the older ground view, pixels right and down.
+    pub from_px: [f64; 2],
+    /// Place of the same bit of road in the newer one, pixels.
+    pub to_px: [f64; 2],
+    /// Weight in the fit, 0 (rejected) to 1.
+    pub weight: f64,
+}
+
+/// Where the flow started from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FlowStart {
+    /// The vehicle stands.
+    Standing,
+    /// It moves on as in the frame before.
+    SameAsBefore,
+    /// Neither fitted; a coarse search over the ground view did.
+    CoarseSearch,
+}
+
+/// A motion that cannot be estimated.
+#[derive(Debug, Error)]
+pub enum MotionError {
+    /// The flow cannot be computed as configured.
+    #[error("motion: {0}")]
+    Flow(#[from] FarnebackError),
+    /// Pictures do not fit together.
+    #[error("motion: {0}")]
+    Picture(#[from] PictureError),
+    /// No part of the ground view is seen whole.
+    #[error(
+        "motion: no rectangle of the ground view is seen whole; widen motion.region_width_m or mount the camera lower"
+    )]
+    NoRegion,
+}
+
+/// A way to measure the vehicle's motion on the road.
+pub trait MotionEstimator: Send {
+    /// The motion from the frame given last to this one; none for the first.
+    ///
+    /// # Errors
+    /// [`MotionError`] when the ground view changed its size.
+    fn estimate(
+        &mut self,
+        view: &GroundView,
+        picture: &GroundPicture,
+    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError>;
+
+    /// Forgets the last frame, as at the start of a drive.
+    fn reset(&mut self);
+}

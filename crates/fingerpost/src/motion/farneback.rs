@@ -1,0 +1,325 @@
+//! Motion from Farneback's dense flow on the ground view.
+//!
+//! Paper 1, section VI; G. Farneback, "Two-frame motion estimation based on polynomial expansion", 2003. The flow is
+//! measured in a region ahead of the vehicle that is seen whole, away from the ragged edges of the ground view. The
+//! papers take its mean; in a turn the road also rotates about the vehicle, so by default the rigid motion that
+//! explains the field best is taken, of which the mean flow is the part without a turn.
+//!
+//! Limits: featureless road gives no flow; suspension pitch shows as motion.
+
+use fingerpost_geometry::GroundPixel;
+use fingerpost_vision::farneback::{Farneback, FarnebackParams};
+use fingerpost_vision::picture::{Plane, Rect};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::rigid_fit::{Pair, RigidFit, fit};
+use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse};
+use crate::ground_view::{GroundPicture, GroundView};
+
+/// Settings of the motion from Farneback's flow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FarnebackMotionConfig {
+    /// "rigid": translation and rotation; "mean": the mean flow, as in the papers; default "rigid".
+    pub model: FlowModel,
+    /// Width of the region, metres, 1 to 20; default 6.4 (128 pixels at 0.05).
+    pub region_width_m: f64,
+    /// Length of the region, metres, 1 to 20; default 6.4.
+    pub region_length_m: f64,
+    /// Size of a level of the pyramid against the one below, 0.1 to 0.95; default 0.5.
+    pub pyramid_scale: f64,
+    /// Levels above the full size, 0 to 8; default 3.
+    pub levels: usize,
+    /// Side of the averaging window, pixels, odd, 3 to 101; default 15.
+    pub window_px: usize,
+    /// Iterations at each level, 1 to 20; default 3.
+    pub iterations: usize,
+    /// Pixels to either side in the polynomial expansion, 1 to 15; default 5.
+    pub poly_n_px: usize,
+    /// Standard deviation of the expansion's weights, pixels, above 0; default 1.2.
+    pub poly_sigma_px: f64,
+}
+
+/// What is taken from the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FlowModel {
+    /// Translation and rotation of the road plane, robustly.
+    Rigid,
+    /// The mean flow: translation alone (paper 1, VI).
+    Mean,
+}
+
+impl Default for FarnebackMotionConfig {
+    fn default() -> Self {
+        Self {
+            model: FlowModel::Rigid,
+            region_width_m: 6.4,
+            region_length_m: 6.4,
+            pyramid_scale: 0.5,
+            levels: 3,
+            window_px: 15,
+            iterations: 3,
+            poly_n_px: 5,
+            poly_sigma_px: 1.2,
+        }
+    }
+}
+
+/// Every how many pixels a flow vector enters the fit.
+const SAMPLE_STRIDE_PX: usize = 4;
+/// Accuracy of a flow vector below which differences say nothing, pixels.
+const FLOW_FLOOR_PX: f64 = 0.05;
+/// A start is good enough when its difference is at most this many times the difference that the last fit left.
+const GOOD_START: f64 = 1.5;
+/// Flow beyond this after the start was applied is measured again from the better start, pixels.
+const RESTART_PX: f64 = 2.0;
+/// Share of the distance by which a flat road's scale is off when the vehicle pitches, one standard deviation.
+const SCALE_SIGMA: f64 = 0.015;
+/// Smallest standard deviations of a frame's motion: metres and radians; a real road is never flatter.
+const FLOOR_M: f64 = 0.01;
+const FLOOR_RAD: f64 = 0.001;
+
+/// The papers' motion estimator.
+#[derive(Debug)]
+pub struct FarnebackMotion {
+    config: FarnebackMotionConfig,
+    flow: Farneback,
+    previous: Option<Plane<u8>>,
+    last: Isometry2<f64>,
+    /// Grey difference that the last fit left, grey levels.
+    last_difference: f64,
+}
+
+impl FarnebackMotion {
+    /// An estimator that has seen no frame yet.
+    ///
+    /// # Errors
+    /// [`MotionError::Flow`] when the flow's parameters are out of range.
+    pub fn new(config: &FarnebackMotionConfig) -> Result<Self, MotionError> {
+        let flow = Farneback::new(FarnebackParams {
+            pyramid_scale: config.pyramid_scale,
+            levels: config.levels,
+            window_px: config.window_px,
+            iterations: config.iterations,
+            poly_n_px: config.poly_n_px,
+            poly_sigma_px: config.poly_sigma_px,
+        })?;
+        Ok(Self {
+            config: config.clone(),
+            flow,
+            previous: None,
+            last: Isometry2::identity(),
+            last_difference: 0.0,
+        })
+    }
+
+    /// The flow from the older to the newer picture in `region`, as pairs of places, starting from a motion.
+    fn measure(
+        &mut self,
+        view: &GroundView,
+        pictures: (&Plane<u8>, &Plane<u8>),
+        region: Rect,
+        start: &Isometry2<f64>,
+    ) -> Result<Vec<Pair>, MotionError> {
+        let grid = view.grid();
+        let middle = GroundPixel {
+            column: region.x as f64 + 0.5 * region.width as f64,
+            row: region.y as f64 + 0.5 * region.height as f64,
+        };
+        let before = grid.ground_from_vehicle(start.inverse() * grid.vehicle_from_ground(middle));
+        let slide = |corner: usize, shift: f64, length: usize, limit: usize| -> usize {
+            (corner as f64 + shift.round()).clamp(0.0, (limit - length) as f64) as usize
+        };
+        let older = Rect {
+            x: slide(region.x, before.column - middle.column, region.width, grid.columns()),
+            y: slide(region.y, before.row - middle.row, region.height, grid.rows()),
+            ..region
+        };
+        let flow = self.flow.flow(pictures.0.view().crop(older)?, pictures.1.view().crop(region)?, None)?;
+        // Within half a window of the region's edge the flow is extrapolated.
+        let margin = self.config.window_px.min(region.width / 4).min(region.height / 4);
+        let mut pairs = Vec::new();
+        for y in (margin..region.height - margin).step_by(SAMPLE_STRIDE_PX) {
+            for x in (margin..region.width - margin).step_by(SAMPLE_STRIDE_PX) {
+                let Some([dx, dy]) = flow.get(x, y) else { continue };
+                let from = GroundPixel { column: (older.x + x) as f64, row: (older.y + y) as f64 };
+                let to = GroundPixel {
+                    column: (region.x + x) as f64 + f64::from(dx),
+                    row: (region.y + y) as f64 + f64::from(dy),
+                };
+                pairs.push(Pair {
+                    previous: grid.vehicle_from_ground(from),
+                    current: grid.vehicle_from_ground(to),
+                    weight: 1.0,
+                });
+            }
+        }
+        Ok(pairs)
+    }
+
+    fn start(
+        &self,
+        view: &GroundView,
+        pictures: (&Plane<u8>, &Plane<u8>),
+        region: Rect,
+    ) -> (FlowStart, Isometry2<f64>) {
+        let difference = |motion: &Isometry2<f64>| {
+            coarse::difference(view.grid(), pictures, view.validity(), region, motion)
+                .unwrap_or(f64::INFINITY)
+        };
+        let (standing, same) = (difference(&Isometry2::identity()), difference(&self.last));
+        if standing.min(same) > GOOD_START * self.last_difference {
+            (FlowStart::CoarseSearch, coarse::search(view.grid(), pictures, view.validity(), region))
+        } else if standing <= same {
+            (FlowStart::Standing, Isometry2::identity())
+        } else {
+            (FlowStart::SameAsBefore, self.last)
+        }
+    }
+
+    fn fit(&self, pairs: &mut [Pair], metres_per_pixel: f64) -> Option<RigidFit> {
+        // The window ties neighbouring vectors together: only one in a window is independent.
+        let area = (pairs.len() * SAMPLE_STRIDE_PX * SAMPLE_STRIDE_PX) as f64;
+        let independent = (area / (self.config.window_px * self.config.window_px) as f64).max(1.0);
+        let fitted = fit(pairs, FLOW_FLOOR_PX * metres_per_pixel, independent)?;
+        match self.config.model {
+            FlowModel::Rigid => Some(fitted),
+            FlowModel::Mean => {
+                let mean = pairs.iter().map(|pair| pair.current - pair.previous).sum::<Vector2<f64>>();
+                let current_from_previous = Isometry2::new(mean / pairs.len() as f64, 0.0);
+                Some(RigidFit { current_from_previous, ..fitted })
+            }
+        }
+    }
+
+    fn between(
+        &mut self,
+        view: &GroundView,
+        previous: &Plane<u8>,
+        current: &Plane<u8>,
+    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError> {
+        let grid = *view.grid();
+        let region = region(view, &self.config).ok_or(MotionError::NoRegion)?;
+        let pictures = (previous, current);
+        let (start, mut motion) = self.start(view, pictures, region);
+        let mut pairs = self.measure(view, pictures, region, &motion)?;
+        let Some(mut fitted) = self.fit(&mut pairs, grid.metres_per_pixel()) else { return Ok(None) };
+        let middle = grid.vehicle_from_ground(GroundPixel {
+            column: region.x as f64 + 0.5 * region.width as f64,
+            row: region.y as f64 + 0.5 * region.height as f64,
+        });
+        let change = (fitted.current_from_previous * middle - motion * middle).norm();
+        if change > RESTART_PX * grid.metres_per_pixel() {
+            motion = fitted.current_from_previous;
+            pairs = self.measure(view, pictures, region, &motion)?;
+            let Some(again) = self.fit(&mut pairs, grid.metres_per_pixel()) else { return Ok(None) };
+            fitted = again;
+        }
+        motion = fitted.current_from_previous;
+        let difference =
+            |motion: &Isometry2<f64>| coarse::difference(&grid, pictures, view.validity(), region, motion);
+        let left_over = difference(&motion).unwrap_or(f64::INFINITY);
+        let quality =
+            fitted.accepted * (1.0 - left_over / contrast(current, region).max(1.0)).clamp(0.0, 1.0);
+        self.last = motion;
+        self.last_difference = if left_over.is_finite() { left_over.max(1.0) } else { 0.0 };
+        let samples = pairs
+            .iter()
+            .map(|pair| {
+                let (from, to) =
+                    (grid.ground_from_vehicle(pair.previous), grid.ground_from_vehicle(pair.current));
+                FlowSample {
+                    from_px: [from.column, from.row],
+                    to_px: [to.column, to.row],
+                    weight: pair.weight,
+                }
+            })
+            .collect::<Vec<_>>();
+        let evidence = MotionEvidence {
+            region,
+            mean_flow_px: mean_flow(&samples),
+            samples,
+            residual_px: fitted.residual_m / grid.metres_per_pixel(),
+            start,
+        };
+        let previous_from_current = motion.inverse();
+        let covariance = fitted.covariance + floor(&previous_from_current);
+        Ok(Some((Motion { previous_from_current, covariance, quality }, evidence)))
+    }
+}
+
+impl MotionEstimator for FarnebackMotion {
+    fn estimate(
+        &mut self,
+        view: &GroundView,
+        picture: &GroundPicture,
+    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError> {
+        let Some(mut previous) = self.previous.take() else {
+            self.previous = Some(picture.grey.clone());
+            return Ok(None);
+        };
+        let result = self.between(view, &previous, &picture.grey);
+        previous.as_mut_slice().copy_from_slice(picture.grey.as_slice());
+        self.previous = Some(previous);
+        result
+    }
+
+    fn reset(&mut self) {
+        self.previous = None;
+        self.last = Isometry2::identity();
+        self.last_difference = 0.0;
+    }
+}
+
+/// The largest region ahead, at most as large as configured, that is seen whole; the nearer of equals.
+fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
+    let (grid, validity) = (view.grid(), view.validity());
+    let middle = grid.columns() / 2;
+    let half_limit = (0.5 * config.region_width_m / grid.metres_per_pixel()) as usize;
+    let length = ((config.region_length_m / grid.metres_per_pixel()) as usize).min(grid.rows());
+    let seen_half = |row: usize| {
+        let pixels = validity.row(row);
+        (0..half_limit.min(middle))
+            .take_while(|&k| pixels[middle + k] != 0 && pixels[middle - 1 - k] != 0)
+            .count()
+    };
+    let halves: Vec<usize> = (0..grid.rows()).map(seen_half).collect();
+    (length..=grid.rows())
+        .rev()
+        .map(|bottom| (bottom, halves[bottom - length..bottom].iter().copied().min().unwrap_or(0)))
+        .fold(None, |best: Option<(usize, usize)>, now| match best {
+            Some(best) if best.1 >= now.1 => Some(best),
+            _ => Some(now),
+        })
+        // Under 32 pixels the pyramid has nothing to stand on.
+        .filter(|&(_, half)| half >= 16 && length >= 32)
+        .map(|(bottom, half)| Rect { x: middle - half, y: bottom - length, width: 2 * half, height: length })
+}
+
+/// Mean absolute deviation of grey in a region, grey levels.
+fn contrast(grey: &Plane<u8>, region: Rect) -> f64 {
+    let rows =
+        || (region.y..region.y + region.height).map(|y| &grey.row(y)[region.x..region.x + region.width]);
+    let count = (region.width * region.height) as f64;
+    let mean = rows().flatten().map(|&g| f64::from(g)).sum::<f64>() / count;
+    rows().flatten().map(|&g| (f64::from(g) - mean).abs()).sum::<f64>() / count
+}
+
+fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
+    let total = samples.iter().map(|s| s.weight).sum::<f64>().max(1e-9);
+    let mean = |axis: usize| {
+        samples.iter().map(|s| s.weight * (s.to_px[axis] - s.from_px[axis])).sum::<f64>() / total
+    };
+    [mean(0), mean(1)]
+}
+
+/// What no fit can promise: scale errors of a pitching vehicle and the accuracy of the flow itself.
+fn floor(previous_from_current: &Isometry2<f64>) -> Matrix3<f64> {
+    let distance = (previous_from_current * Point2::origin()).coords.norm();
+    let along = FLOOR_M.hypot(SCALE_SIGMA * distance);
+    let turn = FLOOR_RAD.hypot(SCALE_SIGMA * previous_from_current.rotation.angle());
+    Matrix3::from_diagonal(&Vector3::new(along * along, FLOOR_M * FLOOR_M, turn * turn))
+}

@@ -1,0 +1,233 @@
+//! The pipeline: one frame in, where the next junction is and how to drive through it out.
+
+use fingerpost_geometry::{Camera, GeometryError, View};
+use fingerpost_map::{LatLon, Route, TangentPlane};
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::span::SpanError;
+use nalgebra::Point2;
+use thiserror::Error;
+
+use crate::config::{Config, ConfigError};
+use crate::feature_masks::PlacedMasks;
+use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
+use crate::matching::Matcher;
+use crate::motion::{FarnebackMotion, Motion, MotionError, MotionEstimator, MotionEvidence};
+use crate::road_surface::{Backprojection, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
+use crate::track::{Followed, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::why::why;
+
+/// What else is known when a frame is taken.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sensors {
+    /// GPS position, where there is one.
+    pub gps: Option<LatLon>,
+}
+
+/// The stages, in the order of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// Picture to ground view.
+    GroundView,
+    /// Ground view to road probability.
+    Road,
+    /// Ground views to ego-motion.
+    Motion,
+    /// Masks, match and track.
+    Match,
+    /// Driving line in the vehicle frame.
+    DrivingLine,
+}
+
+/// What the method says after a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameOutput {
+    /// State and followed feature.
+    pub track: TrackOutput,
+    /// Motion since the frame before.
+    pub motion: Option<Motion>,
+    /// Driving line through the followed feature: points in the vehicle frame, metres.
+    pub driving_line: Vec<Point2<f64>>,
+    /// Its signed curvature at each point, 1/m, positive to the left.
+    pub driving_line_curvature_per_m: Vec<f64>,
+    /// What was decided and what decided it.
+    pub why: String,
+}
+
+/// What the method saw and why it decided.
+#[derive(Debug)]
+pub struct FrameEvidence<'a> {
+    /// The ground view.
+    pub ground: &'a GroundPicture,
+    /// The validity mask.
+    pub validity: &'a Plane<u8>,
+    /// The road surface.
+    pub surface: &'a RoadSurface,
+    /// How it was found.
+    pub road: RoadEvidence,
+    /// How the motion was found.
+    pub motion: Option<MotionEvidence>,
+    /// How the tracker decided.
+    pub track: TrackEvidence,
+    /// The masks of the followed feature, where they were matched.
+    pub masks: Option<PlacedMasks<'a>>,
+}
+
+/// A pipeline that cannot be set up, or a frame that cannot be processed.
+#[derive(Debug, Error)]
+pub enum PipelineError {
+    /// A setting is out of range.
+    #[error("configuration: {0}")]
+    Config(#[from] ConfigError),
+    /// The ground view cannot be made.
+    #[error(transparent)]
+    GroundView(#[from] GroundViewError),
+    /// The road surface cannot be found.
+    #[error(transparent)]
+    Road(#[from] RoadError),
+    /// The motion cannot be found.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// The route's features have no shape.
+    #[error("route: {0}")]
+    Route(#[from] GeometryError),
+    /// A mask cannot be drawn.
+    #[error("route feature: {0}")]
+    Mask(#[from] SpanError),
+    /// Pictures do not fit together.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+}
+
+/// The whole method with its state.
+pub struct Pipeline {
+    view: GroundView,
+    detector: Box<dyn RoadDetector>,
+    motion: Box<dyn MotionEstimator>,
+    matcher: Matcher,
+    tracker: Tracker,
+    map: Option<TangentPlane>,
+    config: Config,
+    ground: GroundPicture,
+    surface: RoadSurface,
+}
+
+impl Pipeline {
+    /// A pipeline for `camera`, at `start_m` along `route` where both are known.
+    ///
+    /// # Errors
+    /// [`PipelineError`] when configuration, camera or route cannot be used.
+    pub fn new(
+        config: &Config,
+        camera: &Camera,
+        route: Option<&Route>,
+        start_m: Option<f64>,
+    ) -> Result<Self, PipelineError> {
+        config.check()?;
+        let view = GroundView::new(&config.ground_view, camera)?;
+        let setting = TrackerSetting {
+            track: &config.track,
+            masks: &config.feature_mask,
+            driving_line: &config.driving_line,
+            vehicle: &config.vehicle,
+            progress: &config.route_progress,
+            grid: view.grid(),
+            nearest_seen_m: view.nearest_seen_m(),
+            camera_height_m: camera_height_m(camera),
+        };
+        Ok(Self {
+            detector: Box::new(Backprojection::new(&config.road_surface.backprojection)?),
+            motion: Box::new(FarnebackMotion::new(&config.motion)?),
+            matcher: Matcher::new(&config.matching, view.grid()),
+            tracker: Tracker::new(setting, route, start_m)?,
+            map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
+            config: config.clone(),
+            ground: GroundPicture::default(),
+            surface: RoadSurface::default(),
+            view,
+        })
+    }
+
+    /// Takes one frame in. `finished` is told after each stage, so that the caller can time them.
+    ///
+    /// # Errors
+    /// [`PipelineError`] when the frame does not fit the camera; the state is then as before the frame.
+    pub fn step(
+        &mut self,
+        frame: &RgbImage,
+        sensors: Sensors,
+        finished: &mut dyn FnMut(Stage),
+    ) -> Result<(FrameOutput, FrameEvidence<'_>), PipelineError> {
+        self.view.render(frame, &mut self.ground)?;
+        finished(Stage::GroundView);
+
+        let sample = self.config.road_surface.sample_region(&self.view);
+        let input = RoadInput { colour: &self.ground.colour, validity: self.view.validity(), sample };
+        let road = self.detector.detect(input, &mut self.surface)?;
+        finished(Stage::Road);
+
+        let (motion, motion_evidence) = self.motion.estimate(&self.view, &self.ground)?.unzip();
+        finished(Stage::Motion);
+
+        let laid = self.matcher.laid(&self.surface, self.view.validity())?;
+        let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
+        let (track, track_evidence) = self.tracker.step(motion.as_ref(), &laid, gps_in_map)?;
+        finished(Stage::Match);
+
+        let (driving_line, driving_line_curvature_per_m) = self.driving_line(track.followed.as_ref());
+        let why = why(&track, &track_evidence, self.tracker.stops(), &self.config.track);
+        finished(Stage::DrivingLine);
+
+        let masks = track.followed.as_ref().and_then(|f| self.tracker.placed_masks(f, self.view.grid()));
+        let output = FrameOutput { track, motion, driving_line, driving_line_curvature_per_m, why };
+        let evidence = FrameEvidence {
+            ground: &self.ground,
+            validity: self.view.validity(),
+            surface: &self.surface,
+            road,
+            motion: motion_evidence,
+            track: track_evidence,
+            masks,
+        };
+        Ok((output, evidence))
+    }
+
+    /// The raster and table of the ground view.
+    pub const fn view(&self) -> &GroundView {
+        &self.view
+    }
+
+    /// The tracker with the features of the route.
+    pub const fn tracker(&self) -> &Tracker {
+        &self.tracker
+    }
+
+    /// The configuration in force.
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The driving line ahead of the vehicle through the followed feature.
+    fn driving_line(&self, followed: Option<&Followed>) -> (Vec<Point2<f64>>, Vec<f64>) {
+        let Some((followed, line)) = followed
+            .and_then(|followed| Some((followed, self.tracker.stops().get(followed.index)?.line.as_ref()?)))
+        else {
+            return (Vec::new(), Vec::new());
+        };
+        line.points
+            .iter()
+            .map(|&p_in_feature| followed.vehicle_from_feature * p_in_feature)
+            .zip(line.curvature_per_m.iter().copied())
+            .skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0)
+            .unzip()
+    }
+}
+
+/// Height above the road through which a pitch error acts; for a camera known by points that of a car's.
+fn camera_height_m(camera: &Camera) -> f64 {
+    const CAR_CAMERA_M: f64 = 1.4;
+    match camera.view() {
+        View::Calibrated { mount, .. } => mount.height_m,
+        View::RoadPlane(_) => CAR_CAMERA_M,
+    }
+}

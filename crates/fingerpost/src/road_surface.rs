@@ -1,0 +1,132 @@
+//! Road surface: which pixels are road, as a probability.
+//!
+//! Paper 1, section IV-B. A [`RoadDetector`] turns a picture and the place where road is assumed into a probability
+//! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
+
+mod backprojection;
+
+use fingerpost_vision::backprojection::BackProjectionError;
+use fingerpost_vision::colour::ColourError;
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::histogram::HistogramError;
+use fingerpost_vision::picture::{Plane, Rect, RgbImage};
+use fingerpost_vision::span::RowSums;
+use nalgebra::Point2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+pub use backprojection::{Backprojection, BackprojectionConfig};
+
+use crate::ground_view::GroundView;
+
+/// Settings of road surface detection.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RoadSurfaceConfig {
+    /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
+    pub sample_length_m: f64,
+    /// Width of that region, metres, 0.2 to 10; default 1.8.
+    pub sample_width_m: f64,
+    /// The papers' detector.
+    pub backprojection: BackprojectionConfig,
+}
+
+impl Default for RoadSurfaceConfig {
+    fn default() -> Self {
+        Self { sample_length_m: 4.0, sample_width_m: 1.8, backprojection: BackprojectionConfig::default() }
+    }
+}
+
+impl RoadSurfaceConfig {
+    /// The region assumed to be road in a ground view: straight ahead, from the bottom of what is seen.
+    pub fn sample_region(&self, view: &GroundView) -> Rect {
+        let grid = view.grid();
+        let near = view.nearest_seen_m();
+        let half = 0.5 * self.sample_width_m;
+        let top_left = grid.ground_from_vehicle(Point2::new(near + self.sample_length_m, half));
+        let bottom_right = grid.ground_from_vehicle(Point2::new(near, -half));
+        let clamp = |value: f64, limit: usize| (value + 0.5).round().clamp(0.0, limit as f64) as usize;
+        let (x, y) = (clamp(top_left.column, grid.columns()), clamp(top_left.row, grid.rows()));
+        let (right, bottom) =
+            (clamp(bottom_right.column, grid.columns()), clamp(bottom_right.row, grid.rows()));
+        Rect { x, y, width: right - x, height: bottom - y }
+    }
+}
+
+/// What a detector looks at.
+#[derive(Debug, Clone, Copy)]
+pub struct RoadInput<'a> {
+    /// Ground view (or camera picture).
+    pub colour: &'a RgbImage,
+    /// 1 where `colour` shows something, 0 where it does not; the same size.
+    pub validity: &'a Plane<u8>,
+    /// The region in front of the vehicle that is assumed to be road, pixels.
+    pub sample: Rect,
+}
+
+/// The road surface of one frame.
+#[derive(Debug, Clone, Default)]
+pub struct RoadSurface {
+    /// Probability of road, 255 = 1; 0 on unseen pixels.
+    pub probability: Plane<u8>,
+    /// Prefix sums of `probability` and validity, ready for [`RowSums::cover`].
+    pub sums: RowSums,
+}
+
+/// How a detector came to its surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoadEvidence {
+    /// Name of the detector.
+    pub detector: &'static str,
+    /// Where it sampled, pixels.
+    pub sample: Rect,
+    /// What became of the sample.
+    pub sample_use: SampleUse,
+    /// Mean probability inside the sample, 0 to 1.
+    pub sample_probability: f64,
+    /// Histograms in the rolling mean.
+    pub histograms: usize,
+}
+
+/// What became of a frame's sample of the assumed road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleUse {
+    /// It joined the model.
+    Learned,
+    /// It did not look like the road so far and was left out.
+    LeftOut,
+    /// It did not look like the road so far, but for so long that the surface must have changed.
+    SurfaceChanged,
+    /// Nothing of the region was seen.
+    Unseen,
+}
+
+/// A detector that cannot be used as configured, or on such a picture.
+#[derive(Debug, Error)]
+pub enum RoadError {
+    /// The numbers of histogram bins cannot be used.
+    #[error("road_surface: {0}")]
+    Colour(#[from] ColourError),
+    /// The histograms cannot be used.
+    #[error("road_surface: {0}")]
+    Histogram(#[from] HistogramError),
+    /// The look-up or the disc cannot be used.
+    #[error("road_surface: {0}")]
+    BackProjection(#[from] BackProjectionError),
+    /// Picture and validity do not fit together.
+    #[error("road_surface: {0}")]
+    Picture(#[from] PictureError),
+}
+
+/// A way to tell road from everything else.
+pub trait RoadDetector: Send {
+    /// Finds the road surface of `input`, into `surface`, whose memory is reused.
+    ///
+    /// # Errors
+    /// [`RoadError`] when picture, validity and sample do not fit together.
+    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError>;
+
+    /// Forgets what was learned, as at the start of a drive.
+    fn reset(&mut self);
+}

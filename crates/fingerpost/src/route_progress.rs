@@ -1,0 +1,168 @@
+//! Route progress: how far along the route the vehicle is believed to be.
+//!
+//! The search for the next feature starts from here (paper 1, section VII): from the start given and the motion since,
+//! corrected by every feature that is followed and by GPS where there is any; or from nothing, in which case the
+//! features serve as directions in their order and the first one found says where the vehicle is.
+
+use fingerpost_geometry::Polyline;
+use nalgebra::Point2;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of the progress along the route.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct RouteProgressConfig {
+    /// Standard deviation of a start given by hand, metres, above 0; default 5.
+    pub start_sigma_m: f64,
+    /// Standard deviation of dead reckoning, share of the distance driven, 0 to 1; default 0.05.
+    pub drift_share: f64,
+    /// Standard deviation of a GPS position along the road, metres, above 0; default 6.
+    pub gps_sigma_m: f64,
+    /// A GPS position farther than this from the route is not believed, metres; default 40.
+    pub gps_gate_m: f64,
+}
+
+impl Default for RouteProgressConfig {
+    fn default() -> Self {
+        Self { start_sigma_m: 5.0, drift_share: 0.05, gps_sigma_m: 6.0, gps_gate_m: 40.0 }
+    }
+}
+
+/// Progress along the route as a Gaussian, or unknown.
+#[derive(Debug, Clone)]
+pub struct RouteProgress {
+    config: RouteProgressConfig,
+    known: Option<Known>,
+    /// Metres driven since the first frame: the vehicle started on the route, so it is at least this far along.
+    driven_m: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    mean_m: f64,
+    variance: f64,
+}
+
+/// What became of a GPS position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GpsUse {
+    /// It moved the belief by this much, metres.
+    Accepted {
+        /// Measured minus believed distance along the route.
+        innovation_m: f64,
+    },
+    /// It lies too far from the route.
+    OffRoute {
+        /// Distance from the route, metres.
+        distance_m: f64,
+    },
+}
+
+impl RouteProgress {
+    /// Progress at the first frame: `start_m` along the route, or unknown.
+    pub fn new(config: &RouteProgressConfig, start_m: Option<f64>) -> Self {
+        let known = start_m.map(|mean_m| Known { mean_m, variance: config.start_sigma_m.powi(2) });
+        Self { config: config.clone(), known, driven_m: 0.0 }
+    }
+
+    /// Mean and standard deviation, metres; none while unknown.
+    pub fn belief_m(&self) -> Option<(f64, f64)> {
+        self.known.map(|known| (known.mean_m, known.variance.sqrt()))
+    }
+
+    /// The least progress that is believed possible, metres.
+    pub fn at_least_m(&self) -> f64 {
+        self.known.map_or((1.0 - 3.0 * self.config.drift_share) * self.driven_m, |k| {
+            k.mean_m - 3.0 * k.variance.sqrt()
+        })
+    }
+
+    /// The vehicle moved on by `forward_m`.
+    pub fn advance(&mut self, forward_m: f64) {
+        self.driven_m += forward_m;
+        if let Some(known) = &mut self.known {
+            known.mean_m += forward_m;
+            // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
+            let sigma = known.variance.sqrt() + self.config.drift_share * forward_m.abs();
+            known.variance = sigma * sigma;
+        }
+    }
+
+    /// A followed feature says where on the route the vehicle is.
+    pub fn observe(&mut self, route_m: f64, sigma_m: f64) {
+        // The feature's place is measured against the map in each frame: it replaces dead reckoning.
+        let sigma_m = sigma_m.max(0.3);
+        self.known = Some(Known { mean_m: route_m, variance: sigma_m * sigma_m });
+    }
+
+    /// A GPS position, in the map frame.
+    pub fn observe_gps(&mut self, route: &Polyline, p_in_map: Point2<f64>) -> GpsUse {
+        let foot = match self.known {
+            // Where the route passes the same place twice, the pass that is believed counts.
+            Some(known) => {
+                let reach = 3.0 * known.variance.sqrt() + self.config.gps_gate_m;
+                let low = (known.mean_m - reach).max(0.0);
+                route.part(low, known.mean_m + reach).map_or_else(
+                    |_| route.nearest(p_in_map),
+                    |part| {
+                        let foot = part.nearest(p_in_map);
+                        fingerpost_geometry::Footpoint { along_m: foot.along_m + low, ..foot }
+                    },
+                )
+            }
+            None => route.nearest(p_in_map),
+        };
+        if foot.left_m.abs() > self.config.gps_gate_m {
+            return GpsUse::OffRoute { distance_m: foot.left_m.abs() };
+        }
+        let measured = self.config.gps_sigma_m.powi(2);
+        let known = self.known.unwrap_or(Known { mean_m: foot.along_m, variance: 1e6 });
+        let gain = known.variance / (known.variance + measured);
+        let innovation_m = foot.along_m - known.mean_m;
+        self.known = Some(Known {
+            mean_m: known.mean_m + gain * innovation_m,
+            variance: (1.0 - gain) * known.variance,
+        });
+        GpsUse::Accepted { innovation_m }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn route() -> Polyline {
+        Polyline::new([Point2::new(0.0, 0.0), Point2::new(100.0, 0.0), Point2::new(100.0, 100.0)]).unwrap()
+    }
+
+    #[test]
+    fn dead_reckoning_grows_unsure_and_a_feature_ends_it() {
+        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
+        for _ in 0..100 {
+            progress.advance(1.0);
+        }
+        let (mean, sigma) = progress.belief_m().unwrap();
+        assert!((mean - 110.0).abs() < 1e-9 && (sigma - 10.0).abs() < 1e-6, "{mean} {sigma}");
+        progress.observe(105.0, 0.4);
+        assert!((progress.belief_m().unwrap().0 - 105.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gps_places_a_vehicle_that_knew_nothing() {
+        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
+        assert!(progress.belief_m().is_none());
+        let used = progress.observe_gps(&route(), Point2::new(60.0, 3.0));
+        assert!(matches!(used, GpsUse::Accepted { .. }));
+        assert!((progress.belief_m().unwrap().0 - 60.0).abs() < 0.1);
+        let far = progress.observe_gps(&route(), Point2::new(60.0, -80.0));
+        assert_eq!(far, GpsUse::OffRoute { distance_m: 80.0 });
+    }
+
+    #[test]
+    fn without_a_start_the_distance_driven_is_the_least() {
+        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
+        progress.advance(40.0);
+        assert!((progress.at_least_m() - 34.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,194 @@
+//! Track: which feature of the route is followed, and where it is.
+//!
+//! Paper 1, section VI. A feature is searched for from the route distance; once its masks match in a few frames in a
+//! row it is tracked: ego-motion moves it, the masks are redrawn there and matched again. A feature that is not
+//! confirmed is bracketed about its prediction, and lost only when that fails for a while. When the driving line's
+//! start reaches the bottom of the view the vehicle has arrived, and the next feature of the route is searched for
+//! while the one at hand is carried along until it is passed.
+
+mod alignment;
+mod candidates;
+mod pose_filter;
+mod tracker;
+
+use nalgebra::{Isometry2, Matrix3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::matching::Match;
+use crate::route_progress::GpsUse;
+
+pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
+pub use pose_filter::PoseFilter;
+pub use tracker::{RouteStop, Tracker, TrackerSetting};
+
+/// Settings of search and tracking.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrackConfig {
+    /// P(F) from which a feature counts as seen, 0 to 1; default 0.75.
+    pub detect_threshold: f64,
+    /// P(F) from which a tracked feature counts as confirmed, 0 to detect_threshold; default 0.65.
+    pub confirm_threshold: f64,
+    /// Frames in a row in which a feature must be seen to be tracked, at least 1; default 3.
+    pub detect_frames: usize,
+    /// Frames in a row without confirmation after which a tracked feature is lost, at least 1; default 10.
+    pub lost_frames: usize,
+    /// Step of the search along the road, metres; default 0.5.
+    pub search_forward_step_m: f64,
+    /// Step of the search across the road, metres; default 0.4.
+    pub search_left_step_m: f64,
+    /// How far the vehicle's heading may differ from the road's in the search, degrees; default 6.
+    pub search_heading_deg: f64,
+    /// Step of the search over headings, degrees; default 2.
+    pub search_heading_step_deg: f64,
+    /// Reach of the bracketing search along the road, metres; default 2.
+    pub bracket_forward_m: f64,
+    /// Reach of the bracketing search across the road, metres; default 1.
+    pub bracket_left_m: f64,
+    /// Reach of the bracketing search over headings, degrees; default 6.
+    pub bracket_heading_deg: f64,
+    /// How the place of a matched feature is made precise.
+    pub alignment: AlignmentConfig,
+}
+
+impl Default for TrackConfig {
+    fn default() -> Self {
+        Self {
+            detect_threshold: 0.75,
+            confirm_threshold: 0.65,
+            detect_frames: 3,
+            lost_frames: 10,
+            search_forward_step_m: 0.5,
+            search_left_step_m: 0.4,
+            search_heading_deg: 6.0,
+            search_heading_step_deg: 2.0,
+            bracket_forward_m: 2.0,
+            bracket_left_m: 1.0,
+            bracket_heading_deg: 6.0,
+            alignment: AlignmentConfig::default(),
+        }
+    }
+}
+
+/// Where the search stands after a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// No route was given.
+    NoRoute,
+    /// The next feature has not been found yet.
+    Searching,
+    /// A feature is followed.
+    Tracking,
+    /// Its driving line has begun; the vehicle is on its way through.
+    Arrived,
+    /// It could not be found again and is searched for anew.
+    Lost,
+    /// Every feature of the route has been passed.
+    RouteDone,
+}
+
+/// The followed feature after a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Index of the feature in the route.
+    pub index: usize,
+    /// Its pose.
+    pub vehicle_from_feature: Isometry2<f64>,
+    /// Covariance of its forward (m), left (m) and heading (rad).
+    pub covariance: Matrix3<f64>,
+    /// The match at that pose.
+    pub matched: Match,
+}
+
+/// What the tracker says after a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackOutput {
+    /// Where the search stands.
+    pub state: State,
+    /// The followed feature; none while searching.
+    pub followed: Option<Followed>,
+    /// Believed distance along the route, metres; none while unknown.
+    pub route_m: Option<f64>,
+}
+
+/// What decided a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Decision {
+    /// There is no route.
+    NoRoute,
+    /// The next feature is not in reach of the view yet.
+    NotInReach {
+        /// Index of the feature.
+        index: usize,
+        /// Believed distance to it, metres.
+        ahead_m: f64,
+    },
+    /// The next feature was searched for and nothing matched well enough.
+    NotFound {
+        /// Index of the feature.
+        index: usize,
+    },
+    /// The next feature matched, but not in enough frames yet.
+    Candidate {
+        /// Index of the feature.
+        index: usize,
+        /// Frames in a row so far.
+        frames: usize,
+        /// P(F).
+        p: f64,
+    },
+    /// It matched, but none of the arms that tell it showed both edges of its road.
+    Unbounded {
+        /// Index of the feature.
+        index: usize,
+        /// P(F).
+        p: f64,
+    },
+    /// The feature matched in enough frames: it is tracked from now on.
+    Detected,
+    /// The masks at the predicted place confirmed it.
+    Confirmed,
+    /// They did not, but bracketing found it nearby.
+    FoundByBracketing,
+    /// Neither did; its place is dead reckoning.
+    NotConfirmed {
+        /// Frames in a row so far.
+        frames: usize,
+    },
+    /// It was not confirmed for too long.
+    Lost {
+        /// Index of the feature.
+        index: usize,
+    },
+    /// The driving line's start reached the bottom of the view.
+    Arrived,
+    /// The vehicle is on its way through.
+    Passing,
+    /// The next feature lies behind by all that is known; the one after it is searched for.
+    Skipped {
+        /// Index of the feature.
+        index: usize,
+    },
+    /// Every feature has been passed.
+    RouteDone,
+}
+
+/// How the tracker came to its output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackEvidence {
+    /// What decided the frame.
+    pub decision: Decision,
+    /// Where ego-motion put the followed feature, before any match.
+    pub predicted: Option<Isometry2<f64>>,
+    /// P(F) there.
+    pub predicted_p: Option<f64>,
+    /// Poses that were tried in a search or bracketing.
+    pub tried: usize,
+    /// Best P(F) among them, where one reached the threshold.
+    pub best_p: Option<f64>,
+    /// The cross-sections of the arms that made the place precise.
+    pub sections: Vec<CrossSection>,
+    /// What became of the GPS position, where there was one.
+    pub gps: Option<GpsUse>,
+}

@@ -1,0 +1,434 @@
+//! The tracker's states and how a frame moves it from one to the next.
+
+use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
+use fingerpost_map::{Route, TangentPlane};
+use fingerpost_vision::span::SpanError;
+use nalgebra::{Isometry2, Point2};
+
+use super::alignment::{self, CrossSection, CrossSectionUse};
+use super::candidates::{self, Tried};
+use super::{Decision, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
+use crate::driving_line::{DrivingLine, DrivingLineConfig};
+use crate::feature_masks::{FeatureMaskConfig, MaskCache, PlacedMasks, node_pixel};
+use crate::feature_model::FeatureModel;
+use crate::matching::LaidSurface;
+use crate::motion::Motion;
+use crate::route_progress::{RouteProgress, RouteProgressConfig};
+use crate::vehicle::VehicleConfig;
+
+/// A feature of the route, ready to be looked for.
+#[derive(Debug)]
+pub struct RouteStop {
+    /// Its model.
+    pub model: FeatureModel,
+    /// The driving line through it; none without approach and exit.
+    pub line: Option<DrivingLine>,
+    masks: MaskCache,
+}
+
+#[derive(Debug)]
+enum Mode {
+    Searching { candidate: Option<Candidate>, lost: bool },
+    Tracking { filter: PoseFilter, unconfirmed: usize },
+}
+
+#[derive(Debug)]
+struct Candidate {
+    filter: PoseFilter,
+    frames: usize,
+}
+
+#[derive(Debug)]
+struct Passing {
+    index: usize,
+    filter: PoseFilter,
+}
+
+/// What the tracker needs to know besides the route.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackerSetting<'a> {
+    /// Search and tracking.
+    pub track: &'a TrackConfig,
+    /// Masks.
+    pub masks: &'a FeatureMaskConfig,
+    /// Driving lines.
+    pub driving_line: &'a DrivingLineConfig,
+    /// The vehicle.
+    pub vehicle: &'a VehicleConfig,
+    /// Progress along the route.
+    pub progress: &'a RouteProgressConfig,
+    /// Raster of the ground view.
+    pub grid: &'a GroundGrid,
+    /// Bottom of what is seen ahead, metres.
+    pub nearest_seen_m: f64,
+    /// Height of the camera, metres.
+    pub camera_height_m: f64,
+}
+
+/// Follows the features of a route, one after the other.
+#[derive(Debug)]
+pub struct Tracker {
+    config: TrackConfig,
+    stops: Vec<RouteStop>,
+    route_in_map: Option<Polyline>,
+    next: usize,
+    mode: Mode,
+    passing: Option<Passing>,
+    progress: RouteProgress,
+    nearest_seen_m: f64,
+    farthest_m: f64,
+    camera_height_m: f64,
+}
+
+/// Standard deviations of a place found by a search: metres, metres, radians.
+const FOUND_SIGMAS: [f64; 3] = [1.0, 0.7, 0.06];
+/// A node at least this far behind by all that is known has been passed, metres.
+const PASSED_M: f64 = 3.0;
+/// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
+const EDGE_ROOM_M: f64 = 1.0;
+/// A feature nearer than this many metres beyond the bottom of the view is not searched for: its arms are out of view.
+const NEAREST_BEYOND_M: f64 = 0.5;
+
+impl Tracker {
+    /// A tracker at the start of `route`, or without one.
+    ///
+    /// # Errors
+    /// [`GeometryError`] when a feature's arms have no extent.
+    pub fn new(
+        setting: TrackerSetting<'_>,
+        route: Option<&Route>,
+        start_m: Option<f64>,
+    ) -> Result<Self, GeometryError> {
+        let mut stops = Vec::new();
+        let mut route_in_map = None;
+        if let Some(route) = route
+            && let Some(first) = route.line.first()
+        {
+            let map = TangentPlane::new(first.at);
+            route_in_map = Some(Polyline::new(route.line.iter().map(|point| map.map_from_wgs84(point.at)))?);
+            for feature in &route.features {
+                let model = FeatureModel::new(feature, &map)?;
+                let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
+                let masks =
+                    MaskCache::new(setting.masks, setting.vehicle, setting.grid, &model, line.as_ref());
+                stops.push(RouteStop { model, line, masks });
+            }
+        }
+        Ok(Self {
+            config: setting.track.clone(),
+            stops,
+            route_in_map,
+            next: 0,
+            mode: Mode::Searching { candidate: None, lost: false },
+            passing: None,
+            progress: RouteProgress::new(setting.progress, start_m),
+            nearest_seen_m: setting.nearest_seen_m,
+            farthest_m: setting.grid.far_m() - EDGE_ROOM_M,
+            camera_height_m: setting.camera_height_m,
+        })
+    }
+
+    /// The features of the route with their driving lines.
+    pub fn stops(&self) -> &[RouteStop] {
+        &self.stops
+    }
+
+    /// The masks with which a followed feature was matched.
+    pub fn placed_masks(&self, followed: &Followed, grid: &GroundGrid) -> Option<PlacedMasks<'_>> {
+        let pose = &followed.vehicle_from_feature;
+        let masks = self.stops.get(followed.index)?.masks.drawn(pose.rotation.angle())?;
+        let (column, row) = node_pixel(grid, pose);
+        Some(PlacedMasks { masks, column, row })
+    }
+
+    /// Takes one frame in: the motion since the last, the road surface, and a GPS position in the map frame.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn step(
+        &mut self,
+        motion: Option<&Motion>,
+        laid: &LaidSurface<'_>,
+        gps_in_map: Option<Point2<f64>>,
+    ) -> Result<(TrackOutput, TrackEvidence), SpanError> {
+        let mut evidence = TrackEvidence {
+            decision: Decision::NoRoute,
+            predicted: None,
+            predicted_p: None,
+            tried: 0,
+            best_p: None,
+            sections: Vec::new(),
+            gps: None,
+        };
+        if let Some(motion) = motion {
+            self.predict(motion);
+        }
+        if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
+            evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
+        }
+        let tracked = match &self.mode {
+            Mode::Tracking { .. } => self.track(laid, &mut evidence)?,
+            Mode::Searching { .. } => self.search(laid, &mut evidence)?,
+        };
+        let (state, followed) = match tracked {
+            Some(followed) => (State::Tracking, Some(followed)),
+            None => self.untracked(laid, &mut evidence)?,
+        };
+        let (state, followed) = self.arrive(laid, state, followed, &mut evidence)?;
+        if let Some(followed) = &followed {
+            self.observe_progress(followed);
+        }
+        let route_m = self.progress.belief_m().map(|(mean, _)| mean);
+        Ok((TrackOutput { state, followed, route_m }, evidence))
+    }
+
+    fn predict(&mut self, motion: &Motion) {
+        self.progress.advance(motion.previous_from_current.translation.x);
+        if let Some(passing) = &mut self.passing {
+            passing.filter.predict(motion);
+        }
+        match &mut self.mode {
+            Mode::Tracking { filter, .. } => filter.predict(motion),
+            Mode::Searching { candidate: Some(candidate), .. } => candidate.filter.predict(motion),
+            Mode::Searching { candidate: None, .. } => {}
+        }
+    }
+
+    /// Confirms the tracked feature at its predicted place, or brackets, or counts towards its loss.
+    fn track(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<Option<Followed>, SpanError> {
+        let (Mode::Tracking { filter, unconfirmed }, Some(stop)) =
+            (&mut self.mode, self.stops.get_mut(self.next))
+        else {
+            return Ok(None);
+        };
+        let predicted = *filter.pose();
+        let matched = laid.explain(&mut stop.masks, predicted)?;
+        evidence.predicted = Some(predicted);
+        evidence.predicted_p = matched.p;
+        // Where no sub-mask is seen (close to the feature) there is nothing to confirm or deny.
+        let confirmed = matched.p.is_none_or(|p| p >= self.config.confirm_threshold);
+        if confirmed {
+            *unconfirmed = 0;
+            evidence.decision = Decision::Confirmed;
+        } else {
+            let threshold = self.config.confirm_threshold;
+            let tried = candidates::about(&self.config, laid, &mut stop.masks, threshold, &predicted)?;
+            note(&tried, evidence);
+            if let Some((pose, _)) = tried.best {
+                *unconfirmed = 0;
+                filter.relocate(pose, FOUND_SIGMAS);
+                evidence.decision = Decision::FoundByBracketing;
+            } else {
+                *unconfirmed += 1;
+                evidence.decision = Decision::NotConfirmed { frames: *unconfirmed };
+                if *unconfirmed >= self.config.lost_frames {
+                    evidence.decision = Decision::Lost { index: self.next };
+                    self.mode = Mode::Searching { candidate: None, lost: true };
+                    return Ok(None);
+                }
+            }
+        }
+        if *unconfirmed == 0 {
+            evidence.sections =
+                alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, filter)?;
+        }
+        follow(laid, stop, self.next, filter).map(Some)
+    }
+
+    /// Searches for the next feature where it can be; tracks it once it matched in enough frames.
+    fn search(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<Option<Followed>, SpanError> {
+        self.skip_passed(evidence);
+        let range = self.search_range(evidence);
+        let (Mode::Searching { candidate, .. }, Some(stop)) = (&mut self.mode, self.stops.get_mut(self.next))
+        else {
+            return Ok(None);
+        };
+        let tried = match (&candidate, range) {
+            (Some(candidate), _) => {
+                let (threshold, pose) = (self.config.detect_threshold, candidate.filter.pose());
+                candidates::about(&self.config, laid, &mut stop.masks, threshold, pose)?
+            }
+            (None, Some(range)) => {
+                candidates::along_approach(&self.config, laid, &stop.model, &mut stop.masks, range)?
+            }
+            (None, None) => return Ok(None),
+        };
+        note(&tried, evidence);
+        let Some((pose, p)) = tried.best else {
+            *candidate = None;
+            evidence.decision = Decision::NotFound { index: self.next };
+            return Ok(None);
+        };
+        let (mut filter, frames) = match candidate.take() {
+            Some(candidate) => (candidate.filter, candidate.frames + 1),
+            None => (PoseFilter::new(pose, FOUND_SIGMAS), 1),
+        };
+        evidence.sections =
+            alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, &mut filter)?;
+        let told = |section: &CrossSection| {
+            section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
+        };
+        if !evidence.sections.iter().any(told) {
+            evidence.decision = Decision::Unbounded { index: self.next, p };
+            return Ok(None);
+        }
+        if frames < self.config.detect_frames {
+            evidence.decision = Decision::Candidate { index: self.next, frames, p };
+            *candidate = Some(Candidate { filter, frames });
+            return Ok(None);
+        }
+        evidence.decision = Decision::Detected;
+        let followed = follow(laid, stop, self.next, &filter)?;
+        self.mode = Mode::Tracking { filter, unconfirmed: 0 };
+        Ok(Some(followed))
+    }
+
+    /// Moves on past features that lie behind by all that is known.
+    fn skip_passed(&mut self, evidence: &mut TrackEvidence) {
+        while let Some(stop) = self.stops.get(self.next)
+            && self.progress.at_least_m() > stop.model.route_m + PASSED_M
+        {
+            evidence.decision = Decision::Skipped { index: self.next };
+            self.next += 1;
+            self.mode = Mode::Searching { candidate: None, lost: false };
+        }
+    }
+
+    /// Distances of the next feature's node that are possible and in view, metres; none when there are none.
+    fn search_range(&self, evidence: &mut TrackEvidence) -> Option<std::ops::RangeInclusive<f64>> {
+        let stop = self.stops.get(self.next)?;
+        let (mut low, mut high) = (self.nearest_seen_m + NEAREST_BEYOND_M, self.farthest_m);
+        if let Some((mean, sigma)) = self.progress.belief_m() {
+            let ahead_m = stop.model.route_m - mean;
+            low = low.max(ahead_m - 3.0 * sigma);
+            high = high.min(ahead_m + 3.0 * sigma);
+            if !matches!(evidence.decision, Decision::Skipped { .. }) {
+                evidence.decision = Decision::NotInReach { index: self.next, ahead_m };
+            }
+        }
+        (low <= high).then_some(low..=high)
+    }
+
+    /// State and carried feature of a frame in which none is tracked.
+    fn untracked(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<(State, Option<Followed>), SpanError> {
+        let gone = self.passing.as_ref().is_some_and(|passing| passed(&self.stops, passing));
+        if gone {
+            self.passing = None;
+        }
+        if let Some(passing) = &mut self.passing
+            && let Some(stop) = self.stops.get_mut(passing.index)
+        {
+            let matched = laid.explain(&mut stop.masks, *passing.filter.pose())?;
+            if matched.p.is_some_and(|p| p >= self.config.confirm_threshold) {
+                let (config, height) = (&self.config.alignment, self.camera_height_m);
+                let sections = alignment::align(config, height, laid, &stop.model, &mut passing.filter)?;
+                if evidence.sections.is_empty() {
+                    evidence.sections = sections;
+                }
+            }
+            if matches!(
+                evidence.decision,
+                Decision::NotInReach { .. } | Decision::NotFound { .. } | Decision::NoRoute
+            ) {
+                evidence.decision = Decision::Passing;
+            }
+            let followed = follow(laid, stop, passing.index, &passing.filter)?;
+            return Ok((State::Arrived, Some(followed)));
+        }
+        let state = if self.stops.is_empty() {
+            State::NoRoute
+        } else if self.next >= self.stops.len() {
+            evidence.decision = Decision::RouteDone;
+            State::RouteDone
+        } else {
+            match self.mode {
+                Mode::Searching { lost: true, .. } => State::Lost,
+                _ => State::Searching,
+            }
+        };
+        Ok((state, None))
+    }
+
+    /// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
+    fn arrive(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        state: State,
+        followed: Option<Followed>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<(State, Option<Followed>), SpanError> {
+        let (State::Tracking, Some(followed), Mode::Tracking { filter, .. }) = (state, &followed, &self.mode)
+        else {
+            return Ok((state, followed));
+        };
+        let Some(stop) = self.stops.get(self.next) else { return Ok((state, Some(followed.clone()))) };
+        let start = stop.line.as_ref().map_or(Point2::origin(), DrivingLine::start);
+        let bottom_m = laid.grid().near_m().max(self.nearest_seen_m);
+        // The frame of detection is reported as tracking first.
+        if matches!(evidence.decision, Decision::Detected) || (filter.pose() * start).x > bottom_m {
+            return Ok((state, Some(followed.clone())));
+        }
+        evidence.decision = Decision::Arrived;
+        self.passing = Some(Passing { index: self.next, filter: filter.clone() });
+        self.next += 1;
+        self.mode = Mode::Searching { candidate: None, lost: false };
+        Ok((State::Arrived, Some(followed.clone())))
+    }
+
+    fn observe_progress(&mut self, followed: &Followed) {
+        let Some(stop) = self.stops.get(followed.index) else { return };
+        let p_in_feature = followed.vehicle_from_feature.inverse() * Point2::origin();
+        let along = |course: &Polyline| course.nearest(p_in_feature);
+        let (approach, exit) = (stop.model.approach(), stop.model.exit());
+        let before = approach.map(|arm| along(&arm.course));
+        let behind = exit.map(|arm| along(&arm.course));
+        let route_m = match (before, behind) {
+            (Some(before), Some(behind)) if behind.left_m.abs() < before.left_m.abs() => {
+                stop.model.route_m + behind.along_m
+            }
+            (Some(before), _) => stop.model.route_m - before.along_m,
+            _ => return,
+        };
+        let sigma = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+        self.progress.observe(route_m, sigma);
+    }
+}
+
+/// Whether the vehicle's origin is past the end of the line through the feature.
+fn passed(stops: &[RouteStop], passing: &Passing) -> bool {
+    let end = stops
+        .get(passing.index)
+        .and_then(|stop| stop.line.as_ref())
+        .map_or(Point2::origin(), DrivingLine::end);
+    let end_in_vehicle = passing.filter.pose() * end;
+    let node_in_vehicle = passing.filter.pose() * Point2::origin();
+    end_in_vehicle.x < 0.0 && node_in_vehicle.x < PASSED_M
+}
+
+fn follow(
+    laid: &LaidSurface<'_>,
+    stop: &mut RouteStop,
+    index: usize,
+    filter: &PoseFilter,
+) -> Result<Followed, SpanError> {
+    let vehicle_from_feature: Isometry2<f64> = *filter.pose();
+    let matched = laid.explain(&mut stop.masks, vehicle_from_feature)?;
+    Ok(Followed { index, vehicle_from_feature, covariance: *filter.covariance(), matched })
+}
+
+fn note(tried: &Tried, evidence: &mut TrackEvidence) {
+    evidence.tried += tried.count;
+    evidence.best_p = tried.best.map(|(_, p)| p);
+}
