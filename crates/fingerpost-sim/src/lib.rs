@@ -1,1 +1,34 @@
-//! Placeholder.
+//! A vehicle on a real map's roads, seen by its camera; truth beside every frame.
+//!
+//! Roads come from a [`fingerpost_map::RoadGraph`], the way from a [`fingerpost_map::Route`], the lens from a
+//! [`fingerpost_geometry::Camera`]; [`Conditions`] say what the day is like. [`Simulator::frame`] renders a picture
+//! with an own ray caster, the mask of the road in it, and the [`fingerpost_format::TruthRecord`]. It knows nothing of
+//! the method that is tried on its pictures. No file, clock or global state: the same input and seed give the same
+//! bytes, frame by frame, on any number of threads and in any order.
+//!
+//! Limits: one vehicle, no other traffic; bridges are level crossings; lenses sharp everywhere, no motion blur, no
+//! rolling shutter; roads within 80 m of the route.
+
+mod conditions;
+mod config;
+mod drive;
+mod error;
+mod ground;
+mod noise;
+mod object;
+mod path;
+mod relief;
+mod render;
+mod roads;
+mod scenery;
+mod simulator;
+mod sky;
+mod surface;
+mod texture;
+mod tone;
+mod truth;
+
+pub use conditions::{Conditions, Markings};
+pub use config::{SimConfig, TrafficSide};
+pub use error::SimError;
+pub use simulator::{SimFrame, Simulator};

@@ -1,0 +1,67 @@
+//! What a drive is made from, apart from map, route and camera.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::check_range;
+use crate::{Conditions, SimError};
+
+/// The side of the road on which traffic keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrafficSide {
+    /// Left of the centre line, a quarter of the road's width away from it.
+    Left,
+    /// Right of the centre line, a quarter of the road's width away from it.
+    #[default]
+    Right,
+    /// On the centre line.
+    Centre,
+}
+
+/// Settings of a simulated drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SimConfig {
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// Frames a second.
+    pub fps: f64,
+    /// At most so many frames; none: as many as the route takes.
+    pub frames: Option<usize>,
+    /// What the drive looks like.
+    pub conditions: Conditions,
+    /// The vehicle's side of the road.
+    pub traffic: TrafficSide,
+    /// Speed on a straight road, m/s.
+    pub cruise_speed_mps: f64,
+    /// Distance along the route at which the first frame is taken, metres.
+    pub start_m: f64,
+}
+
+impl Default for SimConfig {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            fps: 10.0,
+            frames: None,
+            conditions: Conditions::CLEAR,
+            traffic: TrafficSide::Right,
+            // 29 km/h, a side street's pace.
+            cruise_speed_mps: 8.0,
+            start_m: 5.0,
+        }
+    }
+}
+
+impl SimConfig {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`SimError::OutOfRange`] names the first that is not finite or makes no drive.
+    pub fn check(&self) -> Result<(), SimError> {
+        check_range("fps", self.fps, 0.1, 1000.0, "0.1 to 1000 frames a second")?;
+        check_range("cruise_speed_mps", self.cruise_speed_mps, 1.0, 40.0, "1 to 40 m/s")?;
+        check_range("start_m", self.start_m, 0.0, 1e6, "0 or more metres along the route")?;
+        self.conditions.check()
+    }
+}

@@ -1,0 +1,327 @@
+//! The ray caster: one ray a pixel, against the ground's raster and the few objects near its tile of the picture.
+//!
+//! Rays are taken through the lens once, in the camera frame; a frame's pose only turns them. The picture is worked in
+//! bands of square tiles; a tile keeps the objects whose ball its cone of rays may touch, whatever the lens does.
+//! Every pixel depends on the frame and its own place alone, so bands can be rendered in any order.
+
+use fingerpost_geometry::{Camera, Pixel, View};
+use fingerpost_vision::picture::{Plane, RgbImage};
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+
+use crate::conditions::Conditions;
+use crate::ground::GroundMap;
+use crate::noise::mix;
+use crate::object::{Hit, Object, Ray, dot};
+use crate::relief::ReliefRaster;
+use crate::scenery::Scenery;
+use crate::sky::Sky;
+use crate::surface::{Colour, Footprint, Painter};
+use crate::{SimError, tone};
+
+/// Side of a tile of the picture, pixels.
+const TILE_PX: usize = 16;
+/// Objects farther off than this are left to the haze, metres.
+const OBJECT_REACH_M: f32 = 160.0;
+/// Distant woods hide the ground beyond, metres.
+const GROUND_REACH_M: f32 = 900.0;
+/// Light of the open sky and of the sun on a surface that faces them.
+const SKY_LIGHT: Colour = [0.50, 0.56, 0.66];
+const SUN_LIGHT: Colour = [0.88, 0.82, 0.72];
+
+/// Directions of the pixels in the camera frame, and the cones around the tiles' directions.
+#[derive(Debug, Clone)]
+struct Lens {
+    /// Unit vectors, row by row; zero where the lens sees nothing.
+    directions: Vec<[f32; 3]>,
+    /// For each tile the unit vector in its middle, and cosine and sine of the angle to its farthest pixel.
+    cones: Vec<([f32; 3], f32, f32)>,
+    /// Angle between neighbouring pixels, radians.
+    pixel_rad: f32,
+}
+
+impl Lens {
+    fn new(camera: &Camera) -> Result<Self, SimError> {
+        let View::Calibrated { intrinsics, distortion, .. } = camera.view() else {
+            return Err(SimError::CameraWithoutLens);
+        };
+        let (width, height) = (camera.width(), camera.height());
+        let direction = |u: usize, v: usize| {
+            let pixel = Pixel::new(u as f64, v as f64);
+            let x = (pixel.u - intrinsics.cx) / intrinsics.fx;
+            let y = (pixel.v - intrinsics.cy) / intrinsics.fy;
+            distortion
+                .undistort(nalgebra::Vector2::new(x, y))
+                .map_or([0.0; 3], |d| [d.x as f32, d.y as f32, d.z as f32])
+        };
+        let directions: Vec<[f32; 3]> =
+            (0..width * height).into_par_iter().map(|i| direction(i % width, i / width)).collect();
+        let mut cones = Vec::new();
+        for top in (0..height).step_by(TILE_PX) {
+            for left in (0..width).step_by(TILE_PX) {
+                let pixels: Vec<[f32; 3]> = (top..(top + TILE_PX).min(height))
+                    .flat_map(|v| (left..(left + TILE_PX).min(width)).map(move |u| v * width + u))
+                    .map(|i| directions[i])
+                    .collect();
+                cones.push(cone_around(&pixels));
+            }
+        }
+        let pixel_rad = (1.0 / (intrinsics.fx * intrinsics.fy).sqrt()) as f32;
+        Ok(Self { directions, cones, pixel_rad })
+    }
+}
+
+fn cone_around(directions: &[[f32; 3]]) -> ([f32; 3], f32, f32) {
+    let sum = directions.iter().fold([0.0; 3], |sum, d| [sum[0] + d[0], sum[1] + d[1], sum[2] + d[2]]);
+    let length = dot(sum, sum).sqrt();
+    if length < 1e-6 {
+        return ([0.0, 0.0, 1.0], 1.0, 0.0);
+    }
+    let axis = sum.map(|x| x / length);
+    let seen = directions.iter().filter(|d| dot(**d, **d) > 0.5);
+    let cos = seen.map(|d| dot(*d, axis)).fold(1.0_f32, f32::min).clamp(-1.0, 1.0);
+    (axis, cos, (1.0 - cos * cos).max(0.0).sqrt())
+}
+
+/// Where the camera is in a frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FrameView {
+    /// Number of the frame, for its noise.
+    pub(crate) frame: u64,
+    /// Pose of the camera in the map frame.
+    pub(crate) map_from_camera: Isometry3<f64>,
+    /// Height of the ground below the vehicle, metres.
+    pub(crate) ground_m: f64,
+}
+
+/// Everything that does not change from frame to frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Renderer {
+    width: usize,
+    height: usize,
+    lens: Lens,
+    pub(crate) ground: GroundMap,
+    relief: ReliefRaster,
+    scenery: Scenery,
+    painter: Painter,
+    sky: Sky,
+    develop: tone::Development,
+    seed: u64,
+    shadow_strength: f32,
+}
+
+/// An object near a tile: its index and the distance at which its ball begins.
+type Candidate = (f32, u32);
+
+impl Renderer {
+    pub(crate) fn new(
+        camera: &Camera,
+        conditions: &Conditions,
+        seed: u64,
+        ground: GroundMap,
+        relief: ReliefRaster,
+        scenery: Scenery,
+        painter: Painter,
+    ) -> Result<Self, SimError> {
+        Ok(Self {
+            width: camera.width(),
+            height: camera.height(),
+            lens: Lens::new(camera)?,
+            ground,
+            relief,
+            scenery,
+            painter,
+            sky: Sky::new(seed),
+            develop: tone::Development::new(conditions),
+            seed,
+            shadow_strength: conditions.shadow_strength as f32,
+        })
+    }
+
+    /// The picture of a frame, and its mask of road: 255 where the pixel shows road, 0 elsewhere.
+    pub(crate) fn render(&self, view: &FrameView) -> (RgbImage, Plane<u8>) {
+        let mut picture = RgbImage::new(self.width, self.height);
+        let mut road = Plane::new(self.width, self.height, 0_u8);
+        let shot = Shot::new(self, view);
+        let bands = picture
+            .as_mut_slice()
+            .par_chunks_mut(TILE_PX * self.width * 3)
+            .zip(road.as_mut_slice().par_chunks_mut(TILE_PX * self.width));
+        bands.enumerate().for_each(|(band, (pixels, mask))| shot.band(band, pixels, mask));
+        (picture, road)
+    }
+}
+
+/// A frame being rendered.
+struct Shot<'a> {
+    scene: &'a Renderer,
+    /// Columns of the rotation from camera to map.
+    rotation: [[f32; 3]; 3],
+    origin: [f32; 3],
+    ground_m: f32,
+    noise_seed: u64,
+    /// Objects within reach, with middle of their ball relative to the camera, its radius and distance.
+    near: Vec<(u32, [f32; 3], f32, f32)>,
+}
+
+impl<'a> Shot<'a> {
+    fn new(scene: &'a Renderer, view: &FrameView) -> Self {
+        let matrix = view.map_from_camera.rotation.to_rotation_matrix();
+        let rotation = [0, 1, 2].map(|c| [0, 1, 2].map(|r| matrix[(r, c)] as f32));
+        let origin = [0, 1, 2].map(|i| view.map_from_camera.translation.vector[i] as f32);
+        let mut near: Vec<(u32, [f32; 3], f32, f32)> = Vec::new();
+        for (index, object) in scene.scenery.objects().iter().enumerate() {
+            let (middle, radius) = object.ball();
+            let offset = [0, 1, 2].map(|i| middle[i] - origin[i]);
+            let distance = dot(offset, offset).sqrt();
+            if distance < OBJECT_REACH_M && dot(offset, rotation[2]) > -radius {
+                near.push((index as u32, offset, radius, distance));
+            }
+        }
+        near.sort_by(|a, b| (a.3 - a.2).total_cmp(&(b.3 - b.2)).then(a.0.cmp(&b.0)));
+        let noise_seed = mix(scene.seed ^ mix(view.frame ^ 0x4652_414d));
+        Self { scene, rotation, origin, ground_m: view.ground_m as f32, noise_seed, near }
+    }
+
+    fn turned(&self, d: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = self.rotation;
+        [0, 1, 2].map(|i| x[i] * d[0] + y[i] * d[1] + z[i] * d[2])
+    }
+
+    fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
+        let width = self.scene.width;
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
+            self.candidates(band * width.div_ceil(TILE_PX) + column, &mut candidates);
+            for row in 0..mask.len() / width {
+                for u in left..(left + TILE_PX).min(width) {
+                    let i = row * width + u;
+                    let (colour, road) = self.pixel(band * TILE_PX + row, u, &candidates);
+                    mask[i] = road;
+                    pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
+                }
+            }
+        }
+    }
+
+    /// Objects whose ball the tile's cone of rays may touch, nearest first.
+    fn candidates(&self, tile: usize, found: &mut Vec<Candidate>) {
+        found.clear();
+        let (axis, cos, sin) = self.scene.lens.cones[tile];
+        let axis = self.turned(axis);
+        for &(index, offset, radius, distance) in &self.near {
+            let touches = if distance <= radius {
+                true
+            } else {
+                // Angle to the middle at most cone plus ball: compare cosines by the addition theorem.
+                let ball_sin = radius / distance;
+                let ball_cos = (1.0 - ball_sin * ball_sin).sqrt();
+                let limit = cos * ball_cos - sin * ball_sin;
+                let opened = sin * ball_cos + cos * ball_sin;
+                opened < 0.0 || dot(offset, axis) >= limit * distance
+            };
+            if touches {
+                found.push((distance - radius, index));
+            }
+        }
+    }
+
+    #[inline]
+    fn pixel(&self, v: usize, u: usize, candidates: &[Candidate]) -> ([u8; 3], u8) {
+        let scene = self.scene;
+        let index = v * scene.width + u;
+        let in_camera = scene.lens.directions[index];
+        if dot(in_camera, in_camera) < 0.5 {
+            return ([0; 3], 0);
+        }
+        let direction = self.turned(in_camera);
+        let ground = self.ground_distance(direction);
+        let ray = Ray { origin: self.origin, direction };
+        let (light, road) = match self.first_hit(&ray, ground, candidates) {
+            Some((object, hit)) => (self.object_light(object, &hit), 0),
+            None if ground < GROUND_REACH_M => self.ground_light(direction, ground),
+            None => (scene.sky.colour(direction), 0),
+        };
+        let noise = mix(self.noise_seed ^ index as u64);
+        (scene.develop.develop(light, self.off_centre(u, v), noise), road)
+    }
+
+    /// Square of the distance from the picture's middle, 1 in the corners.
+    fn off_centre(&self, u: usize, v: usize) -> f32 {
+        let (half_u, half_v) = (0.5 * self.scene.width as f32, 0.5 * self.scene.height as f32);
+        let (x, y) = (u as f32 - half_u, v as f32 - half_v);
+        (x * x + y * y) / (half_u * half_u + half_v * half_v)
+    }
+
+    /// Distance along a ray to the ground, metres; infinite above the horizon.
+    #[inline]
+    fn ground_distance(&self, d: [f32; 3]) -> f32 {
+        let above = self.origin[2] - self.ground_m;
+        if d[2] > -1e-5 {
+            return f32::INFINITY;
+        }
+        let level = above / -d[2];
+        let relief = &self.scene.relief;
+        if relief.is_flat() || level > 300.0 {
+            return level;
+        }
+        let gap = |t: f32| {
+            self.origin[2] + t * d[2] - relief.height_m(self.origin[0] + t * d[0], self.origin[1] + t * d[1])
+        };
+        // One step by the ray's own slope, then secants; ground waves are gentle against the rays that meet them.
+        let (mut before, mut gap_before) = (level, gap(level));
+        let mut t = (before + gap_before / -d[2]).clamp(0.5 * level, 2.0 * level);
+        for _ in 0..2 {
+            let here = gap(t);
+            let slope = (here - gap_before) / (t - before);
+            (before, gap_before) = (t, here);
+            // A ray that skims a crest has no clear slope; the plain step is safe there.
+            let step = if slope < 0.3 * d[2] { here / -slope } else { here / -d[2] };
+            t = (t + step).clamp(0.5 * level, 2.0 * level);
+            if step.abs() < 2e-4 * t {
+                break;
+            }
+        }
+        t
+    }
+
+    #[inline]
+    fn first_hit(&self, ray: &Ray, mut limit: f32, candidates: &[Candidate]) -> Option<(&'a Object, Hit)> {
+        let objects = self.scene.scenery.objects();
+        let mut best = None;
+        for &(from, index) in candidates {
+            if from > limit {
+                break;
+            }
+            let object = &objects[index as usize];
+            if let Some(hit) = object.hit(ray).filter(|hit| hit.t < limit) {
+                limit = hit.t;
+                best = Some((object, hit));
+            }
+        }
+        best
+    }
+
+    #[inline]
+    fn ground_light(&self, d: [f32; 3], t: f32) -> (Colour, u8) {
+        let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
+        let point = self.scene.ground.at(x, y);
+        let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
+        let across_m = t * self.scene.lens.pixel_rad;
+        let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
+        let (road, colour) = self.scene.painter.ground(x, y, &point, &footprint);
+        let sun = (1.0 - self.scene.shadow_strength * point.shadow) * self.scene.scenery.to_sun()[2].max(0.7);
+        let lit = [0, 1, 2].map(|i| colour[i] * (SKY_LIGHT[i] + SUN_LIGHT[i] * sun));
+        (Sky::hazed(lit, t), if road >= 0.5 { 255 } else { 0 })
+    }
+
+    fn object_light(&self, object: &Object, hit: &Hit) -> Colour {
+        let footprint_m = hit.t * self.scene.lens.pixel_rad;
+        let colour = self.scene.painter.object(object, hit, footprint_m);
+        let facing = dot(hit.normal, self.scene.scenery.to_sun()).max(0.0);
+        // Less sky is seen by what faces down.
+        let sky = 0.7 + 0.3 * hit.normal[2];
+        let lit = [0, 1, 2].map(|i| colour[i] * (SKY_LIGHT[i] * sky + SUN_LIGHT[i] * facing));
+        Sky::hazed(lit, hit.t)
+    }
+}

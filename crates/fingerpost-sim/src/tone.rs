@@ -1,0 +1,77 @@
+//! From light to bytes: exposure, vignette, the display's curve, the sensor's noise.
+
+use crate::Conditions;
+use crate::surface::Colour;
+
+/// Entries of the curve's table: a third of a grey level apart at the steepest.
+const TABLE: usize = 4096;
+/// Light that comes out as white.
+const WHITE: f32 = 1.15;
+/// The display's curve as a power (IEC 61966-2-1, its overall exponent).
+const GAMMA: f64 = 2.2;
+/// Standard deviation of the sum of four random bytes.
+const FOUR_BYTES_SIGMA: f32 = 147.8;
+/// Share of the noise that is the same in all channels; the rest is one of colour.
+const GREY_SHARE: f32 = 0.85;
+
+/// Turns light into bytes.
+#[derive(Debug, Clone)]
+pub(crate) struct Development {
+    levels: Vec<f32>,
+    vignette: f32,
+    noise_levels: f32,
+}
+
+impl Development {
+    pub(crate) fn new(conditions: &Conditions) -> Self {
+        let levels =
+            (0..TABLE).map(|i| 255.0 * (i as f64 / (TABLE - 1) as f64).powf(1.0 / GAMMA) as f32).collect();
+        Self { levels, vignette: conditions.vignette as f32, noise_levels: conditions.noise_levels as f32 }
+    }
+
+    /// The bytes of a pixel: `off_centre` is 1 in the picture's corners, `noise` 64 random bits.
+    #[inline]
+    pub(crate) fn develop(&self, light: Colour, off_centre: f32, noise: u64) -> [u8; 3] {
+        let exposure = (1.0 - self.vignette * off_centre) * (TABLE - 1) as f32 / WHITE;
+        let byte = |shift: u32| ((noise >> shift) & 0xFF) as f32 - 127.5;
+        let scale = self.noise_levels / FOUR_BYTES_SIGMA;
+        let grey = GREY_SHARE * scale * (byte(0) + byte(8) + byte(16) + byte(24));
+        // Two bytes for each of two channels; the third balances them.
+        let spread = 1.4 * (1.0 - GREY_SHARE) * scale;
+        let (red, blue) = (2.0 * spread * (byte(32) + byte(40)), 2.0 * spread * (byte(48) + byte(56)));
+        let tint = [red, -0.5 * (red + blue), blue];
+        [0, 1, 2].map(|i| {
+            let entry = ((light[i] * exposure) as usize).min(TABLE - 1);
+            // Adding a half rounds; the conversion clamps.
+            (self.levels[entry] + grey + tint[i] + 0.5) as u8
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_the_spread_asked_for_and_no_bias() {
+        let development = Development::new(&Conditions { noise_levels: 4.0, ..Conditions::IDEAL });
+        let plain = Development::new(&Conditions::IDEAL).develop([0.2; 3], 0.0, 0);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for i in 0..20_000 {
+            let green = development.develop([0.2; 3], 0.0, crate::noise::mix(i))[1];
+            let error = f64::from(green) - f64::from(plain[1]);
+            (sum, squares) = (sum + error, squares + error * error);
+        }
+        assert!((sum / 20_000.0).abs() < 0.15, "bias {}", sum / 20_000.0);
+        let sigma = (squares / 20_000.0).sqrt();
+        assert!((sigma - 4.0).abs() < 0.8, "{sigma}");
+    }
+
+    #[test]
+    fn corners_are_darker_by_the_vignette() {
+        let development = Development::new(&Conditions { vignette: 0.5, ..Conditions::IDEAL });
+        let (middle, corner) = (development.develop([0.4; 3], 0.0, 0), development.develop([0.4; 3], 1.0, 0));
+        let ratio = f64::from(corner[0]) / f64::from(middle[0]);
+        assert!((ratio - 0.5_f64.powf(1.0 / GAMMA)).abs() < 0.01);
+    }
+}
