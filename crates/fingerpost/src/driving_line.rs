@@ -160,7 +160,8 @@ fn hand_out(
     points.extend((1..=lead).map(|i| outbound.at(setback_m + step * i as f64).0));
     let curvature = (0..points.len())
         .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {
-            Some(&t) => curve.curvature(t),
+            // kurbo counts a turn from y to x as positive.
+            Some(&t) => -curve.curvature(t),
             None if i == 0 || i + 1 == points.len() => 0.0,
             None => three_point_curvature(points[i - 1], points[i], points[i + 1]),
         })

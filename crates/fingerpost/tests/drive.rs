@@ -1,0 +1,151 @@
+//! The whole method on painted drives: every place is known, so every number is checked.
+#![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
+
+mod painted;
+
+use fingerpost::track::State;
+use fingerpost::vehicle::Traffic;
+use fingerpost::{Config, FrameOutput, Pipeline, Sensors};
+use fingerpost_map::FeatureKind;
+use nalgebra::{Isometry2, Point2, Vector2};
+use painted::{Junction, Place, World, camera, route};
+
+const WIDTH_M: f64 = 5.5;
+
+struct Drive {
+    outputs: Vec<FrameOutput>,
+    vehicle_from_node: Vec<Point2<f64>>,
+}
+
+/// Drives straight north towards a node at the origin, from `from_m` before it, `left_m` left of the road's middle.
+fn drive(world: &World, junction: &Junction<'_>, config: &Config, left_m: f64, step_m: f64) -> Drive {
+    let camera = camera();
+    let (route, _) = route(junction);
+    let mut pipeline = Pipeline::new(config, &camera, Some(&route), None).unwrap();
+    let mut result = Drive { outputs: Vec::new(), vehicle_from_node: Vec::new() };
+    let frames = ((28.0 - 6.0) / step_m) as usize;
+    for i in 0..frames {
+        let y = -28.0 + step_m * i as f64;
+        let map_from_vehicle = Isometry2::new(Vector2::new(-left_m, y), std::f64::consts::FRAC_PI_2);
+        let frame = world.picture(&camera, &map_from_vehicle);
+        let (output, _) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
+        result.outputs.push(output);
+        result.vehicle_from_node.push(map_from_vehicle.inverse() * Point2::origin());
+    }
+    result
+}
+
+fn centred() -> Config {
+    let mut config = Config::default();
+    config.vehicle.traffic = Traffic::Centre;
+    config
+}
+
+const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
+const NORTH: &[Place] = &[(0.0, 0.0), (0.0, 60.0)];
+const EAST: &[Place] = &[(0.0, 0.0), (60.0, 0.0)];
+const WEST: &[Place] = &[(0.0, 0.0), (-60.0, 0.0)];
+
+fn check_found(drive: &Drive) {
+    let first =
+        drive.outputs.iter().position(|o| o.track.state == State::Tracking).expect("the junction is found");
+    let distance = drive.vehicle_from_node[first].x;
+    assert!(distance > 13.0, "found only {distance} m ahead");
+    let mut arrived = false;
+    for (output, truth) in drive.outputs.iter().zip(&drive.vehicle_from_node).skip(first) {
+        let Some(followed) = &output.track.followed else { continue };
+        let error = followed.vehicle_from_feature.translation.vector - truth.coords;
+        assert!(error.norm() < 0.35, "{truth}: off by {error}, {}", output.why);
+        arrived |= output.track.state == State::Arrived;
+    }
+    assert!(arrived, "the driving line's start reached the bottom of the view");
+}
+
+#[test]
+fn a_t_junction_to_the_right_is_found_followed_and_arrived_at() {
+    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
+    let junction = Junction {
+        kind: FeatureKind::Junction,
+        approach: SOUTH,
+        exit: EAST,
+        sides: &[WEST],
+        width_m: WIDTH_M,
+    };
+    check_found(&drive(&world, &junction, &centred(), 0.0, 0.6));
+}
+
+#[test]
+fn the_side_of_the_road_does_not_matter() {
+    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
+    let junction = Junction {
+        kind: FeatureKind::Junction,
+        approach: SOUTH,
+        exit: WEST,
+        sides: &[EAST],
+        width_m: WIDTH_M,
+    };
+    check_found(&drive(&world, &junction, &Config::default(), -1.3, 0.6));
+}
+
+#[test]
+fn a_side_road_is_found_on_its_own_side_alone() {
+    let to_the_left = World::new(&[(SOUTH, WIDTH_M), (NORTH, WIDTH_M), (WEST, WIDTH_M)]);
+    let left = Junction {
+        kind: FeatureKind::SideRoad,
+        approach: SOUTH,
+        exit: NORTH,
+        sides: &[WEST],
+        width_m: WIDTH_M,
+    };
+    let right = Junction {
+        sides: &[EAST],
+        ..Junction { kind: FeatureKind::SideRoad, approach: SOUTH, exit: NORTH, sides: &[], width_m: WIDTH_M }
+    };
+    check_found(&drive(&to_the_left, &left, &centred(), 0.0, 0.6));
+    let mirrored = drive(&to_the_left, &right, &centred(), 0.0, 0.6);
+    assert!(
+        mirrored.outputs.iter().all(|o| o.track.followed.is_none()),
+        "a road on the left is none on the right"
+    );
+}
+
+#[test]
+fn a_straight_road_is_no_feature() {
+    let world = World::new(&[(SOUTH, WIDTH_M), (NORTH, WIDTH_M)]);
+    let junction = Junction {
+        kind: FeatureKind::Junction,
+        approach: SOUTH,
+        exit: EAST,
+        sides: &[WEST],
+        width_m: WIDTH_M,
+    };
+    let drive = drive(&world, &junction, &centred(), 0.0, 0.6);
+    assert!(drive.outputs.iter().all(|o| o.track.followed.is_none()));
+    assert!(drive.outputs.iter().all(|o| o.track.state == State::Searching));
+}
+
+#[test]
+fn ego_motion_is_the_motion_and_a_standing_vehicle_does_not_move() {
+    let world = World::new(&[(SOUTH, WIDTH_M), (NORTH, WIDTH_M)]);
+    let camera = camera();
+    for (step_m, yaw_step) in [(0.0, 0.0), (0.4, 0.0), (1.2, 0.0), (0.5, 0.04), (0.5, -0.04)] {
+        let mut pipeline = Pipeline::new(&Config::default(), &camera, None, None).unwrap();
+        let mut map_from_vehicle = Isometry2::new(Vector2::new(0.0, -20.0), std::f64::consts::FRAC_PI_2);
+        let step = Isometry2::new(Vector2::new(step_m, 0.0), yaw_step);
+        for i in 0..5 {
+            let frame = world.picture(&camera, &map_from_vehicle);
+            let (output, _) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
+            if i > 0 {
+                let motion = output.motion.unwrap();
+                let moved = motion.previous_from_current;
+                assert!(
+                    (moved.translation.vector - step.translation.vector).norm() < 0.02 + 0.02 * step_m,
+                    "{moved} for {step}"
+                );
+                assert!((moved.rotation.angle() - yaw_step).abs() < 0.004, "{moved} for {step}");
+                assert!(motion.quality > 0.5, "quality {}", motion.quality);
+            }
+            map_from_vehicle *= step;
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The driving line by known places: turning circle, side of the road, curvature's sign.
+#![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
+
+mod painted;
+
+use fingerpost::driving_line::{DrivingLine, DrivingLineConfig};
+use fingerpost::feature_model::FeatureModel;
+use fingerpost::vehicle::{Traffic, VehicleConfig};
+use fingerpost_map::{FeatureKind, TangentPlane};
+use nalgebra::Point2;
+use painted::{Junction, Place, route};
+
+const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
+
+fn line(exit: &[Place], vehicle: &VehicleConfig) -> DrivingLine {
+    let junction = Junction { kind: FeatureKind::Junction, approach: SOUTH, exit, sides: &[], width_m: 6.0 };
+    let (route, _) = route(&junction);
+    let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
+    DrivingLine::new(&DrivingLineConfig::default(), vehicle, &model).unwrap().unwrap()
+}
+
+fn centred(turning_radius_m: f64) -> VehicleConfig {
+    VehicleConfig { traffic: Traffic::Centre, turning_radius_m, ..VehicleConfig::default() }
+}
+
+#[test]
+fn the_set_back_gives_the_turning_circle() {
+    // d = R sin(45 deg) / cos^2(45 deg) = 1.414 R for a right angle.
+    for radius in [4.0, 5.0, 7.0] {
+        let line = line(&[(0.0, 0.0), (60.0, 0.0)], &centred(radius));
+        let setback = -line.start().x;
+        assert!((setback - 2_f64.sqrt() * radius).abs() < 0.26, "{setback} for {radius}");
+        assert!(line.within_turning_circle && line.tightest_radius_m >= radius);
+        assert!(line.start().y.abs() < 1e-3 && (line.end() - Point2::new(0.0, -setback)).norm() < 1e-3);
+    }
+}
+
+#[test]
+fn too_sharp_a_turn_says_so() {
+    let line = line(&[(0.0, 0.0), (6.0, -60.0)], &centred(6.0));
+    assert!(!line.within_turning_circle && line.tightest_radius_m < 6.0);
+}
+
+#[test]
+fn curvature_is_positive_to_the_left_and_zero_straight_on() {
+    let tightest = |line: &DrivingLine| {
+        line.curvature_per_m.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+    };
+    assert!(tightest(&line(&[(0.0, 0.0), (-60.0, 0.0)], &centred(5.0))) > 0.15, "left");
+    assert!(tightest(&line(&[(0.0, 0.0), (60.0, 0.0)], &centred(5.0))) < -0.15, "right");
+    assert!(tightest(&line(&[(0.0, 0.0), (0.0, 60.0)], &centred(5.0))).abs() < 1e-6, "straight on");
+}
+
+#[test]
+fn points_and_curvature_describe_one_smooth_curve() {
+    let line = line(&[(0.0, 0.0), (60.0, 0.0)], &VehicleConfig::default());
+    assert_eq!(line.points.len(), line.curvature_per_m.len());
+    for points in line.points.windows(2) {
+        let step = (points[1] - points[0]).norm();
+        assert!((0.2..0.7).contains(&step), "points {step} m apart");
+    }
+    let turned: f64 = line
+        .points
+        .windows(3)
+        .map(|p| {
+            let (a, b) = (p[1] - p[0], p[2] - p[1]);
+            a.perp(&b).atan2(a.dot(&b))
+        })
+        .sum();
+    assert!((turned + std::f64::consts::FRAC_PI_2).abs() < 0.01, "a right angle to the right: {turned}");
+}
+
+#[test]
+fn traffic_keeps_to_its_side() {
+    let north: &[Place] = &[(0.0, 0.0), (0.0, 60.0)];
+    let side = |traffic| line(north, &VehicleConfig { traffic, ..VehicleConfig::default() }).start().y;
+    assert!((side(Traffic::Right) + 1.5).abs() < 1e-6, "a quarter of 6 m to the right");
+    assert!((side(Traffic::Left) - 1.5).abs() < 1e-6);
+    assert!(side(Traffic::Centre).abs() < 1e-6);
+    // Turning right in right-hand traffic cuts the corner closer than turning left.
+    let right = line(&[(0.0, 0.0), (60.0, 0.0)], &VehicleConfig::default());
+    assert!((right.end().x + 1.5).abs() < 1e-3, "the exit's own side: south of its middle");
+}
