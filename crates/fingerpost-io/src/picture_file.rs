@@ -198,6 +198,8 @@ fn check_side(width: usize, height: usize) -> Result<(), String> {
 
 fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    // Enough for the largest picture of 16 bits and four channels, far more than the decoder's own limit.
+    decoder.set_limits(png::Limits { bytes: MAX_SIDE_PX * MAX_SIDE_PX * 8 });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|cause| cause.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);

@@ -1,1 +1,138 @@
-//! Tests against the real programs.
+//! Video with the real ffmpeg; its absence is a failure.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, VideoError, VideoWriter};
+use fingerpost_vision::picture::RgbImage;
+
+/// A picture whose left half is red and whose brightness tells the frame.
+fn picture(width: usize, height: usize, index: usize) -> RgbImage {
+    let level = 40 + 8 * (index % 12) as u8;
+    let row =
+        (0..width).flat_map(|x| if x < width / 2 { [level + 80, level / 2, level / 2] } else { [level; 3] });
+    RgbImage::from_vec(width, height, row.collect::<Vec<u8>>().repeat(height)).unwrap()
+}
+
+fn write(path: &Path, (width, height): (usize, usize), fps: f64, frames: usize) {
+    let mut video = VideoWriter::create(path, (width, height), fps, &FfmpegPrograms::default()).unwrap();
+    for index in 0..frames {
+        video.write(&picture(width, height, index)).unwrap();
+    }
+    video.finish().unwrap();
+}
+
+fn open(path: &Path) -> FrameSource {
+    FrameSource::open(path.to_str().unwrap(), &SourceOptions::default()).unwrap()
+}
+
+fn ffmpeg(arguments: &[&str], from: &Path, to: &Path) {
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y", "-i"]).arg(from).args(arguments).arg(to);
+    assert!(command.status().unwrap().success());
+}
+
+fn assert_close(found: [u8; 3], expected: [u8; 3]) {
+    let close = found.iter().zip(expected).all(|(found, expected)| found.abs_diff(expected) <= 8);
+    assert!(close, "{found:?} is not {expected:?}");
+}
+
+#[test]
+fn what_is_written_reads_back_in_order_with_odd_sides_padded() {
+    let folder = tempfile::tempdir().unwrap();
+    // A colon must not be taken for a protocol, nor a percent sign for a pattern.
+    let path = folder.path().join("a: 100%d drive.mp4");
+    write(&path, (161, 121), 12.5, 10);
+    let mut source = open(&path);
+    assert_eq!(source.length(), Some(10));
+    assert!((source.fps() - 12.5).abs() < 1e-9);
+    for index in 0..10_usize {
+        let frame = source.next().unwrap();
+        assert!((frame.t_s - index as f64 * 0.08).abs() < 1e-9);
+        let found = frame.picture.unwrap();
+        assert_eq!(found.size(), (162, 122));
+        let expected = picture(161, 121, index);
+        for (x, y) in [(20, 20), (140, 100)] {
+            assert_close(found.get(x, y).unwrap(), expected.get(x, y).unwrap());
+        }
+        source.recycle(found);
+    }
+    assert!(source.next().is_none());
+}
+
+#[test]
+fn a_rotated_video_stands_upright() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, rotated) = (folder.path().join("plain.mp4"), folder.path().join("rotated.mp4"));
+    write(&plain, (160, 96), 10.0, 3);
+    ffmpeg(&["-c", "copy", "-metadata:s:v:0", "rotate=90"], &plain, &rotated);
+    let sizes: Vec<(usize, usize)> = open(&rotated).map(|frame| frame.picture.unwrap().size()).collect();
+    assert_eq!(sizes, [(96, 160); 3]);
+}
+
+#[test]
+fn a_varying_rate_neither_drops_nor_doubles_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, uneven) = (folder.path().join("plain.mp4"), folder.path().join("uneven.mkv"));
+    write(&plain, (160, 96), 10.0, 12);
+    let filter = ["-vf", "settb=1/1000,setpts='if(lt(N,6),N*0.02,1+N*0.3)/TB'"];
+    let uneven_arguments =
+        [&filter[..], &["-vsync", "0", "-enc_time_base", "1/1000", "-c:v", "libx264"]].concat();
+    ffmpeg(&uneven_arguments, &plain, &uneven);
+    let expected = (0..12).map(|index| picture(160, 96, index).get(140, 50).unwrap()[0]);
+    let found = open(&uneven).map(|frame| frame.picture.unwrap().get(140, 50).unwrap()[0]);
+    let (found, expected): (Vec<u8>, Vec<u8>) = (found.collect(), expected.collect());
+    assert_eq!(found.len(), 12, "{found:?}");
+    assert!(found.iter().zip(&expected).all(|(a, b)| a.abs_diff(*b) <= 6), "{found:?} {expected:?}");
+}
+
+#[test]
+fn a_truncated_video_yields_its_frames_and_then_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["cut.mp4", "cut.mkv"] {
+        let (whole, cut) = (folder.path().join("whole.mp4"), folder.path().join(name));
+        write(&whole, (320, 240), 10.0, 20);
+        ffmpeg(&["-vf", "noise=alls=40:allf=t", "-movflags", "+faststart", "-g", "1"], &whole, &cut);
+        let bytes = fs::read(&cut).unwrap();
+        fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+        let results: Vec<Result<RgbImage, FrameError>> = open(&cut).map(|frame| frame.picture).collect();
+        let good = results.iter().filter(|result| result.is_ok()).count();
+        assert!((5..20).contains(&good), "{name}: {good} good frames");
+        let last = results.last().unwrap().as_ref().unwrap_err();
+        assert!(
+            matches!(last, FrameError::Video(VideoError::BrokenOff { frames, .. }) if *frames == good as u64),
+            "{name}: {last}"
+        );
+    }
+}
+
+#[test]
+fn what_is_no_video_is_an_error_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path: PathBuf = folder.path().join("note.mp4");
+    fs::write(&path, "this is a note, not a video, however long it may get").unwrap();
+    let error = FrameSource::open(path.to_str().unwrap(), &SourceOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("note.mp4") && error.to_string().contains("Invalid data"), "{error}");
+    let whole = folder.path().join("whole.mp4");
+    write(&whole, (160, 96), 10.0, 5);
+    let bytes = fs::read(&whole).unwrap();
+    fs::write(&path, &bytes[..600]).unwrap();
+    let opened = FrameSource::open(path.to_str().unwrap(), &SourceOptions::default());
+    let broken = opened.map(|mut source| source.all(|frame| frame.picture.is_ok()));
+    assert!(!matches!(broken, Ok(true)), "a cut header must not pass");
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gone/out.mp4");
+    let mut video = VideoWriter::create(&path, (160, 96), 10.0, &FfmpegPrograms::default()).unwrap();
+    let error = (0..1000).find_map(|index| video.write(&picture(160, 96, index)).err()).unwrap();
+    assert!(error.to_string().contains("No such file"), "{error}");
+}

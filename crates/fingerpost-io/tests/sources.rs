@@ -1,0 +1,124 @@
+//! Frames from folders of pictures, whole and broken.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::{fs, path::Path};
+
+use fingerpost_io::{
+    DEFAULT_PICTURE_FPS, FrameError, FrameSource, PictureFolderError, SourceError, SourceOptions, write_jpeg,
+    write_png,
+};
+use fingerpost_vision::picture::RgbImage;
+
+fn picture(value: u8) -> RgbImage {
+    RgbImage::from_vec(16, 16, vec![value; 16 * 16 * 3]).unwrap()
+}
+
+fn open(path: &Path) -> Result<FrameSource, SourceError> {
+    FrameSource::open(path.to_str().unwrap(), &SourceOptions::default())
+}
+
+/// Index, time and first byte of every frame; no byte where the frame is broken.
+fn frames(source: FrameSource) -> Vec<(u64, f64, Option<u8>)> {
+    source
+        .map(|frame| (frame.index, frame.t_s, frame.picture.ok().map(|picture| picture.as_slice()[0])))
+        .collect()
+}
+
+#[test]
+fn pictures_come_in_natural_order_at_the_default_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, value) in [("f10.png", 30), ("f9.PNG", 20), ("f1.png", 10)] {
+        write_png(&folder.path().join(name), &picture(value)).unwrap();
+    }
+    write_jpeg(&folder.path().join("f11.JPEG"), &picture(40), 95).unwrap();
+    fs::write(folder.path().join("notes.txt"), "not a picture").unwrap();
+    fs::write(folder.path().join("._f1.png"), "left behind by a file manager").unwrap();
+    let source = open(folder.path()).unwrap();
+    assert_eq!((source.length(), source.fps()), (Some(4), DEFAULT_PICTURE_FPS));
+    let expected = [(0, 0.0, Some(10)), (1, 0.1, Some(20)), (2, 0.2, Some(30)), (3, 0.3, Some(40))];
+    for (found, expected) in frames(source).into_iter().zip(expected) {
+        assert_eq!((found.0, found.2), (expected.0, expected.2));
+        assert!((found.1 - expected.1).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_broken_picture_is_reported_and_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, value) in [("1.png", 1), ("2.png", 2), ("3.png", 3)] {
+        write_png(&folder.path().join(name), &picture(value)).unwrap();
+    }
+    let second = folder.path().join("2.png");
+    let bytes = fs::read(&second).unwrap();
+    fs::write(&second, &bytes[..bytes.len() / 2]).unwrap();
+    let mut source = open(folder.path()).unwrap();
+    let first = source.next().unwrap().picture.unwrap();
+    source.recycle(first);
+    let broken = source.next().unwrap();
+    match broken.picture {
+        Err(FrameError::Picture(error)) => assert!(error.to_string().contains("2.png"), "{error}"),
+        other => panic!("the second picture is broken: {other:?}"),
+    }
+    let third = source.next().unwrap();
+    assert_eq!((third.index, third.picture.unwrap().as_slice()[0]), (2, 3));
+    assert!(source.next().is_none());
+}
+
+#[test]
+fn times_are_read_beside_the_pictures_and_above_a_frames_folder() {
+    let drive = tempfile::tempdir().unwrap();
+    let inner = drive.path().join("frames");
+    fs::create_dir(&inner).unwrap();
+    write_png(&inner.join("000000.png"), &picture(1)).unwrap();
+    write_png(&inner.join("000001.png"), &picture(2)).unwrap();
+    fs::write(drive.path().join("times.txt"), "7.0\n7.25\n").unwrap();
+    for path in [drive.path(), &inner] {
+        let source = open(path).unwrap();
+        assert!((source.fps() - 4.0).abs() < 1e-12);
+        assert_eq!(frames(source), [(0, 0.0, Some(1)), (1, 0.25, Some(2))]);
+    }
+    fs::write(inner.join("times.txt"), "0.0\n0.5\n").unwrap();
+    for path in [drive.path(), &inner] {
+        assert_eq!(frames(open(path).unwrap()), [(0, 0.0, Some(1)), (1, 0.5, Some(2))]);
+    }
+}
+
+#[test]
+fn a_given_rate_replaces_the_default_and_must_be_possible() {
+    let folder = tempfile::tempdir().unwrap();
+    write_png(&folder.path().join("1.png"), &picture(1)).unwrap();
+    write_png(&folder.path().join("2.png"), &picture(2)).unwrap();
+    let input = folder.path().to_str().unwrap();
+    let at = |fps| FrameSource::open(input, &SourceOptions { fps: Some(fps), ..SourceOptions::default() });
+    assert!((frames(at(4.0).unwrap())[1].1 - 0.25).abs() < 1e-12);
+    for fps in [0.0, -5.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(at(fps), Err(SourceError::FrameRate { .. })), "{fps}");
+    }
+}
+
+#[test]
+fn times_that_do_not_fit_say_both_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    write_png(&folder.path().join("1.png"), &picture(1)).unwrap();
+    fs::write(folder.path().join("times.txt"), "0\n0.1\n0.2\n").unwrap();
+    let error = open(folder.path()).unwrap_err();
+    assert!(matches!(
+        error,
+        SourceError::Folder(PictureFolderError::TimesCount { times: 3, pictures: 1, .. })
+    ));
+    assert!(error.to_string().contains("3 times for 1 pictures"), "{error}");
+    fs::write(folder.path().join("times.txt"), "now\n").unwrap();
+    let message = open(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("times.txt") && message.contains("\"now\""), "{message}");
+}
+
+#[test]
+fn an_input_that_is_not_there_or_empty_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = open(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("holds no picture") && message.contains("check the path"), "{message}");
+    let message = open(&folder.path().join("gone")).unwrap_err().to_string();
+    assert!(message.contains("gone") && message.contains("give a folder"), "{message}");
+}
