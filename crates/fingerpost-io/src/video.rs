@@ -4,6 +4,9 @@
 //! picture into a pipe. PPM, rather than bare bytes, because each picture states its own size: what rotation marks and
 //! codecs make of the size in the container's header does not matter.
 //!
+//! A video has broken off when ffmpeg fails, when its last picture is cut, or when it complained and delivered fewer
+//! frames than the container promised; where the container promises nothing, any complaint counts.
+//!
 //! Limits: a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
 //! varying rate (some telephones) are timed as if theirs were constant.
 
