@@ -14,6 +14,9 @@ use fingerpost_geometry::Distortion;
 use fingerpost_map::{FeatureOptions, LatLon, OsmData, RoadGraph, plan};
 use fingerpost_sim::{Conditions, SimConfig, Simulator};
 
+/// Each frame is timed so often and the fastest counts, so that other work on the machine does not.
+const REPEATS: usize = 5;
+
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let word = |i: usize, default: &str| args.get(i).cloned().unwrap_or_else(|| default.to_owned());
@@ -44,9 +47,13 @@ fn main() {
     std::fs::create_dir_all(&out).unwrap();
     let mut milliseconds = Vec::new();
     for index in (0..simulator.frames()).step_by(every) {
-        let start = Instant::now();
-        let frame = simulator.frame(index);
-        milliseconds.push(1e3 * start.elapsed().as_secs_f64());
+        let (mut frame, mut fastest) = (simulator.frame(index), f64::INFINITY);
+        for _ in 0..REPEATS {
+            let start = Instant::now();
+            frame = simulator.frame(index);
+            fastest = fastest.min(1e3 * start.elapsed().as_secs_f64());
+        }
+        milliseconds.push(fastest);
         let (w, h) = frame.picture.size();
         let path = |end: &str| Path::new(&out).join(format!("{index:06}{end}.png"));
         write_png(&path(""), w, h, png::ColorType::Rgb, frame.picture.as_slice());

@@ -73,9 +73,9 @@ impl Conditions {
         wander_m: 0.10,
         noise_levels: 2.0,
         vignette: 0.18,
-        shadow_strength: 0.45,
+        shadow_strength: 0.6,
         sun_elevation_rad: 0.96,
-        sun_azimuth_rad: 2.2,
+        sun_azimuth_rad: -2.2,
         trees_per_100_m: 6.0,
         houses_per_100_m: 2.0,
         clearance_m: 1.8,
@@ -94,9 +94,9 @@ impl Conditions {
 
     /// Low sun from the side and many trees near the road.
     pub const SHADOWS: Self = Self {
-        shadow_strength: 0.8,
+        shadow_strength: 0.95,
         sun_elevation_rad: 0.61,
-        trees_per_100_m: 14.0,
+        trees_per_100_m: 18.0,
         houses_per_100_m: 3.0,
         ..Self::CLEAR
     };

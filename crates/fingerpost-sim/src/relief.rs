@@ -102,7 +102,7 @@ impl ReliefRaster {
         {
             return 0.0;
         }
-        let (c, r) = (column as usize, row as usize);
+        let (c, r) = (column as i32 as usize, row as i32 as usize);
         let (fx, fy) = (column - c as f32, row - r as f32);
         let i = r * self.columns + c;
         let (top, bottom) =

@@ -23,11 +23,16 @@ use crate::{SimError, tone};
 const TILE_PX: usize = 16;
 /// Objects farther off than this are left to the haze, metres.
 const OBJECT_REACH_M: f32 = 160.0;
+/// Ground farther off than this is seen so flatly that its waves do not matter, metres.
+const RELIEF_REACH_M: f32 = 300.0;
+/// A step of the search for the ground that is shorter than this many pixels of ground is the last: the ground's slope
+/// of a few hundredths leaves a tenth of a pixel after it.
+const GUESS_TOLERANCE: f32 = 3.0;
 /// Distant woods hide the ground beyond, metres.
 const GROUND_REACH_M: f32 = 900.0;
 /// Light of the open sky and of the sun on a surface that faces them.
-const SKY_LIGHT: Colour = [0.50, 0.56, 0.66];
-const SUN_LIGHT: Colour = [0.88, 0.82, 0.72];
+const SKY_LIGHT: Colour = [0.33, 0.39, 0.50];
+const SUN_LIGHT: Colour = [1.06, 1.00, 0.88];
 
 /// Directions of the pixels in the camera frame, and the cones around the tiles' directions.
 #[derive(Debug, Clone)]
@@ -194,9 +199,11 @@ impl<'a> Shot<'a> {
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
             self.candidates(band * width.div_ceil(TILE_PX) + column, &mut candidates);
             for row in 0..mask.len() / width {
+                // Ground seen by neighbouring pixels is about as high: a good first guess.
+                let mut ground_m = self.ground_m;
                 for u in left..(left + TILE_PX).min(width) {
                     let i = row * width + u;
-                    let (colour, road) = self.pixel(band * TILE_PX + row, u, &candidates);
+                    let (colour, road) = self.pixel(band * TILE_PX + row, u, &candidates, &mut ground_m);
                     mask[i] = road;
                     pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
                 }
@@ -227,7 +234,7 @@ impl<'a> Shot<'a> {
     }
 
     #[inline]
-    fn pixel(&self, v: usize, u: usize, candidates: &[Candidate]) -> ([u8; 3], u8) {
+    fn pixel(&self, v: usize, u: usize, candidates: &[Candidate], ground_m: &mut f32) -> ([u8; 3], u8) {
         let scene = self.scene;
         let index = v * scene.width + u;
         let in_camera = scene.lens.directions[index];
@@ -235,7 +242,7 @@ impl<'a> Shot<'a> {
             return ([0; 3], 0);
         }
         let direction = self.turned(in_camera);
-        let ground = self.ground_distance(direction);
+        let ground = self.ground_distance(direction, ground_m);
         let ray = Ray { origin: self.origin, direction };
         let (light, road) = match self.first_hit(&ray, ground, candidates) {
             Some((object, hit)) => (self.object_light(object, &hit), 0),
@@ -253,32 +260,33 @@ impl<'a> Shot<'a> {
         (x * x + y * y) / (half_u * half_u + half_v * half_v)
     }
 
-    /// Distance along a ray to the ground, metres; infinite above the horizon.
+    /// Distance along a ray to the ground, metres; infinite above the horizon. `ground_m` is a guess of the height
+    /// there and becomes the height found.
     #[inline]
-    fn ground_distance(&self, d: [f32; 3]) -> f32 {
-        let above = self.origin[2] - self.ground_m;
+    fn ground_distance(&self, d: [f32; 3], ground_m: &mut f32) -> f32 {
         if d[2] > -1e-5 {
             return f32::INFINITY;
         }
-        let level = above / -d[2];
         let relief = &self.scene.relief;
-        if relief.is_flat() || level > 300.0 {
+        let level = (self.origin[2] - self.ground_m) / -d[2];
+        if relief.is_flat() || level > RELIEF_REACH_M {
             return level;
         }
-        let gap = |t: f32| {
-            self.origin[2] + t * d[2] - relief.height_m(self.origin[0] + t * d[0], self.origin[1] + t * d[1])
-        };
-        // One step by the ray's own slope, then secants; ground waves are gentle against the rays that meet them.
-        let (mut before, mut gap_before) = (level, gap(level));
-        let mut t = (before + gap_before / -d[2]).clamp(0.5 * level, 2.0 * level);
-        for _ in 0..2 {
-            let here = gap(t);
-            let slope = (here - gap_before) / (t - before);
-            (before, gap_before) = (t, here);
+        let height = |t: f32| relief.height_m(self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
+        let bounded = |t: f32| t.clamp(0.5 * level, 2.0 * level);
+        let tolerance = GUESS_TOLERANCE * self.scene.lens.pixel_rad;
+        let (mut before, mut gap_before) = (0.0, 0.0);
+        let mut t = bounded((self.origin[2] - *ground_m) / -d[2]);
+        for round in 0..4 {
+            let found = height(t);
+            *ground_m = found;
+            let gap = self.origin[2] + t * d[2] - found;
+            let slope = if round > 0 { (gap - gap_before) / (t - before) } else { d[2] };
             // A ray that skims a crest has no clear slope; the plain step is safe there.
-            let step = if slope < 0.3 * d[2] { here / -slope } else { here / -d[2] };
-            t = (t + step).clamp(0.5 * level, 2.0 * level);
-            if step.abs() < 2e-4 * t {
+            let step = if slope < 0.3 * d[2] { gap / -slope } else { gap / -d[2] };
+            (before, gap_before) = (t, gap);
+            t = bounded(t + step);
+            if step.abs() < tolerance * t {
                 break;
             }
         }

@@ -6,7 +6,7 @@ use crate::texture::{Grain, Texture};
 /// Colour of the haze into which distance fades, linear.
 const HAZE: Colour = [0.62, 0.70, 0.80];
 /// Distance over which about two thirds of a colour is lost to haze, metres.
-const HAZE_M: f32 = 420.0;
+const HAZE_M: f32 = 330.0;
 /// Height of the distant woods, tangent of the angle.
 const WOODS: f32 = 0.035;
 
@@ -50,6 +50,6 @@ impl Sky {
     pub(crate) fn hazed(colour: Colour, distance_m: f32) -> Colour {
         // The first-order form of 1 - exp(-x), below 1 for every distance.
         let share = distance_m / (distance_m + HAZE_M);
-        [0, 1, 2].map(|i| colour[i] + (HAZE[i] - colour[i]) * share * share.sqrt())
+        [0, 1, 2].map(|i| colour[i] + (HAZE[i] - colour[i]) * share * share)
     }
 }

@@ -116,8 +116,12 @@ impl Painter {
     /// Share of the pixel that is road, and its colour in full light.
     #[inline]
     pub(crate) fn ground(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> (f32, Colour) {
-        let extent = footprint.extent_m(point.edge_slope);
-        let road = (0.5 - point.edge_m / extent).clamp(0.0, 1.0);
+        let road = if point.edge_m.abs() > footprint.along_m {
+            // The edge is farther away than the pixel reaches in any direction.
+            if point.edge_m < 0.0 { 1.0 } else { 0.0 }
+        } else {
+            (0.5 - point.edge_m / footprint.extent_m(point.edge_slope)).clamp(0.0, 1.0)
+        };
         let fineness = (footprint.across_m * footprint.along_m).sqrt();
         let mut colour = [0.0; 3];
         if road > 0.0 {
@@ -168,10 +172,14 @@ impl Painter {
         let bare = ((self.bare_verge - 0.5) * 2.0 + patches + 1.1 * strip).clamp(0.0, 1.0);
         let bright = (1.0 + 0.45 * grass[0] + 0.30 * tufts[0] + 0.4 * point.tone).max(0.2);
         let green = [0.135 + 0.05 * point.tone, 0.195, 0.062];
+        let grass_colour = green.map(|c| c * bright);
+        if bare <= 0.0 {
+            return grass_colour;
+        }
         let stones = self.soil.sample(y, x, fineness);
         let earth = (1.0 + 0.45 * stones[0] + 0.3 * point.tone).max(0.2);
         let brown = [0.275, 0.205, 0.130];
-        [0, 1, 2].map(|i| green[i] * bright * (1.0 - bare) + brown[i] * earth * bare)
+        [0, 1, 2].map(|i| grass_colour[i] + (brown[i] * earth - grass_colour[i]) * bare)
     }
 
     /// Colour of an object in full light.
@@ -210,14 +218,17 @@ impl Lane {
         }
         let (dx, dy) = (x - self.start[0], y - self.start[1]);
         let left = self.direction[0] * dy - self.direction[1] * dx;
+        let edge = left.abs() - (self.half_width_m - EDGE_LINE_M as f32);
+        if left.abs().min(edge.abs()) > 0.5 * LINE_M + footprint.along_m {
+            return 0.0;
+        }
         let across = footprint.extent_m([-self.direction[1], self.direction[0]]);
         let covered = |from_middle: f32, half: f32, extent: f32| {
             ((half - from_middle.abs()) / extent + 0.5).clamp(0.0, 1.0).min(2.0 * half / extent)
         };
         let mut paint = 0.0_f32;
         if self.lines.edges {
-            let from_line = left.abs() - (self.half_width_m - EDGE_LINE_M as f32);
-            paint = covered(from_line, 0.5 * LINE_M, across);
+            paint = covered(edge, 0.5 * LINE_M, across);
         }
         if self.lines.centre {
             let line = covered(left, 0.5 * LINE_M, across);

@@ -12,10 +12,14 @@ const TEXEL_M: f32 = 0.03;
 /// Levels of the pyramid: down to 16 texels a side.
 const LEVELS: usize = 6;
 
-/// A repeating square of two grey channels in [-1, 1]: brightness and hue variation.
+/// Steps of stored texels: values reach about 1.4, a level of brightness is a tenth of a grey level apart.
+const STEPS: f32 = 90.0;
+
+/// A repeating square of two channels about zero: brightness and hue variation.
 #[derive(Debug, Clone)]
 pub(crate) struct Texture {
-    levels: Vec<Vec<[f32; 2]>>,
+    /// Bytes, so that the finest level stays in a core's own cache.
+    levels: Vec<Vec<[i8; 2]>>,
 }
 
 /// What a tile shows.
@@ -46,10 +50,10 @@ impl Texture {
         if grain == Grain::Asphalt {
             add_cracks(&mut base, seed);
         }
-        let mut levels = vec![base];
-        for level in 1..LEVELS {
-            let next = halved(&levels[level - 1], TILE_PX >> (level - 1));
-            levels.push(next);
+        let mut levels = Vec::new();
+        for level in 0..LEVELS {
+            levels.push(base.iter().map(|texel| texel.map(|value| (value * STEPS).round() as i8)).collect());
+            base = halved(&base, TILE_PX >> level);
         }
         Self { levels }
     }
@@ -61,6 +65,7 @@ impl Texture {
         // The exponent of the ratio is the level's number.
         let exponent = (fineness.max(1.0).to_bits() >> 23) as usize - 127;
         if exponent >= LEVELS {
+            // A pixel above the coarsest level's size sees the average, which is none.
             return [0.0, 0.0];
         }
         let level = &self.levels[exponent];
@@ -69,15 +74,15 @@ impl Texture {
         let (x, y) = (x_m * texel, y_m * texel);
         let (column, row) = (floor_int(x), floor_int(y));
         let (fx, fy) = (x - column as f32, y - row as f32);
-        let wrap = |i: i32| i as usize & (size - 1);
+        let wrap = |i: i32| (i & (size as i32 - 1)) as usize;
         let (c0, c1) = (wrap(column), wrap(column.wrapping_add(1)));
         let (r0, r1) = (wrap(row) * size, wrap(row.wrapping_add(1)) * size);
+        let corners = [level[r0 + c0], level[r0 + c1], level[r1 + c0], level[r1 + c1]];
         let blend = |i: usize| {
-            let top = level[r0 + c0][i] + (level[r0 + c1][i] - level[r0 + c0][i]) * fx;
-            let bottom = level[r1 + c0][i] + (level[r1 + c1][i] - level[r1 + c0][i]) * fx;
-            top + (bottom - top) * fy
+            let [a, b, c, d] = corners.map(|texel| f32::from(texel[i]));
+            let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
+            (top + (bottom - top) * fy) * (1.0 / STEPS)
         };
-        // A pixel above the coarsest level's size sees its average, which is none.
         [blend(0), blend(1)]
     }
 }

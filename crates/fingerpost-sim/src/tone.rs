@@ -33,15 +33,17 @@ impl Development {
     #[inline]
     pub(crate) fn develop(&self, light: Colour, off_centre: f32, noise: u64) -> [u8; 3] {
         let exposure = (1.0 - self.vignette * off_centre) * (TABLE - 1) as f32 / WHITE;
-        let byte = |shift: u32| ((noise >> shift) & 0xFF) as f32 - 127.5;
+        // Neighbouring bytes added up in four lanes at once.
+        let pairs = (noise & 0x00FF_00FF_00FF_00FF) + ((noise >> 8) & 0x00FF_00FF_00FF_00FF);
+        let lane = |i: u32| ((pairs >> (16 * i)) & 0xFFFF) as i32 as f32 - 255.0;
         let scale = self.noise_levels / FOUR_BYTES_SIGMA;
-        let grey = GREY_SHARE * scale * (byte(0) + byte(8) + byte(16) + byte(24));
+        let grey = GREY_SHARE * scale * (lane(0) + lane(1));
         // Two bytes for each of two channels; the third balances them.
-        let spread = 1.4 * (1.0 - GREY_SHARE) * scale;
-        let (red, blue) = (2.0 * spread * (byte(32) + byte(40)), 2.0 * spread * (byte(48) + byte(56)));
+        let spread = 2.8 * (1.0 - GREY_SHARE) * scale;
+        let (red, blue) = (spread * lane(2), spread * lane(3));
         let tint = [red, -0.5 * (red + blue), blue];
         [0, 1, 2].map(|i| {
-            let entry = ((light[i] * exposure) as usize).min(TABLE - 1);
+            let entry = ((light[i] * exposure) as i32).clamp(0, TABLE as i32 - 1) as usize;
             // Adding a half rounds; the conversion clamps.
             (self.levels[entry] + grey + tint[i] + 0.5) as u8
         })
