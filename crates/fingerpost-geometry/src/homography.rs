@@ -3,7 +3,7 @@
 //! Paper 1, section IV-A: four picture points whose places on the road are known fix the perspective transform
 //! between road and picture (Ballard and Brown 1982). Limits: no lens distortion, and only the road plane.
 
-use nalgebra::{Matrix3, Point2, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, Point2, SMatrix, SVector, Vector2, Vector3};
 
 use crate::{GeometryError, Pixel};
 
@@ -30,10 +30,13 @@ impl Homography {
         if flat_triangle(road_m) || flat_triangle(image.map(|p| Point2::new(p.u, p.v))) {
             return Err(degenerate("three of them lie in one line"));
         }
+        // The last entry is set to one, which only holds where the origin is in front of the camera: the middle of the
+        // points is, the vehicle's origin may lie in the plane of the lens.
+        let middle = road_m.iter().map(|p| p.coords).sum::<Vector2<f64>>() / 4.0;
         let mut system = SMatrix::<f64, 8, 8>::zeros();
         let mut right_side = SVector::<f64, 8>::zeros();
         for (i, (road, pixel)) in road_m.iter().zip(image).enumerate() {
-            let (x, y, u, v) = (road.x, road.y, pixel.u, pixel.v);
+            let (x, y, u, v) = (road.x - middle.x, road.y - middle.y, pixel.u, pixel.v);
             system.fixed_view_mut::<1, 8>(2 * i, 0).copy_from_slice(&[
                 x,
                 y,
@@ -58,7 +61,8 @@ impl Homography {
             right_side[2 * i + 1] = v;
         }
         let h = system.lu().solve(&right_side).ok_or(degenerate("three of them lie in one line"))?;
-        let mut image_from_road = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0);
+        let mut image_from_road = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0)
+            * Matrix3::new(1.0, 0.0, -middle.x, 0.0, 1.0, -middle.y, 0.0, 0.0, 1.0);
         // The sign is chosen so that the third coordinate is positive in front of the camera.
         let scale_at = |p: &Point2<f64>| (image_from_road * Vector3::new(p.x, p.y, 1.0)).z;
         if scale_at(&road_m[0]) < 0.0 {

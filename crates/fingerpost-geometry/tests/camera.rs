@@ -84,6 +84,18 @@ fn four_points_give_the_same_road_as_the_calibration_they_came_from() {
     assert!(Camera::from_points(640, 480, in_line, places).is_err());
 }
 
+/// The vehicle's origin then lies in the plane of the lens, where a homography scaled by its last entry breaks down.
+#[test]
+fn four_points_work_for_a_level_camera_above_the_origin() {
+    let calibrated = camera(Distortion::None, Mount::level(1.5));
+    let places = [(5.0, 1.5), (5.0, -1.5), (10.0, -2.0), (10.0, 2.0)].map(|(x, y)| Point2::new(x, y));
+    let pixels = places.map(|place| calibrated.pixel_of_ground(place).unwrap());
+    let by_points = Camera::from_points(640, 480, pixels, places).unwrap();
+    let place = Point2::new(14.0, 3.0);
+    let (a, b) = (calibrated.pixel_of_ground(place).unwrap(), by_points.pixel_of_ground(place).unwrap());
+    assert!(a.distance(b) < 1e-6);
+}
+
 #[test]
 fn absurd_calibrations_are_refused_by_name() {
     let refused = |width, height, intrinsics: Intrinsics| {
