@@ -73,7 +73,8 @@ pub struct FeatureOptions {
     /// How far before and behind a node a bend's turn is counted, metres (default 6, a bend of about 20 m radius at
     /// the default turn).
     pub bend_reach_m: f64,
-    /// A bend nearer than this to another feature along the route is left out, metres (default 12).
+    /// A bend nearer than this to another feature along the route is left out, metres (default 12): the course of that
+    /// feature's arm holds it.
     pub bend_clearance_m: f64,
     /// Length of an arm that its direction is measured over, metres (default 8: mappers round corners off within it).
     pub direction_m: f64,

@@ -223,18 +223,16 @@ struct Roads {
 
 impl Roads {
     fn of(osm: &OsmData) -> Result<Self, GraphError> {
-        let place_of = |id: &i64| {
-            osm.nodes.binary_search_by_key(id, |node| node.id).ok().map(|index| osm.nodes[index].at)
-        };
+        let known: BTreeMap<i64, LatLon> = osm.nodes.iter().map(|node| (node.id, node.at)).collect();
         let mut roads = Self { places: BTreeMap::new(), ways: Vec::new() };
         for way in &osm.ways {
             let Some(attributes) = RoadAttributes::from_tags(&way.tags) else { continue };
             // Extracts cut ways at their border: nodes outside are named but not given.
-            for piece in way.nodes.split(|id| place_of(id).is_none()) {
+            for piece in way.nodes.split(|id| !known.contains_key(id)) {
                 let mut piece = piece.to_vec();
                 piece.dedup();
                 if piece.len() >= 2 {
-                    roads.places.extend(piece.iter().filter_map(|id| Some((*id, place_of(id)?))));
+                    roads.places.extend(piece.iter().map(|id| (*id, known[id])));
                     roads.ways.push((way.id, piece, attributes.clone()));
                 }
             }

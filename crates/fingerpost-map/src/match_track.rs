@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use crate::cut::cut;
 use crate::path::Path;
 use crate::search::{Aim, Leg, OnStep, on_steps, shortest};
-use crate::{FeatureOptions, LatLon, RoadGraph, Route, RouteError};
+use crate::{FeatureOptions, LatLon, RoadGraph, Route, RouteError, Snap};
 
 /// Standard deviation of a track point across the road, metres: a car's receiver between houses, and the map's own
 /// error (Newson and Krumm measured 4).
@@ -74,13 +74,16 @@ struct Candidate {
 /// The best way of coming to a candidate. The cost is a negative log-likelihood.
 struct Arrival {
     cost: f64,
+    /// Where the vehicle is then: the candidate, or the place ahead of it where it stood already.
+    place: OnStep,
     from: usize,
     leg: Option<Leg>,
 }
 
 impl Arrival {
     fn first(candidate: &Candidate) -> Self {
-        Self { cost: point_cost(candidate.distance_m), from: 0, leg: None }
+        let cost = point_cost(candidate.distance_m);
+        Self { cost, place: candidate.place, from: 0, leg: None }
     }
 }
 
@@ -90,20 +93,21 @@ fn point_cost(distance_m: f64) -> f64 {
 
 fn candidate_points(graph: &RoadGraph, track: &[LatLon]) -> Result<Vec<CandidatePoint>, RouteError> {
     let mut points: Vec<CandidatePoint> = Vec::new();
-    let mut last_near = None;
+    let mut last_used = None;
     let mut gap_m = 0.0;
     let mut gap_from = None;
     for (index, &at) in track.iter().enumerate() {
         let p_in_map = graph.plane().map_from_wgs84(at);
         let is_last = index + 1 == track.len();
-        let step_m = last_near.map_or(f64::INFINITY, |last: Point2<f64>| (p_in_map - last).norm());
+        let step_m = last_used.map_or(f64::INFINITY, |last: Point2<f64>| (p_in_map - last).norm());
         if step_m < SPACING_M && !is_last {
             continue;
         }
-        last_near = Some(p_in_map);
+        last_used = Some(p_in_map);
         let states = candidates(graph, p_in_map);
         if states.is_empty() {
-            gap_m += if step_m.is_finite() { step_m } else { 0.0 };
+            // The way out to the first such point may be an outlier's leap; the way between them is driven.
+            gap_m += if gap_from.is_some() { step_m } else { 0.0 };
             let first = *gap_from.get_or_insert(index);
             if gap_m > LONGEST_GAP_M || is_last && points.is_empty() {
                 let LatLon { lat_deg, lon_deg } = track[first];
@@ -124,7 +128,7 @@ fn candidate_points(graph: &RoadGraph, track: &[LatLon]) -> Result<Vec<Candidate
 
 fn candidates(graph: &RoadGraph, p_in_map: Point2<f64>) -> Vec<Candidate> {
     let snaps = graph.within(p_in_map, REACH_M);
-    let directed = |snap: &crate::Snap| {
+    let directed = |snap: &Snap| {
         let distance_m = snap.distance_m;
         on_steps(graph, snap).into_iter().map(move |place| Candidate { place, distance_m })
     };
@@ -141,19 +145,19 @@ fn advance(
     let straight_m = (here.p_in_map - before.p_in_map).norm();
     let aim = Aim::Within(straight_m * DETOUR_FACTOR + DETOUR_REACH_M);
     let goals: Vec<OnStep> = here.states.iter().map(|state| state.place).collect();
-    let unreached = || Arrival { cost: f64::INFINITY, from: 0, leg: None };
-    let mut next: Vec<Arrival> = here.states.iter().map(|_| unreached()).collect();
-    for (from, (state, arrival)) in before.states.iter().zip(last).enumerate() {
+    let unreached = |place: &OnStep| Arrival { cost: f64::INFINITY, place: *place, from: 0, leg: None };
+    let mut next: Vec<Arrival> = goals.iter().map(unreached).collect();
+    for (from, arrival) in last.iter().enumerate() {
         if arrival.cost.is_infinite() {
             continue;
         }
-        let legs = shortest(graph, &[state.place], &goals, aim);
+        let legs = shortest(graph, &[arrival.place], &goals, aim);
         for (to, leg) in legs.into_iter().enumerate() {
-            let Some(leg) = slip_back(state.place, goals[to]).or(leg) else { continue };
+            let Some(leg) = slip_back(arrival.place, goals[to]).or(leg) else { continue };
             let detour = (leg.length_m - straight_m).abs() / DETOUR_SCALE_M;
             let cost = arrival.cost + detour + point_cost(here.states[to].distance_m);
             if cost < next[to].cost {
-                next[to] = Arrival { cost, from, leg: Some(leg) };
+                next[to] = Arrival { cost, place: leg.to, from, leg: Some(leg) };
             }
         }
     }

@@ -110,6 +110,9 @@ impl TangentPlane {
             place.lon_deg += step_rad.x.to_degrees();
             place.lat_deg += step_rad.y.to_degrees();
         }
+        if place.lon_deg.abs() > 180.0 {
+            place.lon_deg = (place.lon_deg + 180.0).rem_euclid(360.0) - 180.0;
+        }
         place
     }
 }

@@ -1,0 +1,47 @@
+//! GPX: which points are read, and what broken tracks say.
+
+use fingerpost_map::{GpxError, parse_gpx};
+
+const TRACK: &str = r#"<?xml version="1.0"?>
+<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1" xmlns:x="urn:x">
+  <metadata><time>1999-01-01T00:00:00Z</time></metadata>
+  <wpt lat="1" lon="2"/>
+  <trk><name>A &amp; B</name><trkseg>
+    <trkpt lat="48.5" lon="8.25"><ele>110.5</ele><time>2011-10-03T12:55:34Z</time></trkpt>
+    <trkpt lon="-8.5" lat="-48.75"><extensions><x:time>nonsense</x:time></extensions></trkpt>
+  </trkseg><trkseg><trkpt lat="3" lon="4"/></trkseg></trk>
+</gpx>"#;
+
+#[test]
+fn track_points_of_all_segments_in_their_order() {
+    let points = parse_gpx(TRACK).unwrap();
+    let places: Vec<(f64, f64)> = points.iter().map(|point| (point.at.lat_deg, point.at.lon_deg)).collect();
+    assert_eq!(places, [(48.5, 8.25), (-48.75, -8.5), (3.0, 4.0)]);
+    assert_eq!(points[0].time_s, Some(1_317_646_534.0));
+    assert_eq!(points[1].time_s, None, "an extension's time is not the point's");
+}
+
+#[test]
+fn route_points_then_waypoints_where_there_is_no_track() {
+    let routed = r#"<gpx><wpt lat="1" lon="2"/><rte><rtept lat="5" lon="6"/></rte></gpx>"#;
+    assert!((parse_gpx(routed).unwrap()[0].at.lat_deg - 5.0).abs() < 1e-12);
+    let marked = r#"<gpx><wpt lat="1" lon="2"/><wpt lat="1" lon="3"/></gpx>"#;
+    assert_eq!(parse_gpx(marked).unwrap().len(), 2);
+}
+
+#[test]
+fn broken_tracks_say_what_and_what_next() {
+    let message = |text: &str| parse_gpx(text).unwrap_err().to_string();
+    assert_eq!(parse_gpx("<gpx></gpx>"), Err(GpxError::NoPoints));
+    assert!(message("").contains("no <gpx>"));
+    assert!(message("<kml/>").contains("not <gpx>"));
+    assert!(message("<gpx><trkpt lat=\"1\"/></gpx>").contains("lacks the attribute lon"));
+    assert!(message("<gpx><trkpt lat=\"north\" lon=\"1\"/></gpx>").contains("no number"));
+    assert!(message("<gpx><trkpt lat=\"91\" lon=\"1\"/></gpx>").contains("no place"));
+    assert!(
+        message("<gpx><trkpt lat=\"1\" lon=\"1\"><time>noon</time></trkpt></gpx>").contains("not ISO 8601")
+    );
+    for length in [30, 120, 300, TRACK.len() - 8] {
+        assert!(message(&TRACK[..length]).contains("broken at byte"), "{length}");
+    }
+}
