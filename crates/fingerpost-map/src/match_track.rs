@@ -31,7 +31,9 @@ const DETOUR_FACTOR: f64 = 2.0;
 /// See [`DETOUR_FACTOR`], metres: round the block between two near points.
 const DETOUR_REACH_M: f64 = 100.0;
 
-/// The route that a track was driven on, from the road nearest to its likeliest start to that of its end.
+/// The route that a track was driven on, from its likeliest place on a road at the start to that at the end.
+///
+/// Up to 150 m of the track that are off every road are passed over; at its ends, too, so the route may be shorter.
 ///
 /// # Errors
 /// [`RouteError::TrackTooShort`], [`RouteError::TrackOffRoad`] where the track is off every road for longer than an

@@ -1,6 +1,6 @@
 //! The shipped demo town yields the shipped route, with the features that the demo promises.
 
-// Helpers of tests fail their test by unwrapping.
+// Functions shared by tests fail their test by unwrapping.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use fingerpost_map::{

@@ -1,6 +1,6 @@
 //! Real maps and drives. `FINGERPOST_DATA` names the folder that holds them; without it these tests fail.
 
-// Helpers of tests fail their test by unwrapping.
+// Functions shared by tests fail their test by unwrapping.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::PathBuf;

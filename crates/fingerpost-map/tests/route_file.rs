@@ -1,6 +1,6 @@
 //! `route.geojson`: written and read back, by hand, and broken.
 
-// Helpers of tests fail their test by unwrapping.
+// Functions shared by tests fail their test by unwrapping.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use fingerpost_map::{

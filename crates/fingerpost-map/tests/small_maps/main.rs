@@ -1,10 +1,11 @@
 //! Graphs, routes and features on small maps laid out in metres, where every answer is known.
 
-// Helpers of tests fail their test by unwrapping.
+// Functions shared by tests fail their test by unwrapping.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod features;
 mod matching;
 mod planning;
 mod roads;
+mod shortest;
 mod town;
