@@ -115,8 +115,52 @@ pub(crate) struct Renderer {
     shadow_strength: f32,
 }
 
-/// An object near a tile: its index and the distance at which its ball begins.
-type Candidate = (f32, u32);
+/// An object near the camera, relative to it, metres.
+#[derive(Debug, Clone, Copy)]
+struct Neighbour {
+    object: u32,
+    /// Middle of the ball around it.
+    middle: [f32; 3],
+    /// Radius of that ball.
+    ball_m: f32,
+    /// Distance of the ball's middle.
+    distance_m: f32,
+    /// Radius of the upright cylinder around it.
+    radius_m: f32,
+    /// Distance over ground at which that cylinder begins.
+    from_m: f32,
+    /// Height of its top above the camera.
+    top_m: f32,
+}
+
+impl Neighbour {
+    fn new(object: u32, shape: &Object, origin: [f32; 3]) -> Self {
+        let (middle, ball_m) = shape.ball();
+        let middle = [0, 1, 2].map(|i| middle[i] - origin[i]);
+        let radius_m = shape.radius_m();
+        let over_ground_m = (middle[0] * middle[0] + middle[1] * middle[1]).sqrt();
+        Self {
+            object,
+            middle,
+            ball_m,
+            distance_m: dot(middle, middle).sqrt(),
+            radius_m,
+            from_m: (over_ground_m - radius_m).max(0.0),
+            top_m: shape.foot[2] + shape.height_m() - origin[2],
+        }
+    }
+
+    /// Whether a ray cannot meet the upright cylinder around the object, or is above its top when it gets there.
+    #[inline]
+    fn is_missed(&self, d: [f32; 3]) -> bool {
+        let flat2 = d[0] * d[0] + d[1] * d[1];
+        let beside = self.middle[0] * d[1] - self.middle[1] * d[0];
+        // The square keeps the comparison free of roots; it is only right where both sides are positive.
+        let rise = self.from_m * d[2];
+        beside * beside > self.radius_m * self.radius_m * flat2
+            || (rise > 0.0 && rise * rise > self.top_m * self.top_m.abs() * flat2)
+    }
+}
 
 impl Renderer {
     pub(crate) fn new(
@@ -165,8 +209,8 @@ struct Shot<'a> {
     origin: [f32; 3],
     ground_m: f32,
     noise_seed: u64,
-    /// Objects within reach, with middle of their ball relative to the camera, its radius and distance.
-    near: Vec<(u32, [f32; 3], f32, f32)>,
+    /// Objects within reach, nearest first.
+    near: Vec<Neighbour>,
 }
 
 impl<'a> Shot<'a> {
@@ -174,16 +218,12 @@ impl<'a> Shot<'a> {
         let matrix = view.map_from_camera.rotation.to_rotation_matrix();
         let rotation = [0, 1, 2].map(|c| [0, 1, 2].map(|r| matrix[(r, c)] as f32));
         let origin = [0, 1, 2].map(|i| view.map_from_camera.translation.vector[i] as f32);
-        let mut near: Vec<(u32, [f32; 3], f32, f32)> = Vec::new();
-        for (index, object) in scene.scenery.objects().iter().enumerate() {
-            let (middle, radius) = object.ball();
-            let offset = [0, 1, 2].map(|i| middle[i] - origin[i]);
-            let distance = dot(offset, offset).sqrt();
-            if distance < OBJECT_REACH_M && dot(offset, rotation[2]) > -radius {
-                near.push((index as u32, offset, radius, distance));
-            }
-        }
-        near.sort_by(|a, b| (a.3 - a.2).total_cmp(&(b.3 - b.2)).then(a.0.cmp(&b.0)));
+        let objects = scene.scenery.objects().iter().enumerate();
+        let mut near: Vec<Neighbour> = objects
+            .map(|(index, object)| Neighbour::new(index as u32, object, origin))
+            .filter(|near| near.distance_m < OBJECT_REACH_M && dot(near.middle, rotation[2]) > -near.ball_m)
+            .collect();
+        near.sort_by(|a, b| a.from_m.total_cmp(&b.from_m).then(a.object.cmp(&b.object)));
         let noise_seed = mix(scene.seed ^ mix(view.frame ^ 0x4652_414d));
         Self { scene, rotation, origin, ground_m: view.ground_m as f32, noise_seed, near }
     }
@@ -195,7 +235,7 @@ impl<'a> Shot<'a> {
 
     fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
         let width = self.scene.width;
-        let mut candidates: Vec<Candidate> = Vec::new();
+        let mut candidates: Vec<Neighbour> = Vec::new();
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
             self.candidates(band * width.div_ceil(TILE_PX) + column, &mut candidates);
             for row in 0..mask.len() / width {
@@ -212,29 +252,27 @@ impl<'a> Shot<'a> {
     }
 
     /// Objects whose ball the tile's cone of rays may touch, nearest first.
-    fn candidates(&self, tile: usize, found: &mut Vec<Candidate>) {
+    fn candidates(&self, tile: usize, found: &mut Vec<Neighbour>) {
         found.clear();
         let (axis, cos, sin) = self.scene.lens.cones[tile];
         let axis = self.turned(axis);
-        for &(index, offset, radius, distance) in &self.near {
-            let touches = if distance <= radius {
-                true
-            } else {
+        for near in &self.near {
+            let touches = near.distance_m <= near.ball_m || {
                 // Angle to the middle at most cone plus ball: compare cosines by the addition theorem.
-                let ball_sin = radius / distance;
+                let ball_sin = near.ball_m / near.distance_m;
                 let ball_cos = (1.0 - ball_sin * ball_sin).sqrt();
                 let limit = cos * ball_cos - sin * ball_sin;
-                let opened = sin * ball_cos + cos * ball_sin;
-                opened < 0.0 || dot(offset, axis) >= limit * distance
+                let more_than_half_a_turn = sin * ball_cos + cos * ball_sin < 0.0;
+                more_than_half_a_turn || dot(near.middle, axis) >= limit * near.distance_m
             };
             if touches {
-                found.push((distance - radius, index));
+                found.push(*near);
             }
         }
     }
 
     #[inline]
-    fn pixel(&self, v: usize, u: usize, candidates: &[Candidate], ground_m: &mut f32) -> ([u8; 3], u8) {
+    fn pixel(&self, v: usize, u: usize, candidates: &[Neighbour], ground_m: &mut f32) -> ([u8; 3], u8) {
         let scene = self.scene;
         let index = v * scene.width + u;
         let in_camera = scene.lens.directions[index];
@@ -294,14 +332,17 @@ impl<'a> Shot<'a> {
     }
 
     #[inline]
-    fn first_hit(&self, ray: &Ray, mut limit: f32, candidates: &[Candidate]) -> Option<(&'a Object, Hit)> {
+    fn first_hit(&self, ray: &Ray, mut limit: f32, candidates: &[Neighbour]) -> Option<(&'a Object, Hit)> {
         let objects = self.scene.scenery.objects();
         let mut best = None;
-        for &(from, index) in candidates {
-            if from > limit {
+        for near in candidates {
+            if near.from_m > limit {
                 break;
             }
-            let object = &objects[index as usize];
+            if near.is_missed(ray.direction) {
+                continue;
+            }
+            let object = &objects[near.object as usize];
             if let Some(hit) = object.hit(ray).filter(|hit| hit.t < limit) {
                 limit = hit.t;
                 best = Some((object, hit));

@@ -14,12 +14,14 @@ const LEVELS: usize = 6;
 
 /// Steps of stored texels: values reach about 1.4, a level of brightness is a tenth of a grey level apart.
 const STEPS: f32 = 90.0;
+/// What is added to stored texels, so that they are positive.
+const BIAS: f32 = 128.0;
 
 /// A repeating square of two channels about zero: brightness and hue variation.
 #[derive(Debug, Clone)]
 pub(crate) struct Texture {
-    /// Bytes, so that the finest level stays in a core's own cache.
-    levels: Vec<Vec<[i8; 2]>>,
+    /// Two biased bytes a texel, so that the finest level stays in a core's own cache.
+    levels: Vec<Vec<u16>>,
 }
 
 /// What a tile shows.
@@ -52,7 +54,8 @@ impl Texture {
         }
         let mut levels = Vec::new();
         for level in 0..LEVELS {
-            levels.push(base.iter().map(|texel| texel.map(|value| (value * STEPS).round() as i8)).collect());
+            let byte = |value: f32| u16::from((value * STEPS + BIAS).round() as u8);
+            levels.push(base.iter().map(|&[tone, hue]| byte(tone) | (byte(hue) << 8)).collect());
             base = halved(&base, TILE_PX >> level);
         }
         Self { levels }
@@ -63,27 +66,27 @@ impl Texture {
     pub(crate) fn sample(&self, x_m: f32, y_m: f32, footprint_m: f32) -> [f32; 2] {
         let fineness = footprint_m * (1.0 / TEXEL_M);
         // The exponent of the ratio is the level's number.
-        let exponent = (fineness.max(1.0).to_bits() >> 23) as usize - 127;
-        if exponent >= LEVELS {
+        let exponent = (fineness.max(1.0).to_bits() >> 23) - 127;
+        let Some(level) = self.levels.get(exponent as usize) else {
             // A pixel above the coarsest level's size sees the average, which is none.
             return [0.0, 0.0];
-        }
-        let level = &self.levels[exponent];
-        let size = TILE_PX >> exponent;
-        let texel = 1.0 / (TEXEL_M * (1_u32 << exponent) as f32);
-        let (x, y) = (x_m * texel, y_m * texel);
-        let (column, row) = (floor_int(x), floor_int(y));
-        let (fx, fy) = (x - column as f32, y - row as f32);
-        let wrap = |i: i32| (i & (size as i32 - 1)) as usize;
-        let (c0, c1) = (wrap(column), wrap(column.wrapping_add(1)));
-        let (r0, r1) = (wrap(row) * size, wrap(row.wrapping_add(1)) * size);
-        let corners = [level[r0 + c0], level[r0 + c1], level[r1 + c0], level[r1 + c1]];
-        let blend = |i: usize| {
-            let [a, b, c, d] = corners.map(|texel| f32::from(texel[i]));
-            let (top, bottom) = (a + (b - a) * fx, c + (d - c) * fx);
-            (top + (bottom - top) * fy) * (1.0 / STEPS)
         };
-        [blend(0), blend(1)]
+        let size = TILE_PX >> exponent;
+        // In 1/256 of a texel of that level; both channels are blended at once, in two lanes of 16 bits.
+        let scale = (256.0 / TEXEL_M) * f32::from_bits((127 - exponent) << 23);
+        let (x, y) = ((x_m * scale) as i32, (y_m * scale) as i32);
+        let (fx, fy) = ((x & 0xFF) as u32, (y & 0xFF) as u32);
+        let wrap = |i: i32| (i & (size as i32 - 1)) as usize;
+        let (c0, c1) = (wrap(x >> 8), wrap((x >> 8) + 1));
+        let (r0, r1) = (wrap(y >> 8) * size, wrap((y >> 8) + 1) * size);
+        let lanes = |i: usize| {
+            let texel = u32::from(level[i]);
+            (texel | (texel << 8)) & 0x00FF_00FF
+        };
+        let row = |r: usize| ((lanes(r + c0) * (256 - fx) + lanes(r + c1) * fx) >> 8) & 0x00FF_00FF;
+        let both = row(r0) * (256 - fy) + row(r1) * fy;
+        let value = |lane: u32| (lane as i32 as f32 + 128.0) * (1.0 / (256.0 * STEPS)) - BIAS / STEPS;
+        [value(both & 0xFFFF), value(both >> 16)]
     }
 }
 
