@@ -1,1 +1,50 @@
-fn main() {}
+//! The program `fingerpost`: arguments in, calls to the libraries, files out.
+//!
+//! One file a subcommand. Standard output carries data only where it is asked for (`--json`, `schema`); progress and
+//! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
+
+mod arguments;
+mod gps;
+mod inputs;
+mod interrupt;
+mod output;
+mod record;
+mod recorder;
+mod route;
+mod run;
+mod simulate;
+mod stage_clock;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
+#[derive(Debug, Parser)]
+#[command(version, about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Route(route::RouteArgs),
+    Run(run::RunArgs),
+    Simulate(simulate::SimulateArgs),
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Route(args) => route::route(&args),
+        Command::Run(args) => run::run(&args),
+        Command::Simulate(args) => simulate::simulate(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::message(&format!("fingerpost: {}", output::cause_chain(&error)));
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,1 +1,22 @@
-//! Placeholder.
+//! Metrics of a run: what became of each route feature, and how far results lie from the truth.
+//!
+//! Records of frames and truth in, numbers out. Nothing here knows how the method works or opens a file; the same
+//! numbers come out of the same records wherever they are computed.
+//!
+//! Quantiles are nearest-rank: the smallest value that at least the stated share of values does not exceed, so that
+//! every quantile is a value that occurred.
+
+mod error;
+mod features;
+mod junctions;
+mod motion;
+mod pose;
+mod quantiles;
+mod truth_features;
+
+pub use error::EvalError;
+pub use features::{FeatureIdentity, feature_summaries};
+pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
+pub use motion::{MotionEvaluation, evaluate_motion};
+pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};
+pub use quantiles::{error_quantiles, stage_time};

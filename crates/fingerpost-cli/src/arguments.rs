@@ -1,0 +1,57 @@
+//! Arguments that have a form of their own.
+
+use std::str::FromStr;
+
+use fingerpost_map::LatLon;
+
+/// A place given as `LAT,LON`, degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place(pub(crate) LatLon);
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = || format!("{text:?} is no place; give LAT,LON in degrees, as in 48.9833,8.3909");
+        let (lat, lon) = text.split_once(',').ok_or_else(form)?;
+        let lat_deg = lat.trim().parse().map_err(|_| form())?;
+        let lon_deg = lon.trim().parse().map_err(|_| form())?;
+        LatLon::new(lat_deg, lon_deg).map(Self).map_err(|cause| cause.to_string())
+    }
+}
+
+/// A picture's size given as `WIDTHxHEIGHT`, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PictureSize {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+}
+
+impl FromStr for PictureSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // Below this nothing of a road can be told; above, no camera's picture is.
+        let sides = 64..=8192;
+        let side = |side: &str| side.parse().ok().filter(|side| sides.contains(side));
+        text.split_once('x')
+            .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
+            .ok_or_else(|| {
+                format!("{text:?} is no size; give WIDTHxHEIGHT, each 64 to 8192 pixels, as in 640x480")
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_sizes() {
+        let place: Place = "-33.5, 151.25".parse().unwrap();
+        assert!((place.0.lat_deg + 33.5).abs() < 1e-12 && (place.0.lon_deg - 151.25).abs() < 1e-12);
+        assert!("48.9".parse::<Place>().is_err() && "91,0".parse::<Place>().is_err());
+        assert_eq!("640x480".parse(), Ok(PictureSize { width: 640, height: 480 }));
+        assert!("640".parse::<PictureSize>().is_err() && "0x480".parse::<PictureSize>().is_err());
+    }
+}

@@ -1,0 +1,143 @@
+//! From what the method says to a line of `frames.jsonl`.
+
+use std::collections::BTreeMap;
+
+use fingerpost::FrameOutput;
+use fingerpost::matching::Participation;
+use fingerpost::motion::Motion;
+use fingerpost::track::{Followed, RouteStop, State};
+use fingerpost_eval::FeatureIdentity;
+use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, TrackState};
+use fingerpost_map::FeatureKind;
+
+/// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
+/// anything the method resolves.
+const DIGITS: i32 = 4;
+/// Digits of angles in radians: 10 micrometres at 10 m.
+const ANGLE_DIGITS: i32 = 6;
+/// Digits of seconds.
+const TIME_DIGITS: i32 = 6;
+
+/// A frame's place in the input.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FrameTime {
+    /// Index, from zero.
+    pub(crate) frame: u64,
+    /// Seconds since the first frame.
+    pub(crate) t_s: f64,
+}
+
+/// What the features of a route are called in the files.
+pub(crate) fn feature_identities(stops: &[RouteStop]) -> Vec<FeatureIdentity> {
+    stops
+        .iter()
+        .map(|stop| FeatureIdentity {
+            id: stop.model.id,
+            name: stop.model.name.clone(),
+            kind: kind_name(stop.model.kind).to_owned(),
+        })
+        .collect()
+}
+
+/// Name of a kind of feature in the files.
+pub(crate) const fn kind_name(kind: FeatureKind) -> &'static str {
+    match kind {
+        FeatureKind::Junction => "junction",
+        FeatureKind::SideRoad => "side_road",
+        FeatureKind::Bend => "bend",
+    }
+}
+
+/// The record of a frame that was processed.
+pub(crate) fn frame_record(
+    time: FrameTime,
+    output: &FrameOutput,
+    features: &[FeatureIdentity],
+    stage_ms: &BTreeMap<String, f64>,
+) -> FrameRecord {
+    let followed = output.track.followed.as_ref();
+    FrameRecord {
+        frame: time.frame,
+        t_s: rounded(time.t_s, TIME_DIGITS),
+        state: track_state(output.track.state),
+        feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
+        motion: output.motion.as_ref().map(motion_record),
+        driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
+        driving_line_curvature_per_m: output
+            .driving_line_curvature_per_m
+            .iter()
+            .map(|curvature| rounded(*curvature, DIGITS))
+            .collect(),
+        centreline: None,
+        lanes: None,
+        fix: None,
+        route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
+        stage_ms: stage_ms.clone(),
+        why: output.why.clone(),
+        error: None,
+    }
+}
+
+/// The record of a frame that could not be used: the state of the one before, and what was wrong.
+pub(crate) fn broken_record(time: FrameTime, before: Option<&FrameRecord>, error: String) -> FrameRecord {
+    FrameRecord {
+        frame: time.frame,
+        t_s: rounded(time.t_s, TIME_DIGITS),
+        state: before.map_or(TrackState::NoRoute, |record| record.state),
+        feature: None,
+        motion: None,
+        driving_line_m: Vec::new(),
+        driving_line_curvature_per_m: Vec::new(),
+        centreline: None,
+        lanes: None,
+        fix: None,
+        route_m: before.and_then(|record| record.route_m),
+        stage_ms: BTreeMap::new(),
+        why: "the frame could not be used and was passed over".to_owned(),
+        error: Some(error),
+    }
+}
+
+const fn track_state(state: State) -> TrackState {
+    match state {
+        State::NoRoute => TrackState::NoRoute,
+        State::Searching => TrackState::Searching,
+        State::Tracking => TrackState::Tracking,
+        State::Arrived => TrackState::Arrived,
+        State::Lost => TrackState::Lost,
+        State::RouteDone => TrackState::RouteDone,
+    }
+}
+
+fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRecord {
+    let pose = &followed.vehicle_from_feature;
+    let taking_part =
+        followed.matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
+    let sigma_m = [0, 1].map(|axis| followed.covariance[(axis, axis)].max(0.0).sqrt());
+    FeatureRecord {
+        id: identity.id,
+        kind: identity.kind.clone(),
+        p: followed.matched.p.map(|p| rounded(p, DIGITS)),
+        sub: taking_part.filter_map(|sub| Some((sub.label.clone(), rounded(sub.p?, DIGITS)))).collect(),
+        forward_m: rounded(pose.translation.x, DIGITS),
+        left_m: rounded(pose.translation.y, DIGITS),
+        heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
+        sigma_m: sigma_m.map(|m| rounded(m, DIGITS)),
+    }
+}
+
+fn motion_record(motion: &Motion) -> MotionRecord {
+    let pose = &motion.previous_from_current;
+    MotionRecord {
+        forward_m: rounded(pose.translation.x, DIGITS),
+        left_m: rounded(pose.translation.y, DIGITS),
+        yaw_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
+        quality: rounded(motion.quality, DIGITS),
+    }
+}
+
+fn rounded(value: f64, digits: i32) -> f64 {
+    let scale = 10_f64.powi(digits);
+    // Adding zero turns a negative zero into a plain one.
+    (value * scale).round() / scale + 0.0
+}

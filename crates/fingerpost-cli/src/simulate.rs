@@ -1,0 +1,155 @@
+//! `fingerpost simulate`: a drive on a map's roads, rendered, with truth.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use fingerpost_format::camera_to_toml;
+use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
+use fingerpost_io::{DriveFolder, FrameFormat, read_camera};
+use fingerpost_map::write_route;
+use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide};
+use rayon::prelude::*;
+
+use crate::arguments::PictureSize;
+use crate::interrupt::Interrupt;
+use crate::{inputs, output};
+
+/// Drive a simulated vehicle along a route and write what its camera sees, with the truth: frames, camera.toml,
+/// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame. Give the folder to `run`.
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+    /// Route on that map, as written by `fingerpost route`.
+    #[arg(long, value_name = "FILE")]
+    route: PathBuf,
+    /// Everything random follows from this number; the same seed gives the same bytes.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// What the day is like: clear, unmarked, shadows, rough or ideal.
+    #[arg(long, value_name = "NAME", default_value = "clear")]
+    conditions: String,
+    /// Stop after so many frames; without it the drive goes to the route's end.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+    /// Size of the pictures, pixels; the camera's focal length goes with the width.
+    #[arg(long, value_name = "WxH", default_value = "640x480", conflicts_with = "camera")]
+    size: PictureSize,
+    /// Frames a second.
+    #[arg(long, default_value_t = 10.0)]
+    fps: f64,
+    /// A calibrated camera to look through, in place of a 75 degree one, 1.5 m above the road and 1.5 m ahead of the
+    /// rear axle, looking 8 degrees down.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// Side of the road that the vehicle keeps to.
+    #[arg(long, value_enum, default_value = "right")]
+    traffic: Traffic,
+    /// Lens of the camera.
+    #[arg(long, value_enum, default_value = "none", conflicts_with = "camera")]
+    lens: Lens,
+    /// Store frames without loss, five times as large.
+    #[arg(long)]
+    png: bool,
+    /// Folder to write; an earlier drive in it is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Traffic {
+    Left,
+    Right,
+    Centre,
+}
+
+/// A lens of the default camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Lens {
+    /// A pinhole.
+    None,
+    /// A dashcam's barrel distortion.
+    BrownConrady,
+}
+
+/// Focal length of the default camera as a share of the picture's width: 420 pixels of 640, 75 degrees.
+const FOCAL_SHARE: f64 = 420.0 / 640.0;
+/// Mount of the default camera, behind the windscreen of a car.
+const MOUNT: Mount = Mount {
+    height_m: 1.5,
+    pitch_rad: 8.0 * (std::f64::consts::PI / 180.0),
+    yaw_rad: 0.0,
+    roll_rad: 0.0,
+    x_m: 1.5,
+    y_m: 0.0,
+};
+/// Barrel distortion of a common dashcam: straight lines at the picture's side bend by some 20 of 640 pixels.
+const DASHCAM_LENS: [f64; 5] = [-0.25, 0.07, 0.0005, -0.0003, -0.01];
+
+/// The default camera.
+pub(crate) fn default_camera(size: PictureSize, lens: Lens) -> Result<Camera, GeometryError> {
+    let (width, height) = (size.width as f64, size.height as f64);
+    let f = FOCAL_SHARE * width;
+    let intrinsics = Intrinsics { fx: f, fy: f, cx: 0.5 * (width - 1.0), cy: 0.5 * (height - 1.0) };
+    let distortion = match lens {
+        Lens::None => Distortion::None,
+        Lens::BrownConrady => Distortion::brown_conrady(&DASHCAM_LENS)?,
+    };
+    Camera::calibrated(size.width, size.height, intrinsics, distortion, MOUNT)
+}
+
+/// Writes the drive.
+pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
+    let graph = inputs::road_graph(&args.map)?;
+    let route = inputs::route(&args.route)?;
+    let camera = match &args.camera {
+        Some(path) => read_camera(path)?,
+        None => default_camera(args.size, args.lens)?,
+    };
+    let config = SimConfig {
+        seed: args.seed,
+        fps: args.fps,
+        frames: args.frames.and_then(|frames| usize::try_from(frames).ok()),
+        conditions: Conditions::named(&args.conditions)?,
+        traffic: match args.traffic {
+            Traffic::Left => TrafficSide::Left,
+            Traffic::Right => TrafficSide::Right,
+            Traffic::Centre => TrafficSide::Centre,
+        },
+        ..SimConfig::default()
+    };
+    let simulator = Simulator::new(&graph, &route, &camera, &config)?;
+    let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
+    let mut folder = DriveFolder::create(&args.out, format)?;
+    folder.write_camera(&camera_to_toml(&camera)?)?;
+    folder.write_route(&write_route(&route)?)?;
+
+    let interrupt = Interrupt::listen()?;
+    let bar = output::progress(Some(simulator.frames() as u64), "frames");
+    let mut written = 0;
+    // Enough frames in hand to keep every core busy, few enough to fit into any memory.
+    let at_once = 2 * rayon::current_num_threads();
+    while written < simulator.frames() && !interrupt.wanted() {
+        let batch = written..simulator.frames().min(written + at_once);
+        let truths = batch.clone().into_par_iter().map(|index| {
+            let frame = simulator.frame(index);
+            folder.write_frame(index as u64, &frame.picture)?;
+            folder.write_road_mask(index as u64, &frame.road)?;
+            Ok(frame.truth)
+        });
+        for truth in truths.collect::<Result<Vec<_>>>()? {
+            folder.append(&truth)?;
+        }
+        written = batch.end;
+        bar.set_position(written as u64);
+    }
+    folder.finish()?;
+    bar.finish_and_clear();
+    if interrupt.wanted() {
+        bail!("interrupted after {written} frames; they are in {}", args.out.display());
+    }
+    output::message(&format!("{written} frames with truth in {}", args.out.display()));
+    Ok(())
+}

@@ -1,0 +1,63 @@
+//! Wall time of every stage, frame by frame.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use fingerpost::Stage;
+use fingerpost_eval::stage_time;
+use fingerpost_format::StageTime;
+
+/// Name of a stage in the files.
+pub(crate) const fn stage_name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::GroundView => "ground_view",
+        Stage::Road => "road",
+        Stage::Motion => "motion",
+        Stage::Match => "match",
+        Stage::DrivingLine => "driving_line",
+    }
+}
+
+/// Times the stages of one frame, each from the end of the one before.
+#[derive(Debug)]
+pub(crate) struct FrameClock {
+    last: Instant,
+    /// Milliseconds by stage.
+    pub(crate) stage_ms: BTreeMap<String, f64>,
+}
+
+impl FrameClock {
+    /// A clock that runs from now.
+    pub(crate) fn start() -> Self {
+        Self { last: Instant::now(), stage_ms: BTreeMap::new() }
+    }
+
+    /// Takes the time of a stage that has just ended.
+    pub(crate) fn finished(&mut self, name: &str) {
+        let now = Instant::now();
+        // A microsecond is finer than any stage's repeatability.
+        let ms = (now.duration_since(self.last).as_secs_f64() * 1e6).round() / 1e3;
+        self.stage_ms.insert(name.to_owned(), ms);
+        self.last = now;
+    }
+}
+
+/// Times of all frames, by stage.
+#[derive(Debug, Default)]
+pub(crate) struct StageTimes(BTreeMap<String, Vec<f64>>);
+
+impl StageTimes {
+    /// Adds a frame's times.
+    pub(crate) fn add(&mut self, stage_ms: &BTreeMap<String, f64>) {
+        for (name, ms) in stage_ms {
+            self.0.entry(name.clone()).or_default().push(*ms);
+        }
+    }
+
+    /// Median and 95th percentile of every stage.
+    pub(crate) fn summary(&self) -> BTreeMap<String, StageTime> {
+        let time =
+            |(name, times): (&String, &Vec<f64>)| Some((name.clone(), stage_time(times.iter().copied())?));
+        self.0.iter().filter_map(time).collect()
+    }
+}
