@@ -21,12 +21,16 @@ const SAMPLE_M: f64 = 0.5;
 const TURN_RADIUS_M: f64 = 6.75;
 /// The same where the route doubles back by more than a right angle, metres: a car's full lock.
 const TIGHT_RADIUS_M: f64 = 5.0;
+/// The kinks of a curved road are driven on arcs that leave its axis by this much, metres, and not on tighter ones.
+const CUT_M: f64 = 0.4;
+/// Radius above which a kink needs no slowing down, metres.
+const GENTLE_RADIUS_M: f64 = 40.0;
 /// Half of the window over which a corner's turn is measured, metres.
-const TURN_WINDOW_M: f64 = 6.0;
+const TURN_WINDOW_M: f64 = 8.0;
 /// Upper bound of the flow's steps; a right angle takes about 600.
 const FLOW_STEPS: usize = 6000;
-/// Half of the width of a car and a margin to the road's edge, metres.
-const HALF_CAR_M: f64 = 1.1;
+/// Half of the width of a car and 0.4 m to the road's edge, metres.
+const HALF_CAR_M: f64 = 1.3;
 /// Length over which a changed road width shifts the line, metres.
 const SHIFT_M: f64 = 16.0;
 /// Wavelengths of the driver's wander, metres.
@@ -139,9 +143,12 @@ fn rounded(mut points: Vec<Point2<f64>>, route: &Polyline) -> Vec<Point2<f64>> {
 fn turn_radius_m(route: &Polyline, along_m: f64) -> f64 {
     let (before, after) = (route.at(along_m - TURN_WINDOW_M).1, route.at(along_m + TURN_WINDOW_M).1);
     let turn = wrap_angle(heading_of(after) - heading_of(before)).abs();
+    // An arc of radius r cuts a corner by r (1 / cos(turn / 2) - 1).
+    let gentle = CUT_M / (1.0 / (0.5 * turn).cos().max(0.1) - 1.0).max(1e-9);
     // From 100 to 140 degrees.
     let tightness = ((turn - 1.75) / 0.7).clamp(0.0, 1.0);
-    TURN_RADIUS_M + (TIGHT_RADIUS_M - TURN_RADIUS_M) * tightness
+    let ordinary = TURN_RADIUS_M + (TIGHT_RADIUS_M - TURN_RADIUS_M) * tightness;
+    gentle.clamp(ordinary, GENTLE_RADIUS_M)
 }
 
 /// Curvature of the circle through three points (Menger), unsigned.

@@ -48,8 +48,8 @@ impl Stroke {
 
 /// Two arms of a junction that differ by less from straight on are one road, radians (40 degrees).
 const STRAIGHT_ON_RAD: f64 = 0.7;
-/// A bend sharper than this splits a chain, so that its inner kerb is rounded, radians (45 degrees).
-const SHARP_BEND_RAD: f64 = 0.785;
+/// A bend sharper than this splits a chain, so that its inner kerb is rounded, radians (30 degrees).
+const SHARP_BEND_RAD: f64 = 0.52;
 /// Narrowest road drawn, metres: a car must fit.
 const MIN_WIDTH_M: f64 = 2.6;
 

@@ -4,7 +4,7 @@
 mod common;
 
 use fingerpost_format::TruthRecord;
-use fingerpost_geometry::{Camera, Distortion, Pixel, Polyline};
+use fingerpost_geometry::{Camera, Distortion, Pixel};
 use fingerpost_sim::{Conditions, SimConfig, SimFrame, Simulator};
 use fingerpost_vision::picture::Plane;
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -172,40 +172,4 @@ fn the_next_feature_is_where_the_node_is() {
     let start = (simulator.truth(0), simulator.truth(10));
     assert!(start.1.feature_forward_m < start.0.feature_forward_m);
     assert!((start.0.feature_left_m.unwrap() - 1.5).abs() < 0.1, "a quarter of six metres");
-}
-
-#[test]
-fn all_wheels_stay_on_the_road() {
-    let camera = common::camera(640, 480, Distortion::None);
-    let simulator = simulator(&camera, &SimConfig::default());
-    // The roads by their axes and half widths; rounded kerbs only add to them.
-    let graph = common::graph();
-    let plane = common::route(&graph).plane().unwrap();
-    let roads: Vec<(Polyline, f64)> = graph
-        .ways()
-        .iter()
-        .map(|way| {
-            let points = way.nodes.iter().map(|&node| plane.map_from_wgs84(graph.nodes()[node].at));
-            (Polyline::new(points).unwrap(), 0.5 * way.attributes.width_m)
-        })
-        .collect();
-    let mut worst = f64::INFINITY;
-    for index in 0..simulator.frames() {
-        let map_from_vehicle = pose(&simulator.truth(index));
-        for (x, y) in [(0.0, 0.9), (0.0, -0.9), (2.7, 0.9), (2.7, -0.9)] {
-            let wheel = map_from_vehicle * Point2::new(x, y);
-            worst = worst.min(inside_rounded(&roads, wheel));
-        }
-    }
-    assert!(worst > 0.0, "a wheel is {worst} m inside of the road's edge");
-}
-
-/// How far inside the paved area a place is, metres: the union of the roads with kerbs rounded where two of them meet.
-fn inside_rounded(roads: &[(Polyline, f64)], place: Point2<f64>) -> f64 {
-    let mut outside: Vec<f64> =
-        roads.iter().map(|(line, half)| line.nearest(place).left_m.abs() - half).collect();
-    outside.sort_by(f64::total_cmp);
-    // The smooth minimum of the documentation, 4.7 m wide.
-    let overlap = (4.7 - (outside[1] - outside[0])).max(0.0) / 4.7;
-    overlap * overlap * 4.7 * 0.25 - outside[0]
 }
