@@ -42,12 +42,8 @@ struct Cell {
     other: i16,
     /// Nearest stroke; none far from any.
     stroke: u32,
-    /// Share of the sunlight taken away.
-    shadow: u8,
-    /// Large-scale brightness.
-    tone: u8,
-    /// Large-scale hue.
-    hue: u8,
+    /// Bytes from the lowest: share of the sunlight taken away, large-scale brightness, large-scale hue.
+    tones: u32,
 }
 
 /// The ground at a place, interpolated.
@@ -69,6 +65,8 @@ pub(crate) struct GroundPoint {
     pub(crate) hue: f32,
 }
 
+/// What one step of a blended tone is worth.
+const PER_TONE: f32 = 1.0 / (255.0 * 256.0);
 /// Mark of a place without a stroke nearby.
 const NO_STROKE: u32 = u32::MAX;
 
@@ -158,14 +156,24 @@ fn blend([a, b, c, d]: [&Cell; 4], fx: f32, fy: f32) -> GroundPoint {
         (false, true) => c,
         (true, true) => d,
     };
+    let (weight_x, weight_y) = ((fx * 256.0) as i32 as u32, (fy * 256.0) as i32 as u32);
+    // Two bytes are blended at once, in lanes of 16 bits; the upper eight of each remain between the two steps.
+    let lanes = |shift: u32| {
+        let byte_pair = |cell: &Cell| (cell.tones >> shift) & 0x00FF_00FF;
+        let row = |left: &Cell, right: &Cell| {
+            ((byte_pair(left) * (256 - weight_x) + byte_pair(right) * weight_x) >> 8) & 0x00FF_00FF
+        };
+        row(a, b) * (256 - weight_y) + row(c, d) * weight_y
+    };
+    let (shadow_hue, tone) = (lanes(0), lanes(8));
     GroundPoint {
         edge_m: step * mix(|cell| f32::from(cell.edge)),
         edge_slope: [east * step / CELL_M, north * step / CELL_M],
         other_m: step * mix(|cell| f32::from(cell.other)),
         stroke: (nearest.stroke != NO_STROKE).then_some(nearest.stroke),
-        shadow: mix(|cell| f32::from(cell.shadow)) * (1.0 / 255.0),
-        tone: mix(|cell| f32::from(cell.tone)) * (2.0 / 255.0) - 1.0,
-        hue: mix(|cell| f32::from(cell.hue)) * (2.0 / 255.0) - 1.0,
+        shadow: (shadow_hue & 0xFFFF) as f32 * PER_TONE,
+        tone: tone as f32 * (2.0 * PER_TONE) - 1.0,
+        hue: (shadow_hue >> 16) as f32 * (2.0 * PER_TONE) - 1.0,
     }
 }
 
@@ -234,16 +242,14 @@ impl TileFiller<'_> {
                 let p = Point2::new(f64::from(x), f64::from(y));
                 let (edge, other, stroke) = road_distances(p, self.roads.strokes(), &candidates);
                 let stored = |distance: f64| (distance.clamp(-FAR_M, FAR_M) / DISTANCE_STEP_M).round() as i16;
+                let wave = |i: u64, size: f32| value_noise(self.seed ^ i, x / size, y / size);
+                let hue = (255.0 * (0.6 * wave(0xB1, 9.0) + 0.4 * wave(0xB2, 2.7))) as u32;
+                let shadow = (255.0 * self.scenery.shadow(&casters, x, y)) as u32;
                 Cell {
                     edge: stored(edge),
                     other: stored(other),
                     stroke,
-                    shadow: (255.0 * self.scenery.shadow(&casters, x, y)) as u8,
-                    tone: self.tone(x, y),
-                    hue: (255.0
-                        * (0.6 * value_noise(self.seed ^ 0xB1, x / 9.0, y / 9.0)
-                            + 0.4 * value_noise(self.seed ^ 0xB2, x / 2.7, y / 2.7)))
-                        as u8,
+                    tones: shadow | (u32::from(self.tone(x, y)) << 8) | (hue << 16),
                 }
             })
             .collect()

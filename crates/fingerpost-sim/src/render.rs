@@ -37,8 +37,9 @@ const SUN_LIGHT: Colour = [1.06, 1.00, 0.88];
 /// Directions of the pixels in the camera frame, and the cones around the tiles' directions.
 #[derive(Debug, Clone)]
 struct Lens {
-    /// Unit vectors, row by row; zero where the lens sees nothing.
-    directions: Vec<[f32; 3]>,
+    /// Unit vectors, row by row, zero where the lens sees nothing; beside each the square of the pixel's distance from
+    /// the picture's middle, 1 in the corners.
+    pixels: Vec<([f32; 3], f32)>,
     /// For each tile the unit vector in its middle, and cosine and sine of the angle to its farthest pixel.
     cones: Vec<([f32; 3], f32, f32)>,
     /// Angle between neighbouring pixels, radians.
@@ -72,7 +73,14 @@ impl Lens {
             }
         }
         let pixel_rad = (1.0 / (intrinsics.fx * intrinsics.fy).sqrt()) as f32;
-        Ok(Self { directions, cones, pixel_rad })
+        let (half_u, half_v) = (0.5 * width as f32, 0.5 * height as f32);
+        let off_centre = |i: usize| {
+            let (x, y) = ((i % width) as f32 - half_u, (i / width) as f32 - half_v);
+            (x * x + y * y) / (half_u * half_u + half_v * half_v)
+        };
+        let pixels =
+            directions.iter().enumerate().map(|(i, &direction)| (direction, off_centre(i))).collect();
+        Ok(Self { pixels, cones, pixel_rad })
     }
 }
 
@@ -235,6 +243,7 @@ impl<'a> Shot<'a> {
 
     fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
         let width = self.scene.width;
+        let first = band * TILE_PX * width;
         let mut candidates: Vec<Neighbour> = Vec::new();
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
             self.candidates(band * width.div_ceil(TILE_PX) + column, &mut candidates);
@@ -243,7 +252,7 @@ impl<'a> Shot<'a> {
                 let mut ground_m = self.ground_m;
                 for u in left..(left + TILE_PX).min(width) {
                     let i = row * width + u;
-                    let (colour, road) = self.pixel(band * TILE_PX + row, u, &candidates, &mut ground_m);
+                    let (colour, road) = self.pixel(first + i, &candidates, &mut ground_m);
                     mask[i] = road;
                     pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
                 }
@@ -272,10 +281,9 @@ impl<'a> Shot<'a> {
     }
 
     #[inline]
-    fn pixel(&self, v: usize, u: usize, candidates: &[Neighbour], ground_m: &mut f32) -> ([u8; 3], u8) {
+    fn pixel(&self, index: usize, candidates: &[Neighbour], ground_m: &mut f32) -> ([u8; 3], u8) {
         let scene = self.scene;
-        let index = v * scene.width + u;
-        let in_camera = scene.lens.directions[index];
+        let (in_camera, off_centre) = scene.lens.pixels[index];
         if dot(in_camera, in_camera) < 0.5 {
             return ([0; 3], 0);
         }
@@ -288,14 +296,7 @@ impl<'a> Shot<'a> {
             None => (scene.sky.colour(direction), 0),
         };
         let noise = mix(self.noise_seed ^ index as u64);
-        (scene.develop.develop(light, self.off_centre(u, v), noise), road)
-    }
-
-    /// Square of the distance from the picture's middle, 1 in the corners.
-    fn off_centre(&self, u: usize, v: usize) -> f32 {
-        let (half_u, half_v) = (0.5 * self.scene.width as f32, 0.5 * self.scene.height as f32);
-        let (x, y) = (u as f32 - half_u, v as f32 - half_v);
-        (x * x + y * y) / (half_u * half_u + half_v * half_v)
+        (scene.develop.develop(light, off_centre, noise), road)
     }
 
     /// Distance along a ray to the ground, metres; infinite above the horizon. `ground_m` is a guess of the height
