@@ -4,6 +4,9 @@
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
 mod arguments;
+mod demo;
+mod driver;
+mod evaluate;
 mod gps;
 mod inputs;
 mod interrupt;
@@ -12,6 +15,7 @@ mod record;
 mod recorder;
 mod route;
 mod run;
+mod schema;
 mod simulate;
 mod stage_clock;
 
@@ -29,16 +33,23 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::DemoArgs),
     Route(route::RouteArgs),
     Run(run::RunArgs),
     Simulate(simulate::SimulateArgs),
+    #[command(subcommand)]
+    Evaluate(evaluate::EvaluateCommand),
+    Schema(schema::SchemaArgs),
 }
 
 fn main() -> ExitCode {
     let done = match Cli::parse().command {
+        Command::Demo(args) => demo::demo(&args),
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Evaluate(command) => evaluate::evaluate(&command),
+        Command::Schema(args) => schema::schema(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

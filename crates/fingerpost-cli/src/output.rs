@@ -1,8 +1,10 @@
 //! What the program says: data on standard output, everything else on standard error.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use anyhow::{Context, Result};
+use fingerpost_format::{ErrorQuantiles, Summary};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -44,6 +46,35 @@ pub(crate) fn progress(length: Option<u64>, unit: &str) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
+}
+
+/// A run in a few lines on standard error, and where to look.
+pub(crate) fn print_summary(summary: &Summary, out: &Path) {
+    if !summary.features.is_empty() {
+        message("kind       detected        arrived      max P(F)  place");
+    }
+    for feature in &summary.features {
+        let frame = |frame: Option<u64>| frame.map_or("-".to_owned(), |frame| format!("frame {frame}"));
+        let ahead = feature.detected_forward_m.map_or("-".to_owned(), |m| format!("{m:.1} m ahead"));
+        let max_p = feature.max_p.map_or("-".to_owned(), |p| format!("{p:.2}"));
+        let (kind, arrived) = (&feature.kind, frame(feature.arrived_frame));
+        message(&format!("{kind:<9}  {ahead:<14}  {arrived:<11}  {max_p:<8}  {}", feature.name));
+    }
+    if let Some(truth) = &summary.truth {
+        message(&format!(
+            "against truth: {} of {} features detected, {} falsely, {} arrived at",
+            truth.features_detected, truth.features_total, truth.false_detections, truth.arrivals
+        ));
+        if let Some(ErrorQuantiles { p50, p95, max }) = truth.position_error_m {
+            message(&format!("position error: median {p50:.2} m, p95 {p95:.2} m, largest {max:.2} m"));
+        }
+        if let Some(percent) = truth.motion_error_pct {
+            message(&format!("distance driven: {percent:.1} % off"));
+        }
+    }
+    let Summary { frames, broken_frames, lost_frames, fps, .. } = summary;
+    message(&format!("{frames} frames ({broken_frames} broken, {lost_frames} lost) at {fps:.1} a second"));
+    message(&format!("results in {}", out.display()));
 }
 
 #[cfg(test)]

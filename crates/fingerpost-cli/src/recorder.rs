@@ -10,7 +10,6 @@ use fingerpost_eval::{FeatureIdentity, evaluate_junctions, feature_summaries};
 use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
 use fingerpost_io::RunFolder;
 
-use crate::output;
 use crate::record::{FrameTime, broken_record, frame_record};
 use crate::stage_clock::StageTimes;
 
@@ -115,10 +114,7 @@ impl Recorder {
         self.folder.write_summary(&summary)?;
         match misfit {
             Some(misfit) => Err(misfit.into()),
-            None => {
-                output::message(&format!("results in {}", self.folder.path().display()));
-                Ok(summary)
-            }
+            None => Ok(summary),
         }
     }
 }

@@ -2,20 +2,19 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, bail};
 use clap::Args;
-use fingerpost::ground_view::GroundViewError;
-use fingerpost::{Config, Pipeline, PipelineError, Sensors};
+use fingerpost::Sensors;
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{FrameError, FrameSource, SourceOptions, read_camera, read_truth};
 use fingerpost_map::Route;
-use fingerpost_vision::picture::RgbImage;
 
+use crate::driver::{Driver, RunSetting};
 use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
-use crate::record::{FrameTime, feature_identities};
-use crate::recorder::{Recorder, RunEnd};
-use crate::stage_clock::{FrameClock, stage_name};
+use crate::record::FrameTime;
+use crate::recorder::RunEnd;
+use crate::stage_clock::FrameClock;
 use crate::{inputs, output};
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
@@ -65,20 +64,16 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_start(args.start_m, route.as_ref())?;
     let gps = args.gps.as_deref().map(GpsTrack::read).transpose()?.unwrap_or_default();
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
-    let pipeline = Pipeline::new(&config, &camera, route.as_ref(), args.start_m)?;
     let source =
         FrameSource::open(&args.input, &SourceOptions { fps: args.fps, ..SourceOptions::default() })?;
-    let recorder =
-        Recorder::create(&args.out, &config_text(&config)?, feature_identities(pipeline.tracker().stops()))?;
-    let camera_size = (camera.width(), camera.height());
-    let drive =
-        DriveRun { pipeline, recorder, source, gps, camera_size, most: args.frames.unwrap_or(u64::MAX) };
-    drive.go(args, truth.as_deref())
-}
-
-/// The effective configuration as the run folder holds it.
-pub(crate) fn config_text(config: &Config) -> Result<String> {
-    toml::to_string(config).context("the configuration cannot be written as TOML")
+    let driver = Driver::new(RunSetting {
+        config: &config,
+        camera: &camera,
+        route: route.as_ref(),
+        start_m: args.start_m,
+        out: &args.out,
+    })?;
+    RecordedDrive { driver, source, gps, most: args.frames.unwrap_or(u64::MAX) }.run(args, truth.as_deref())
 }
 
 fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {
@@ -95,47 +90,40 @@ fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {
     }
 }
 
-/// A run in hand.
-struct DriveRun {
-    pipeline: Pipeline,
-    recorder: Recorder,
+/// A drive that is run on.
+struct RecordedDrive {
+    driver: Driver,
     source: FrameSource,
     gps: GpsTrack,
-    camera_size: (usize, usize),
     most: u64,
 }
 
-impl DriveRun {
-    fn go(mut self, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
+impl RecordedDrive {
+    fn run(mut self, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
         let interrupt = Interrupt::listen()?;
         let length = self.source.length().map(|length| length.min(self.most)).or(args.frames);
         let bar = output::progress(length, "frames");
         let mut failure = None;
-        let mut clock = FrameClock::start();
-        while !interrupt.wanted() && (self.recorder.frames() as u64) < self.most {
-            let Some(frame) = self.source.next() else { break };
-            clock.finished("decode");
-            let time = FrameTime { frame: frame.index, t_s: frame.t_s };
-            let done = match frame.picture {
-                Ok(picture) => self.step(time, picture),
-                Err(FrameError::Picture(cause)) => self.pass_over(time, &cause),
-                Err(cause @ FrameError::Video(_)) => Err(cause.into()),
-            };
-            if let Err(error) = done {
-                failure = Some(error);
-                break;
+        while !interrupt.wanted() && (self.driver.recorder.frames() as u64) < self.most {
+            match self.next_frame() {
+                Ok(Step::Done) => bar.inc(1),
+                Ok(Step::AtEnd) => break,
+                Err(error) => {
+                    failure = Some(error);
+                    break;
+                }
             }
-            self.recorder.add_times(&clock.stage_ms);
-            bar.inc(1);
-            clock = FrameClock::start();
         }
         bar.finish_and_clear();
-        let (frames, unused) = (self.recorder.frames(), self.recorder.nothing_used());
+        let recorder = self.driver.recorder;
+        let (frames, unused) = (recorder.frames(), recorder.nothing_used());
         let stopped = interrupt.wanted() || failure.is_some();
-        let summary =
-            self.recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
+        let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
         if let Some(failure) = failure {
-            return Err(failure);
+            return Err(failure.context(format!(
+                "the run ended after {frames} frames; results so far are in {}",
+                args.out.display()
+            )));
         }
         if interrupt.wanted() {
             bail!("interrupted after {frames} frames; results so far are in {}", args.out.display());
@@ -144,40 +132,31 @@ impl DriveRun {
             bail!("none of the {frames} frames of {} could be used; the messages above say why", args.input);
         }
         let summary = summary?;
+        output::print_summary(&summary, &args.out);
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }
 
-    fn step(&mut self, time: FrameTime, picture: RgbImage) -> Result<()> {
+    fn next_frame(&mut self) -> Result<Step> {
         let mut clock = FrameClock::start();
-        let sensors = Sensors { gps: self.gps.at(time.t_s) };
-        match self.pipeline.step(&picture, sensors, &mut |stage| clock.finished(stage_name(stage))) {
-            Ok((output, _)) => self.recorder.add(time, &output, &clock.stage_ms)?,
-            Err(PipelineError::GroundView(GroundViewError::Frame(_))) => self.misfit(time, &picture)?,
-            Err(cause) => self.pass_over(time, &cause)?,
+        let Some(frame) = self.source.next() else { return Ok(Step::AtEnd) };
+        clock.finished("decode");
+        self.driver.recorder.add_times(&clock.stage_ms);
+        let time = FrameTime { frame: frame.index, t_s: frame.t_s };
+        match frame.picture {
+            Ok(picture) => {
+                let sensors = Sensors { gps: self.gps.at(time.t_s) };
+                self.driver.step(time, &picture, sensors)?;
+                self.source.recycle(picture);
+            }
+            Err(FrameError::Picture(cause)) => self.driver.pass_over(time, &cause)?,
+            Err(cause @ FrameError::Video(_)) => return Err(cause.into()),
         }
-        self.source.recycle(picture);
-        Ok(())
+        Ok(Step::Done)
     }
+}
 
-    /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no
-    /// frame will fit; a later one is a broken frame.
-    fn misfit(&mut self, time: FrameTime, picture: &RgbImage) -> Result<()> {
-        let cause = anyhow!(
-            "the picture has {} x {} pixels and the calibration is for {} x {}; give the calibration of this camera at \
-             this size",
-            picture.width(),
-            picture.height(),
-            self.camera_size.0,
-            self.camera_size.1
-        );
-        if self.recorder.nothing_used() {
-            return Err(cause.context(format!("frame {}", time.frame)));
-        }
-        self.pass_over(time, cause.as_ref())
-    }
-
-    fn pass_over(&mut self, time: FrameTime, cause: &dyn std::error::Error) -> Result<()> {
-        output::message(&format!("frame {} is passed over: {cause}", time.frame));
-        self.recorder.add_broken(time, cause.to_string())
-    }
+/// What came of asking for the next frame.
+enum Step {
+    Done,
+    AtEnd,
 }

@@ -1,0 +1,105 @@
+//! `fingerpost demo`: a simulated drive through a small town, and the method on it.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use fingerpost::{Config, Sensors};
+use fingerpost_map::{OsmData, RoadGraph, read_route};
+use fingerpost_sim::{SimConfig, SimFrame, Simulator};
+use rayon::prelude::*;
+
+use crate::arguments::PictureSize;
+use crate::driver::{Driver, RunSetting};
+use crate::interrupt::Interrupt;
+use crate::output;
+use crate::record::FrameTime;
+use crate::recorder::RunEnd;
+use crate::simulate::{Lens, default_camera};
+
+/// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
+/// truth is only used to measure the results.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder to write; results of an earlier run in it are replaced.
+    #[arg(long, value_name = "DIR", default_value = "fingerpost-demo")]
+    out: PathBuf,
+    /// Print what summary.json holds on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Mauren in Liechtenstein. Map data © OpenStreetMap contributors, ODbL 1.0; see the file beside it.
+const TOWN_OSM: &[u8] =
+    include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town.osm"));
+/// A kilometre over junctions, side roads and bends of it.
+const TOWN_ROUTE: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town_route.geojson"));
+/// Picture size of a small dashcam.
+const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
+/// Rendered frames that may wait for the method: enough to even out slow ones.
+const WAITING_FRAMES: usize = 8;
+
+/// Simulates, runs and reports.
+pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
+    let graph = RoadGraph::from_osm(&OsmData::from_bytes(TOWN_OSM)?)?;
+    let route = read_route(TOWN_ROUTE)?;
+    let camera = default_camera(SIZE, Lens::None)?;
+    let sim_config = SimConfig::default();
+    let simulator = Simulator::new(&graph, &route, &camera, &sim_config)?;
+    let mut driver = Driver::new(RunSetting {
+        config: &Config::default(),
+        camera: &camera,
+        route: Some(&route),
+        start_m: Some(sim_config.start_m),
+        out: &args.out,
+    })?;
+    let interrupt = Interrupt::listen()?;
+    let bar = output::progress(Some(simulator.frames() as u64), "frames");
+    let mut truth = Vec::with_capacity(simulator.frames());
+    let (sender, receiver) = sync_channel(WAITING_FRAMES);
+    let followed: Result<()> = thread::scope(|scope| {
+        scope.spawn(|| render(&simulator, sender));
+        // The receiver ends with the closure, and with it the rendering, however the loop ends.
+        let receiver: Receiver<SimFrame> = receiver;
+        for (index, frame) in receiver.iter().enumerate() {
+            if interrupt.wanted() {
+                break;
+            }
+            let time = FrameTime { frame: index as u64, t_s: index as f64 / sim_config.fps };
+            driver.step(time, &frame.picture, Sensors::default())?;
+            truth.push(frame.truth);
+            bar.inc(1);
+        }
+        Ok(())
+    });
+    bar.finish_and_clear();
+    let recorder = driver.recorder;
+    let frames = recorder.frames();
+    let complete = followed.is_ok() && frames == simulator.frames();
+    let summary =
+        recorder.finish(if complete { RunEnd::Complete } else { RunEnd::Interrupted }, Some(&truth));
+    followed.with_context(|| format!("the demo ended after {frames} frames"))?;
+    if interrupt.wanted() {
+        bail!("interrupted after {frames} frames; results so far are in {}", args.out.display());
+    }
+    let summary = summary?;
+    output::print_summary(&summary, &args.out);
+    if args.json { output::print_json(&summary) } else { Ok(()) }
+}
+
+/// Renders the drive in its order, as fast as frames are taken; ends with the drive or when nobody takes them any more.
+fn render(simulator: &Simulator, sender: SyncSender<SimFrame>) {
+    let at_once = rayon::current_num_threads();
+    for first in (0..simulator.frames()).step_by(at_once) {
+        let batch = first..simulator.frames().min(first + at_once);
+        let frames: Vec<SimFrame> = batch.into_par_iter().map(|index| simulator.frame(index)).collect();
+        for frame in frames {
+            if sender.send(frame).is_err() {
+                return;
+            }
+        }
+    }
+}
