@@ -1,1 +1,35 @@
-//! Placeholder.
+//! Pictures and pages made of evidence: what the method saw in a frame and why it decided.
+//!
+//! [`compose`] draws one annotated picture of a frame, [`StagePictures`] one picture a stage, [`KeyFrames`] keeps those
+//! of the frames that a person wants to see afterwards, and [`report_html`] makes one self-contained page of a whole
+//! run. Nothing here decides anything, touches a file or reads a clock: pictures come as [`RgbImage`], pages as text.
+//!
+//! [`RgbImage`]: fingerpost_vision::picture::RgbImage
+
+mod draw;
+mod html;
+mod key_frames;
+mod palette;
+mod panel;
+mod scene;
+mod series;
+
+pub use html::{ReportInput, Thresholds, report_html};
+pub use key_frames::{KeyFrame, KeyFrames, KeyPicture, KeyReason};
+pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose};
+pub use scene::{Scene, Setting};
+
+use thiserror::Error;
+
+/// A picture that cannot be put into a report.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// The picture has no pixels or too many for a JPEG.
+    #[error("the {stage} picture cannot be stored in the report ({cause}); check the picture's size")]
+    Encode {
+        /// Stage that the picture shows.
+        stage: &'static str,
+        /// What the encoder says.
+        cause: jpeg_encoder::EncodingError,
+    },
+}

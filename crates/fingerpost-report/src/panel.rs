@@ -1,0 +1,84 @@
+//! Panels: one picture a stage, and all of them composed into one.
+
+mod camera;
+mod compose;
+mod facts;
+mod flow;
+mod ground_plot;
+mod ground_view;
+mod masks;
+mod road_surface;
+
+use fingerpost_vision::picture::{Rect, RgbImage};
+
+use crate::draw::Canvas;
+use crate::palette;
+use crate::scene::Scene;
+use ground_plot::GroundPlot;
+
+pub use compose::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, compose};
+
+/// Width of the ground pictures, pixels: three of them fit beside one another on a laptop's page.
+const GROUND_PICTURE_WIDTH_PX: usize = 480;
+/// Widest camera picture, pixels.
+const MAX_CAMERA_WIDTH_PX: usize = 960;
+
+/// The picture of one stage.
+#[derive(Debug, Clone)]
+pub struct StagePicture {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// What is to be seen in it.
+    pub legend: &'static str,
+    /// The picture.
+    pub picture: RgbImage,
+}
+
+/// The pictures of all stages of one frame.
+#[derive(Debug, Clone)]
+pub struct StagePictures {
+    /// In the order of the data: camera, ground view, road surface, masks, flow.
+    pub pictures: Vec<StagePicture>,
+}
+
+impl StagePictures {
+    /// Draws them.
+    pub fn draw(scene: &Scene<'_>) -> Self {
+        let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
+        Self {
+            pictures: vec![
+                stage("camera", camera::LEGEND, camera_picture(scene)),
+                stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw)),
+                stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw)),
+                stage("masks", masks::LEGEND, ground_picture(scene, masks::draw)),
+                stage("flow", flow::LEGEND, ground_picture(scene, flow::draw)),
+            ],
+        }
+    }
+}
+
+fn camera_picture(scene: &Scene<'_>) -> RgbImage {
+    let (width, height) = scene.picture.size();
+    let area = fitted((width, height), Rect { x: 0, y: 0, width: width.min(MAX_CAMERA_WIDTH_PX), height });
+    let mut canvas = Canvas::new(area.width, area.height, palette::BACKGROUND);
+    camera::draw(&mut canvas, area, scene);
+    canvas.into_image()
+}
+
+fn ground_picture(scene: &Scene<'_>, draw: fn(&mut Canvas, &GroundPlot<'_>, &Scene<'_>)) -> RgbImage {
+    let grid = &scene.setting.grid;
+    // Tall ground views stay within the screen's height.
+    let room = Rect { x: 0, y: 0, width: GROUND_PICTURE_WIDTH_PX, height: 2 * GROUND_PICTURE_WIDTH_PX };
+    let area = fitted((grid.columns(), grid.rows()), room);
+    let mut canvas = Canvas::new(area.width, area.height, palette::BACKGROUND);
+    draw(&mut canvas, &GroundPlot::new(grid, area), scene);
+    canvas.into_image()
+}
+
+/// The largest area of a picture's proportions in the top left of `room`, of at least one pixel.
+fn fitted((width, height): (usize, usize), room: Rect) -> Rect {
+    let (width, height) = (width.max(1) as f64, height.max(1) as f64);
+    let scale = (room.width as f64 / width).min(room.height as f64 / height);
+    let side = |length: f64| ((length * scale).round() as usize).max(1);
+    Rect { x: room.x, y: room.y, width: side(width), height: side(height) }
+}

@@ -1,0 +1,96 @@
+//! The numbers of a frame in words, one fact a line.
+
+use fingerpost::motion::FlowStart;
+use fingerpost::road_surface::SampleUse;
+use fingerpost::route_progress::GpsUse;
+use fingerpost::track::CrossSectionUse;
+use nalgebra::Isometry2;
+
+use crate::scene::Scene;
+
+/// A fact: what it is about, and what is known.
+pub(crate) type Fact = (&'static str, String);
+
+/// What the stages found, the most telling first.
+pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
+    let (output, evidence) = (scene.output, scene.evidence);
+    let mut facts: Vec<Fact> = Vec::new();
+    if let Some((followed, _)) = scene.followed() {
+        let sigma = |axis: usize| followed.covariance[(axis, axis)].max(0.0).sqrt();
+        let pose = words(&followed.vehicle_from_feature);
+        facts.push(("feature", format!("{pose}; sigma {:.2}, {:.2} m", sigma(0), sigma(1))));
+    }
+    if let Some(predicted) = &evidence.track.predicted {
+        let p = evidence.track.predicted_p.map_or_else(String::new, |p| format!("; P(F) {p:.2} there"));
+        facts.push(("predicted", format!("{}{p}", words(predicted))));
+    }
+    if evidence.track.tried > 0 {
+        let best = evidence
+            .track
+            .best_p
+            .map_or_else(|| "none reached the threshold".to_owned(), |p| format!("best P(F) {p:.2}"));
+        facts.push(("search", format!("{} places tried, {best}", evidence.track.tried)));
+    }
+    let sections = &evidence.track.sections;
+    if !sections.is_empty() {
+        let count = |of: fn(&CrossSectionUse) -> bool| sections.iter().filter(|s| of(&s.section_use)).count();
+        facts.push((
+            "sections",
+            format!(
+                "{} used, {} without edges, {} of another width, {} too far off",
+                count(|s| matches!(s, CrossSectionUse::Accepted)),
+                count(|s| matches!(s, CrossSectionUse::NoEdges)),
+                count(|s| matches!(s, CrossSectionUse::WidthDisagrees { .. })),
+                count(|s| matches!(s, CrossSectionUse::Gated { .. })),
+            ),
+        ));
+    }
+    let tightest = output.driving_line_curvature_per_m.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
+    if tightest > 0.0 {
+        facts.push(("line", format!("tightest radius ahead {:.1} m", 1.0 / tightest)));
+    }
+    if let Some(motion) = &output.motion {
+        let step = &motion.previous_from_current;
+        facts.push(("motion", format!("{}; quality {:.2}", words(step), motion.quality)));
+    }
+    if let Some(flow) = &evidence.motion {
+        let used = flow.samples.iter().filter(|sample| sample.weight > 0.0).count();
+        let start = match flow.start {
+            FlowStart::Standing => "started from standing",
+            FlowStart::SameAsBefore => "started as before",
+            FlowStart::CoarseSearch => "started from a coarse search",
+        };
+        let of = flow.samples.len();
+        facts.push(("flow", format!("{used} of {of} used, residual {:.2} px, {start}", flow.residual_px)));
+    }
+    let road = &evidence.road;
+    let sample = match road.sample_use {
+        SampleUse::Learned => "learned",
+        SampleUse::LeftOut => "left out, unlike the road so far",
+        SampleUse::SurfaceChanged => "taken: the surface has changed",
+        SampleUse::Unseen => "not seen",
+    };
+    facts.push((
+        "road",
+        format!("{}: P {:.2} in the sample, {sample}", road.detector, road.sample_probability),
+    ));
+    if let Some(route_m) = output.track.route_m {
+        facts.push(("route", format!("believed at {route_m:.0} m")));
+    }
+    match evidence.track.gps {
+        Some(GpsUse::Accepted { innovation_m }) => {
+            facts.push(("GPS", format!("used, {innovation_m:+.1} m along the route")));
+        }
+        Some(GpsUse::OffRoute { distance_m }) => {
+            facts.push(("GPS", format!("not used, {distance_m:.0} m off the route")));
+        }
+        None => {}
+    }
+    facts
+}
+
+/// A pose in the vehicle frame in words.
+fn words(pose: &Isometry2<f64>) -> String {
+    let [forward_m, left_m] = [pose.translation.x, pose.translation.y];
+    format!("{forward_m:.2} m ahead, {left_m:+.2} m left, {:+.1}°", pose.rotation.angle().to_degrees())
+}

@@ -1,0 +1,47 @@
+//! The flow of the road from which the motion was found.
+
+use nalgebra::Point2;
+
+use super::ground_plot::GroundPlot;
+use crate::draw::{Canvas, Paint, TextSize};
+use crate::palette;
+use crate::scene::Scene;
+
+pub(crate) const LEGEND: &str = "Flow of the road since the frame before: cyan vectors were used, the fainter the less \
+    weight; red ones were rejected. Dashed: the region that was measured.";
+
+/// Weight below which a vector counts as rejected.
+const REJECTED_WEIGHT: f64 = 0.05;
+
+/// Draws the flow on the grey ground view.
+pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
+    let grey = &scene.evidence.ground.grey;
+    plot.raster(canvas, scene.evidence.validity, |column, row| {
+        [(f64::from(grey.get(column, row).unwrap_or(0)) * 0.7) as u8; 3]
+    });
+    plot.metre_lines(canvas);
+    canvas.clipped(plot.area, |canvas| {
+        let Some(motion) = &scene.evidence.motion else {
+            let corner = [plot.area.x as f64 + 8.0, plot.area.y as f64 + 6.0];
+            canvas.label(corner, TextSize::Small, palette::TEXT_DIM, "no frame before this one");
+            return;
+        };
+        canvas.dashed(&plot.outline(motion.region), 1.5, [5.0, 4.0], Paint::glaze(palette::SAMPLE, 0.8));
+        for sample in &motion.samples {
+            let paint = if sample.weight < REJECTED_WEIGHT {
+                Paint::glaze(palette::REJECTED, 0.9)
+            } else {
+                Paint::glaze(palette::ACCEPTED, 0.35 + 0.6 * sample.weight.min(1.0))
+            };
+            let ends = [sample.from_px, sample.to_px].map(|p| plot.at_pixel(p));
+            canvas.arrow(ends[0], ends[1], 1.3, paint);
+            canvas.disc(ends[1], 1.4, paint);
+        }
+        if let Some(moved) = &scene.output.motion {
+            let step = moved.previous_from_current.translation.vector;
+            let near = plot.at(Point2::new(plot.grid.near_m(), plot.grid.half_width_m()));
+            let text = format!("moved {:.2} m, {:+.2} m left", step.x, step.y);
+            canvas.label([near[0], near[1] - 40.0], TextSize::Small, palette::TEXT, &text);
+        }
+    });
+}

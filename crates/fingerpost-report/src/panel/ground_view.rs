@@ -1,0 +1,85 @@
+//! The ground view with the feature's place: predicted by ego-motion, measured across the arms, updated.
+
+use fingerpost::track::{CrossSection, CrossSectionUse};
+use nalgebra::{Isometry2, Point2};
+
+use super::ground_plot::GroundPlot;
+use crate::draw::{Canvas, Paint, TextSize};
+use crate::palette;
+use crate::scene::Scene;
+
+pub(crate) const LEGEND: &str = "The road from above. White cross: where ego-motion expected the feature; yellow \
+    circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, from edge to edge; \
+    cyan moved the feature, red were rejected, grey dots showed no edges. Green: driving line. Hatched: not seen.";
+
+/// Corners of the ellipse of uncertainty.
+const ELLIPSE_CORNERS: usize = 48;
+/// Standard deviations that the ellipse shows.
+const ELLIPSE_SIGMAS: f64 = 2.0;
+
+/// Draws the ground view.
+pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
+    let colour = &scene.evidence.ground.colour;
+    plot.raster(canvas, scene.evidence.validity, |column, row| colour.get(column, row).unwrap_or_default());
+    plot.metre_lines(canvas);
+    canvas.clipped(plot.area, |canvas| {
+        let line: Vec<[f64; 2]> = scene.output.driving_line.iter().map(|&p| plot.at(p)).collect();
+        canvas.polyline(&line, 2.5, Paint::glaze(palette::sub_mask("driving_line"), 0.9));
+        for section in &scene.evidence.track.sections {
+            cross_section(canvas, plot, section);
+        }
+        if let Some(predicted) = &scene.evidence.track.predicted {
+            cross(canvas, plot.at(predicted.translation.vector.into()));
+        }
+        if let Some(followed) = &scene.output.track.followed {
+            let pose = &followed.vehicle_from_feature;
+            let place = pose.translation.vector;
+            let covariance = followed.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+            if let Some(root) = covariance.cholesky() {
+                let corners: Vec<[f64; 2]> = (0..=ELLIPSE_CORNERS)
+                    .map(|i| i as f64 / ELLIPSE_CORNERS as f64 * std::f64::consts::TAU)
+                    .map(|angle| root.l() * nalgebra::Vector2::new(angle.cos(), angle.sin()))
+                    .map(|offset| plot.at((place + offset * ELLIPSE_SIGMAS).into()))
+                    .collect();
+                canvas.polyline(&corners, 1.5, Paint::glaze(palette::UPDATED, 0.8));
+            }
+            heading(canvas, plot, pose);
+        }
+    });
+}
+
+/// The node and the direction in which the approach leads to it.
+fn heading(canvas: &mut Canvas, plot: &GroundPlot<'_>, vehicle_from_feature: &Isometry2<f64>) {
+    let node = plot.at(vehicle_from_feature * Point2::origin());
+    let behind = plot.at(vehicle_from_feature * Point2::new(-1.5, 0.0));
+    canvas.arrow(behind, node, 2.0, Paint::solid(palette::UPDATED));
+    canvas.ring(node, 6.0, 2.0, Paint::solid(palette::UPDATED));
+}
+
+fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
+    for (width, paint) in [(4.5, Paint::glaze(palette::SHADE, 0.5)), (2.0, Paint::solid(palette::PREDICTED))]
+    {
+        canvas.polyline(&[[x - 7.0, y - 7.0], [x + 7.0, y + 7.0]], width, paint);
+        canvas.polyline(&[[x - 7.0, y + 7.0], [x + 7.0, y - 7.0]], width, paint);
+    }
+}
+
+fn cross_section(canvas: &mut Canvas, plot: &GroundPlot<'_>, section: &CrossSection) {
+    let colour = match section.section_use {
+        CrossSectionUse::Accepted => palette::ACCEPTED,
+        CrossSectionUse::NoEdges => palette::TEXT_DIM,
+        CrossSectionUse::WidthDisagrees { .. } | CrossSectionUse::Gated { .. } => palette::REJECTED,
+    };
+    let middle = plot.at(section.p_in_vehicle);
+    canvas.disc(middle, 2.5, Paint::solid(colour));
+    let Some(edges) = section.edges_m else { return };
+    let ends = edges.map(|edge_m| plot.at(section.p_in_vehicle + section.left * edge_m));
+    canvas.polyline(&ends, 1.5, Paint::solid(colour));
+    for end in ends {
+        canvas.disc(end, 3.5, Paint::solid(colour));
+    }
+    if let CrossSectionUse::WidthDisagrees { width_m, map_width_m } = section.section_use {
+        let text = format!("{width_m:.1} m, map {map_width_m:.1}");
+        canvas.label([middle[0] + 4.0, middle[1] + 2.0], TextSize::Small, colour, &text);
+    }
+}
