@@ -14,6 +14,7 @@ mod config;
 mod drive;
 mod error;
 mod ground;
+mod lens;
 mod noise;
 mod object;
 mod path;
