@@ -1,7 +1,14 @@
 //! `report.html`: a run on one self-contained page.
 
+mod chart;
+mod curves;
+mod key_frames;
+mod map;
+mod tables;
+
 use fingerpost_format::{FrameRecord, Summary, TruthRecord};
 use fingerpost_map::Route;
+use maud::{DOCTYPE, PreEscaped, html};
 
 use crate::key_frames::KeyFrames;
 
@@ -35,7 +42,51 @@ pub struct ReportInput<'a> {
     pub key_frames: &'a KeyFrames,
 }
 
-/// The report as one HTML page without outside resources.
+/// Look of the page, light and dark.
+const STYLE: &str = include_str!("html/style.css");
+
+/// The report as one HTML page that needs nothing from outside: no script, no font, pictures inside.
 pub fn report_html(input: &ReportInput<'_>) -> String {
-    maud::html! { (maud::DOCTYPE) html { head { title { (input.title) } } body {} } }.into_string()
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (input.title) " - Fingerpost" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (input.title) }
+                    p class="dim" { "What Fingerpost saw on this run and why it decided." }
+                }
+                (tables::summary(input.summary))
+                @if !input.summary.features.is_empty() {
+                    h2 { "Features of the route" }
+                    (tables::features(input.summary))
+                }
+                @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
+                h2 { "Over time" }
+                (curves::curves(input))
+                h2 { "Losses" }
+                (tables::losses(input))
+                @if !input.summary.stage_ms.is_empty() {
+                    h2 { "Time a stage takes" }
+                    (tables::stage_times(input.summary))
+                }
+                h2 { "Key frames" }
+                (key_frames::key_frames(input.key_frames))
+                h2 { "Configuration" }
+                details {
+                    summary { "The effective configuration of the run" }
+                    pre { (input.config_toml) }
+                }
+                @if input.route.is_some() {
+                    footer { p { "Map data © OpenStreetMap contributors, ODbL." } }
+                }
+            }
+        }
+    };
+    page.into_string()
 }

@@ -51,7 +51,7 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     }
     if let Some(motion) = &output.motion {
         let step = &motion.previous_from_current;
-        facts.push(("motion", format!("{}; quality {:.2}", words(step), motion.quality)));
+        facts.push(("moved", format!("{}; quality {:.2}", words(step), motion.quality)));
     }
     if let Some(flow) = &evidence.motion {
         let used = flow.samples.iter().filter(|sample| sample.weight > 0.0).count();

@@ -1,5 +1,7 @@
 //! The flow of the road from which the motion was found.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Point2;
 
 use super::ground_plot::GroundPlot;
@@ -8,10 +10,13 @@ use crate::palette;
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "Flow of the road since the frame before: cyan vectors were used, the fainter the less \
-    weight; red ones were rejected. Dashed: the region that was measured.";
+    weight; red ones were rejected (one of each in a small square). Dashed: the region that was measured.";
 
 /// Weight below which a vector counts as rejected.
 const REJECTED_WEIGHT: f64 = 0.05;
+
+/// Side of the squares of which each shows one used and one rejected vector, pixels: more would run into one another.
+const CELL_PX: f64 = 13.0;
 
 /// Draws the flow on the grey ground view.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
@@ -27,13 +32,19 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
             return;
         };
         canvas.dashed(&plot.outline(motion.region), 1.5, [5.0, 4.0], Paint::glaze(palette::SAMPLE, 0.8));
+        let mut drawn = BTreeSet::new();
         for sample in &motion.samples {
-            let paint = if sample.weight < REJECTED_WEIGHT {
+            let ends = [sample.from_px, sample.to_px].map(|p| plot.at_pixel(p));
+            let rejected = sample.weight < REJECTED_WEIGHT;
+            let cell = ends[0].map(|c| (c / CELL_PX).floor() as i64);
+            if !drawn.insert((cell, rejected)) {
+                continue;
+            }
+            let paint = if rejected {
                 Paint::glaze(palette::REJECTED, 0.9)
             } else {
                 Paint::glaze(palette::ACCEPTED, 0.35 + 0.6 * sample.weight.min(1.0))
             };
-            let ends = [sample.from_px, sample.to_px].map(|p| plot.at_pixel(p));
             canvas.arrow(ends[0], ends[1], 1.3, paint);
             canvas.disc(ends[1], 1.4, paint);
         }

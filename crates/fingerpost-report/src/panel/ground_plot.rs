@@ -72,8 +72,9 @@ impl<'a> GroundPlot<'a> {
     pub(crate) fn metre_lines(&self, canvas: &mut Canvas) {
         let grid = self.grid;
         let paint = Paint::glaze(palette::GRID_LINE, 0.22);
+        // Lines on the very edge would have no room for their label.
         let multiples = |from: f64, to: f64| {
-            (from / LINE_STEP_M).ceil() as i64..=(to / LINE_STEP_M - 1e-9).ceil() as i64 - 1
+            (from / LINE_STEP_M + 1e-9).ceil() as i64..=(to / LINE_STEP_M - 1e-9).floor() as i64
         };
         canvas.clipped(self.area, |canvas| {
             let right = (self.area.x + self.area.width) as f64;

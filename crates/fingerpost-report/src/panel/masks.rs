@@ -20,7 +20,7 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
     let (surface, validity) = (&scene.evidence.surface.probability, scene.evidence.validity);
     let followed = scene.output.track.followed.as_ref();
     let coloured = followed.zip(scene.evidence.masks.as_ref()).map(|(followed, placed)| {
-        let mut overlay = Plane::new(plot.grid.columns(), plot.grid.rows(), NO_MASK);
+        let mut overlay = Plane::new(plot.grid.columns(), plot.grid.rows(), 0);
         for (index, sub) in placed.masks.subs.iter().enumerate() {
             paint(&mut overlay, sub, placed, index);
         }
@@ -29,9 +29,10 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
     plot.raster(canvas, validity, |column, row| {
         let ground = palette::shade(surface.get(column, row).unwrap_or(0));
         let Some((overlay, matched, placed)) = &coloured else { return ground };
-        let sub = overlay.get(column, row).and_then(|index| placed.masks.subs.get(usize::from(index)));
-        sub.map_or(ground, |sub| {
-            palette::mix(ground, palette::sub_mask(&sub.label), opacity(matched, &sub.label))
+        let bits = overlay.get(column, row).unwrap_or(0);
+        let subs = placed.masks.subs.iter().enumerate().filter(|&(index, _)| bits & bit(index) != 0);
+        subs.fold(ground, |under, (_, sub)| {
+            palette::mix(under, palette::sub_mask(&sub.label), opacity(matched, &sub.label))
         })
     });
     plot.metre_lines(canvas);
@@ -44,17 +45,22 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
     });
 }
 
-/// No sub-mask in the overlay of sub-masks' indices; a feature has fewer arms than this.
-const NO_MASK: u8 = u8::MAX;
+/// Which sub-masks lie on each pixel, one bit each.
+type Overlay = Plane<u32>;
 
-/// Writes a sub-mask's index under it; later ones (the driving line last) lie on top.
-fn paint(overlay: &mut Plane<u8>, sub: &SubMask, placed: &PlacedMasks<'_>, index: usize) {
+/// Bit of a sub-mask in the overlay; those beyond the last bit, of which no real junction has any, are not shown.
+fn bit(index: usize) -> u32 {
+    u32::try_from(index).ok().and_then(|index| 1_u32.checked_shl(index)).unwrap_or(0)
+}
+
+/// Marks the pixels of a sub-mask.
+fn paint(overlay: &mut Overlay, sub: &SubMask, placed: &PlacedMasks<'_>, index: usize) {
     let (width, height) = overlay.size();
     let inside = Rect { x: 0, y: 0, width, height };
     let spans = sub.spans.translated(placed.column, placed.row).intersect_rect(inside);
     for span in spans.spans() {
         let (row, columns) = (span.row as usize, span.start as usize..span.end as usize);
-        overlay.row_mut(row)[columns].fill(u8::try_from(index).unwrap_or(NO_MASK));
+        overlay.row_mut(row)[columns].iter_mut().for_each(|bits| *bits |= bit(index));
     }
 }
 
@@ -72,7 +78,7 @@ fn labels(
     canvas: &mut Canvas,
     plot: &GroundPlot<'_>,
     validity: &Plane<u8>,
-    overlay: &Plane<u8>,
+    overlay: &Overlay,
     matched: &Match,
     placed: &PlacedMasks<'_>,
 ) {
@@ -103,26 +109,30 @@ const fn overlap(a: &Rect, b: &Rect) -> bool {
     a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height
 }
 
-/// The seen pixel of a sub-mask nearest to the mean of all of them: on the mask even where it bends.
-fn middle(overlay: &Plane<u8>, validity: &Plane<u8>, index: usize) -> Option<[f64; 2]> {
-    let (width, height) = overlay.size();
+/// A seen pixel in the middle of a sub-mask, of the part that is its own where there is one.
+fn middle(overlay: &Overlay, validity: &Plane<u8>, index: usize) -> Option<[f64; 2]> {
+    middle_of(overlay, validity, |bits| bits == bit(index))
+        .or_else(|| middle_of(overlay, validity, |bits| bits & bit(index) != 0))
+}
+
+/// The seen pixel nearest to the mean of all that `belongs` picks: on the mask even where it bends.
+fn middle_of(
+    overlay: &Overlay,
+    validity: &Plane<u8>,
+    belongs: impl Fn(u32) -> bool + Copy,
+) -> Option<[f64; 2]> {
     let pixels = || {
-        (0..height).flat_map(move |row| (0..width).map(move |column| (column, row))).filter(
-            move |&(column, row)| {
-                overlay.get(column, row).map(usize::from) == Some(index)
-                    && validity.get(column, row) != Some(0)
-            },
-        )
+        (0..overlay.height()).flat_map(move |row| {
+            let cells = overlay.row(row).iter().zip(validity.row(row)).enumerate();
+            cells
+                .filter(move |&(_, (&bits, &seen))| seen != 0 && bits != 0 && belongs(bits))
+                .map(move |(column, _)| [column as f64, row as f64])
+        })
     };
-    let (mut count, mut sum) = (0.0, [0.0, 0.0]);
-    for (column, row) in pixels() {
-        count += 1.0;
-        sum = [sum[0] + column as f64, sum[1] + row as f64];
-    }
+    let (count, sum) =
+        pixels().fold((0.0, [0.0, 0.0]), |(n, [x, y]), [column, row]| (n + 1.0, [x + column, y + row]));
     let mean = sum.map(|s| s / count);
-    pixels()
-        .map(|(column, row)| [column as f64, row as f64])
-        .min_by(|a, b| distance(*a, mean).total_cmp(&distance(*b, mean)))
+    pixels().min_by(|a, b| distance(*a, mean).total_cmp(&distance(*b, mean)))
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -1,0 +1,162 @@
+//! Curves over time as inline SVG.
+
+use std::fmt::Write;
+use std::ops::RangeInclusive;
+
+use maud::{Markup, html};
+
+use crate::series::{MAX_POINTS, thinned};
+
+/// A curve.
+pub(crate) struct Curve {
+    pub(crate) label: &'static str,
+    /// CSS class that colours it.
+    pub(crate) class: &'static str,
+    /// Seconds and value; none where there is no value.
+    pub(crate) points: Vec<(f64, Option<f64>)>,
+}
+
+/// A stretch of time in a colour.
+pub(crate) struct Band {
+    pub(crate) seconds: RangeInclusive<f64>,
+    pub(crate) label: String,
+    pub(crate) colour: String,
+}
+
+/// Curves over the same time.
+pub(crate) struct Chart {
+    pub(crate) title: String,
+    pub(crate) unit: &'static str,
+    pub(crate) seconds: RangeInclusive<f64>,
+    /// Values that are shown at least.
+    pub(crate) values: RangeInclusive<f64>,
+    /// Behind the curves.
+    pub(crate) bands: Vec<Band>,
+    /// In a strip of their own below the curves.
+    pub(crate) strip: Vec<Band>,
+    /// Values with a line across and their names.
+    pub(crate) lines: Vec<(f64, String)>,
+    pub(crate) curves: Vec<Curve>,
+}
+
+const WIDTH: f64 = 960.0;
+const HEIGHT: f64 = 230.0;
+const LEFT: f64 = 52.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 12.0;
+const BOTTOM: f64 = 44.0;
+const STRIP: f64 = 10.0;
+
+impl Chart {
+    /// The chart as a figure.
+    pub(crate) fn figure(&self) -> Markup {
+        let (mut low, mut high) = (*self.values.start(), *self.values.end());
+        for y in
+            self.curves.iter().flat_map(|c| c.points.iter().filter_map(|p| p.1)).filter(|y| y.is_finite())
+        {
+            (low, high) = (low.min(y), high.max(y));
+        }
+        let high = if high > low { high } else { low + 1.0 };
+        let (t0, t1) = (*self.seconds.start(), self.seconds.end().max(self.seconds.start() + 1e-3));
+        let x = |t: f64| LEFT + (t - t0) / (t1 - t0) * (WIDTH - LEFT - RIGHT);
+        let y = |v: f64| TOP + (high - v) / (high - low) * (HEIGHT - TOP - BOTTOM);
+        let floor = HEIGHT - BOTTOM;
+        let band = |band: &Band, top: f64, height: f64, opacity: &str| {
+            let (from, to) = (x(*band.seconds.start()), x(*band.seconds.end()));
+            html! {
+                rect x=(px(from)) y=(px(top)) width=(px(to - from)) height=(px(height)) fill=(band.colour)
+                    fill-opacity=(opacity) { title { (band.label) } }
+            }
+        };
+        html! {
+            figure class="chart" {
+                figcaption {
+                    (self.title)
+                    @for curve in &self.curves { span class={ "key " (curve.class) } { (curve.label) } }
+                }
+                svg viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(self.title) {
+                    @for b in &self.bands { (band(b, TOP, floor - TOP, "0.22")) }
+                    @for b in &self.strip { (band(b, floor + 3.0, STRIP, "1")) }
+                    @for v in ticks(low, high, 5) {
+                        line class="grid" x1=(px(LEFT)) x2=(px(WIDTH - RIGHT)) y1=(px(y(v))) y2=(px(y(v))) {}
+                        text x=(px(LEFT - 6.0)) y=(px(y(v) + 4.0)) text-anchor="end" { (number(v)) }
+                    }
+                    @for t in ticks(t0, t1, 10) {
+                        line class="tick" x1=(px(x(t))) x2=(px(x(t))) y1=(px(floor)) y2=(px(floor + 4.0)) {}
+                        text x=(px(x(t))) y=(px(floor + 28.0)) text-anchor="middle" { (number(t)) }
+                    }
+                    text x=(px(WIDTH - RIGHT)) y=(px(HEIGHT - 3.0)) text-anchor="end" class="dim" { "seconds" }
+                    text x="2" y=(px(HEIGHT - 3.0)) class="dim" { (self.unit) }
+                    @for (value, label) in &self.lines {
+                        line class="threshold" x1=(px(LEFT)) x2=(px(WIDTH - RIGHT)) y1=(px(y(*value)))
+                            y2=(px(y(*value))) {}
+                        text x=(px(WIDTH - RIGHT - 4.0)) y=(px(y(*value) - 4.0)) text-anchor="end" { (label) }
+                    }
+                    @for curve in &self.curves {
+                        @for piece in thinned(&curve.points, MAX_POINTS) {
+                            @if let [(t, v)] = piece[..] {
+                                circle class=(curve.class) cx=(px(x(t))) cy=(px(y(v))) r="2" {}
+                            } @else {
+                                polyline class=(curve.class)
+                                    points=(joined(piece.iter().map(|&(t, v)| [x(t), y(v)]))) {}
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Points as SVG has them.
+pub(crate) fn joined(points: impl Iterator<Item = [f64; 2]>) -> String {
+    points.fold(String::new(), |mut text, [x, y]| {
+        if !text.is_empty() {
+            text.push(' ');
+        }
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{},{}", px(x), px(y));
+        text
+    })
+}
+
+/// A coordinate to a tenth of a pixel.
+pub(crate) fn px(value: f64) -> String {
+    let text = format!("{value:.1}");
+    text.strip_suffix(".0").map_or_else(|| text.clone(), str::to_owned)
+}
+
+/// A number with as many digits as it needs.
+pub(crate) fn number(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Round numbers from `low` to `high`, at most about `count` of them: 1, 2 or 5 times a power of ten apart.
+pub(crate) fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let least = (high - low) / count.max(1) as f64;
+    if !(least.is_finite() && least > 0.0) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= least).unwrap_or(least);
+    let (first, last) = ((low / step).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (first..=last).map(|k| k as f64 * step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks(0.0, 1.0, 5).len(), 6);
+        assert_eq!(ticks(0.0, 130.0, 10), [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0]);
+        assert!(ticks(1.0, 1.0, 5).is_empty() && ticks(0.0, f64::NAN, 5).is_empty());
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([number(0.5), number(20.0), px(3.04), px(-0.26)], ["0.5", "20", "3", "-0.3"]);
+    }
+}

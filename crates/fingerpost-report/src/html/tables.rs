@@ -1,0 +1,134 @@
+//! A run in numbers: summary, features, stage times, losses.
+
+use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, TrackState};
+use maud::{Markup, html};
+
+use super::ReportInput;
+use super::chart::{number, px};
+
+/// Losses and broken frames that are listed; the rest is counted.
+const MAX_LISTED: usize = 40;
+
+/// The numbers of the run.
+pub(crate) fn summary(summary: &Summary) -> Markup {
+    let of = |part: usize| format!("{part} of {}", summary.features.len());
+    let mut facts: Vec<(&str, String)> = vec![
+        ("frames", summary.frames.to_string()),
+        ("frames a second", format!("{:.1}", summary.fps)),
+        ("features detected", of(summary.features.iter().filter(|f| f.detected_frame.is_some()).count())),
+        ("features arrived at", of(summary.features.iter().filter(|f| f.arrived_frame.is_some()).count())),
+        ("frames lost", summary.lost_frames.to_string()),
+    ];
+    if summary.broken_frames > 0 {
+        facts.push(("broken frames passed over", summary.broken_frames.to_string()));
+    }
+    if let Some(truth) = &summary.truth {
+        facts.push((
+            "detected, of those passed",
+            format!("{} of {}", truth.features_detected, truth.features_total),
+        ));
+        facts.push(("false detections", truth.false_detections.to_string()));
+        facts.push(("arrivals", truth.arrivals.to_string()));
+        facts.extend(truth.position_error_m.map(|error| ("position error", metres(error))));
+        facts.extend(truth.motion_error_pct.map(|error| ("motion error", format!("{error:.2} %"))));
+        facts.extend(truth.fix_error_m.map(|error| ("fix error", metres(error))));
+        facts.extend(truth.bound_violations.map(|n| ("frames outside the bound", n.to_string())));
+    }
+    html! {
+        dl class="facts" { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+        @if summary.interrupted { p class="warning" { "The run was ended before its input was." } }
+    }
+}
+
+fn metres(error: ErrorQuantiles) -> String {
+    format!("{:.2} m median, {:.2} m p95, {:.2} m largest", error.p50, error.p95, error.max)
+}
+
+/// What became of every feature.
+pub(crate) fn features(summary: &Summary) -> Markup {
+    let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
+    html! {
+        table {
+            thead { tr {
+                th { "" } th { "node" } th { "kind" } th { "name" } th class="n" { "detected in frame" }
+                th class="n" { "at" } th class="n" { "arrived in frame" } th class="n" { "highest P(F)" }
+            } }
+            tbody {
+                @for (i, feature) in summary.features.iter().enumerate() {
+                    tr class=[feature.detected_frame.is_none().then_some("missed")] {
+                        td class="n" { (i + 1) }
+                        td class="n" { (feature.id) }
+                        td { (feature.kind.replace('_', " ")) }
+                        td { (feature.name) }
+                        td class="n" { (or_dash(feature.detected_frame.map(|n| n.to_string()))) }
+                        td class="n" { (or_dash(feature.detected_forward_m.map(|m| format!("{m:.1} m")))) }
+                        td class="n" { (or_dash(feature.arrived_frame.map(|n| n.to_string()))) }
+                        td class="n" { (or_dash(feature.max_p.map(|p| format!("{p:.2}")))) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Median and 95th percentile of every stage as bars.
+pub(crate) fn stage_times(summary: &Summary) -> Markup {
+    const BAR_LEFT: f64 = 150.0;
+    const BAR_WIDTH: f64 = 640.0;
+    const LINE: f64 = 24.0;
+    let longest = summary.stage_ms.values().map(|time| time.p95.max(time.median)).fold(0.0, f64::max);
+    let width = |ms: f64| px(if longest > 0.0 { ms / longest * BAR_WIDTH } else { 0.0 });
+    let height = LINE * summary.stage_ms.len() as f64 + 4.0;
+    html! {
+        figure class="chart" {
+            figcaption { "Milliseconds a frame: dark the median, light the 95th percentile" }
+            svg viewBox={ "0 0 960 " (px(height)) } role="img" aria-label="stage times" {
+                @for (i, (stage, time)) in summary.stage_ms.iter().enumerate() {
+                    @let y = LINE * i as f64;
+                    text x=(px(BAR_LEFT - 8.0)) y=(px(y + 16.0)) text-anchor="end" { (stage.replace('_', " ")) }
+                    rect class="p95" x=(px(BAR_LEFT)) y=(px(y + 4.0)) width=(width(time.p95)) height="16" {}
+                    rect class="median" x=(px(BAR_LEFT)) y=(px(y + 4.0)) width=(width(time.median)) height="16" {}
+                    text x=(px(BAR_LEFT + BAR_WIDTH + 8.0)) y=(px(y + 16.0)) {
+                        (number(time.median)) " / " (number(time.p95))
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Every loss with its reason, and every frame that could not be used.
+pub(crate) fn losses(input: &ReportInput<'_>) -> Markup {
+    let lost = |record: &FrameRecord| record.state == TrackState::Lost;
+    let mut before = false;
+    let losses: Vec<&FrameRecord> = input
+        .records
+        .iter()
+        .filter(|record| {
+            let begins = lost(record) && !before;
+            before = lost(record);
+            begins
+        })
+        .collect();
+    let broken: Vec<&FrameRecord> = input.records.iter().filter(|record| record.error.is_some()).collect();
+    html! {
+        @if losses.is_empty() { p { "No feature was lost." } } @else {
+            (list(&losses, |record| &record.why))
+        }
+        @if !broken.is_empty() {
+            h3 { "Frames that could not be used" }
+            (list(&broken, |record| record.error.as_deref().unwrap_or_default()))
+        }
+    }
+}
+
+fn list<'a>(records: &[&'a FrameRecord], text: impl Fn(&'a FrameRecord) -> &'a str) -> Markup {
+    html! {
+        ul {
+            @for record in records.iter().take(MAX_LISTED) {
+                li { b { "frame " (record.frame) ", " (number(record.t_s)) " s: " } (text(record)) }
+            }
+            @if records.len() > MAX_LISTED { li { "and " (records.len() - MAX_LISTED) " more" } }
+        }
+    }
+}
