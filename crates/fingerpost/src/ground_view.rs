@@ -4,11 +4,12 @@
 //! frame with the lens folded in. Limits: the road is taken as flat; whatever stands on it is smeared away from the
 //! camera.
 
-use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel};
+use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel, View};
 use fingerpost_vision::colour::grey;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::warp::WarpTable;
+use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -63,6 +64,8 @@ pub struct GroundView {
     grid: GroundGrid,
     table: WarpTable,
     nearest_seen_m: f64,
+    camera_foot: Point2<f64>,
+    camera_height_m: f64,
 }
 
 /// The ground view of one frame.
@@ -76,6 +79,8 @@ pub struct GroundPicture {
 
 /// Share of the ground view that must be inside the picture, percent; with less no arm could be seen whole.
 const MIN_SEEN_PERCENT: f64 = 5.0;
+/// Height that is assumed of a camera known by points, metres: behind a car's windscreen.
+const CAR_CAMERA_HEIGHT_M: f64 = 1.4;
 /// Half the width of the strip ahead whose nearest wholly seen row counts as the bottom of the view, metres.
 const CORRIDOR_HALF_WIDTH_M: f64 = 0.9;
 
@@ -102,7 +107,11 @@ impl GroundView {
             return Err(nothing_seen);
         }
         let Some(nearest_seen_m) = nearest_seen_m(&grid, validity) else { return Err(nothing_seen) };
-        Ok(Self { grid, table, nearest_seen_m })
+        let (camera_foot, camera_height_m) = match camera.view() {
+            View::Calibrated { mount, .. } => (Point2::new(mount.x_m, mount.y_m), mount.height_m),
+            View::RoadPlane(_) => (Point2::origin(), CAR_CAMERA_HEIGHT_M),
+        };
+        Ok(Self { grid, table, nearest_seen_m, camera_foot, camera_height_m })
     }
 
     /// The raster of the ground view.
@@ -118,6 +127,16 @@ impl GroundView {
     /// The bottom of what is seen straight ahead, metres from the vehicle's origin.
     pub const fn nearest_seen_m(&self) -> f64 {
         self.nearest_seen_m
+    }
+
+    /// The place on the road below the camera, vehicle frame, metres.
+    pub const fn camera_foot(&self) -> Point2<f64> {
+        self.camera_foot
+    }
+
+    /// Height of the camera above the road, metres; for a camera known by points that of a car's.
+    pub const fn camera_height_m(&self) -> f64 {
+        self.camera_height_m
     }
 
     /// Warps `frame` into `picture`, whose memory is reused.

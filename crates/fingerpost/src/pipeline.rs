@@ -1,6 +1,6 @@
 //! The pipeline: one frame in, where the next junction is and how to drive through it out.
 
-use fingerpost_geometry::{Camera, GeometryError, View};
+use fingerpost_geometry::{Camera, GeometryError};
 use fingerpost_map::{LatLon, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -133,7 +133,7 @@ impl Pipeline {
             progress: &config.route_progress,
             grid: view.grid(),
             nearest_seen_m: view.nearest_seen_m(),
-            camera_height_m: camera_height_m(camera),
+            camera_height_m: view.camera_height_m(),
         };
         Ok(Self {
             detector: Box::new(Backprojection::new(&config.road_surface.backprojection)?),
@@ -220,14 +220,5 @@ impl Pipeline {
             .zip(line.curvature_per_m.iter().copied())
             .skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0)
             .unzip()
-    }
-}
-
-/// Height above the road through which a pitch error acts; for a camera known by points that of a car's.
-fn camera_height_m(camera: &Camera) -> f64 {
-    const CAR_CAMERA_M: f64 = 1.4;
-    match camera.view() {
-        View::Calibrated { mount, .. } => mount.height_m,
-        View::RoadPlane(_) => CAR_CAMERA_M,
     }
 }

@@ -7,14 +7,14 @@
 //!
 //! Limits: featureless road gives no flow; suspension pitch shows as motion.
 
-use fingerpost_geometry::GroundPixel;
+use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::farneback::{Farneback, FarnebackParams};
 use fingerpost_vision::picture::{Plane, Rect};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::rigid_fit::{Pair, RigidFit, fit};
+use super::rigid_fit::{Pair, RigidFit, Viewpoint, fit};
 use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse};
 use crate::ground_view::{GroundPicture, GroundView};
 
@@ -75,7 +75,7 @@ const FLOW_FLOOR_PX: f64 = 0.05;
 /// A start is good enough when its difference is at most this many times the difference that the last fit left.
 const GOOD_START: f64 = 1.5;
 /// Flow beyond this after the start was applied is measured again from the better start, pixels.
-const RESTART_PX: f64 = 2.0;
+const RESTART_PX: f64 = 1.5;
 /// Share of the distance by which a flat road's scale is off when the vehicle pitches, one standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
 /// Smallest standard deviations of a frame's motion: metres and radians; a real road is never flatter.
@@ -87,6 +87,7 @@ const FLOOR_RAD: f64 = 0.001;
 pub struct FarnebackMotion {
     config: FarnebackMotionConfig,
     flow: Farneback,
+    moved: Plane<u8>,
     previous: Option<Plane<u8>>,
     last: Isometry2<f64>,
     /// Grey difference that the last fit left, grey levels.
@@ -110,13 +111,17 @@ impl FarnebackMotion {
         Ok(Self {
             config: config.clone(),
             flow,
+            moved: Plane::default(),
             previous: None,
             last: Isometry2::identity(),
             last_difference: 0.0,
         })
     }
 
-    /// The flow from the older to the newer picture in `region`, as pairs of places, starting from a motion.
+    /// The flow from the older picture, moved by `start`, to the newer one in `region`, as pairs of places.
+    ///
+    /// Moving the older picture first leaves the flow so small that its window, over which it takes displacements to be
+    /// alike, does not flatten a turn.
     fn measure(
         &mut self,
         view: &GroundView,
@@ -125,36 +130,27 @@ impl FarnebackMotion {
         start: &Isometry2<f64>,
     ) -> Result<Vec<Pair>, MotionError> {
         let grid = view.grid();
-        let middle = GroundPixel {
-            column: region.x as f64 + 0.5 * region.width as f64,
-            row: region.y as f64 + 0.5 * region.height as f64,
-        };
-        let before = grid.ground_from_vehicle(start.inverse() * grid.vehicle_from_ground(middle));
-        let slide = |corner: usize, shift: f64, length: usize, limit: usize| -> usize {
-            (corner as f64 + shift.round()).clamp(0.0, (limit - length) as f64) as usize
-        };
-        let older = Rect {
-            x: slide(region.x, before.column - middle.column, region.width, grid.columns()),
-            y: slide(region.y, before.row - middle.row, region.height, grid.rows()),
-            ..region
-        };
-        let flow = self.flow.flow(pictures.0.view().crop(older)?, pictures.1.view().crop(region)?, None)?;
+        let previous_from_current = start.inverse();
+        let previous_of = |pixel: GroundPixel| previous_from_current * grid.vehicle_from_ground(pixel);
+        move_patch(grid, pictures.0, region, &previous_from_current, &mut self.moved);
+        let flow = self.flow.flow(self.moved.view(), pictures.1.view().crop(region)?, None)?;
         // Within half a window of the region's edge the flow is extrapolated.
         let margin = self.config.window_px.min(region.width / 4).min(region.height / 4);
         let mut pairs = Vec::new();
         for y in (margin..region.height - margin).step_by(SAMPLE_STRIDE_PX) {
             for x in (margin..region.width - margin).step_by(SAMPLE_STRIDE_PX) {
                 let Some([dx, dy]) = flow.get(x, y) else { continue };
-                let from = GroundPixel { column: (older.x + x) as f64, row: (older.y + y) as f64 };
-                let to = GroundPixel {
-                    column: (region.x + x) as f64 + f64::from(dx),
-                    row: (region.y + y) as f64 + f64::from(dy),
-                };
-                pairs.push(Pair {
-                    previous: grid.vehicle_from_ground(from),
-                    current: grid.vehicle_from_ground(to),
-                    weight: 1.0,
-                });
+                let at = GroundPixel { column: (region.x + x) as f64, row: (region.y + y) as f64 };
+                let previous = previous_of(at);
+                let from = grid.ground_from_vehicle(previous);
+                let seen = from.column >= 0.0
+                    && from.row >= 0.0
+                    && view.validity().get(from.column as usize, from.row as usize) == Some(1);
+                if !seen {
+                    continue;
+                }
+                let to = GroundPixel { column: at.column + f64::from(dx), row: at.row + f64::from(dy) };
+                pairs.push(Pair { previous, current: grid.vehicle_from_ground(to), weight: 1.0 });
             }
         }
         Ok(pairs)
@@ -180,11 +176,12 @@ impl FarnebackMotion {
         }
     }
 
-    fn fit(&self, pairs: &mut [Pair], metres_per_pixel: f64) -> Option<RigidFit> {
+    fn fit(&self, view: &GroundView, pairs: &mut [Pair]) -> Option<RigidFit> {
         // The window ties neighbouring vectors together: only one in a window is independent.
         let area = (pairs.len() * SAMPLE_STRIDE_PX * SAMPLE_STRIDE_PX) as f64;
         let independent = (area / (self.config.window_px * self.config.window_px) as f64).max(1.0);
-        let fitted = fit(pairs, FLOW_FLOOR_PX * metres_per_pixel, independent)?;
+        let viewpoint = Viewpoint { foot: view.camera_foot(), height_m: view.camera_height_m() };
+        let fitted = fit(pairs, viewpoint, FLOW_FLOOR_PX * view.grid().metres_per_pixel(), independent)?;
         match self.config.model {
             FlowModel::Rigid => Some(fitted),
             FlowModel::Mean => {
@@ -206,16 +203,19 @@ impl FarnebackMotion {
         let pictures = (previous, current);
         let (start, mut motion) = self.start(view, pictures, region);
         let mut pairs = self.measure(view, pictures, region, &motion)?;
-        let Some(mut fitted) = self.fit(&mut pairs, grid.metres_per_pixel()) else { return Ok(None) };
-        let middle = grid.vehicle_from_ground(GroundPixel {
-            column: region.x as f64 + 0.5 * region.width as f64,
-            row: region.y as f64 + 0.5 * region.height as f64,
-        });
-        let change = (fitted.current_from_previous * middle - motion * middle).norm();
+        let Some(mut fitted) = self.fit(view, &mut pairs) else { return Ok(None) };
+        let corner = |column: usize, row: usize| {
+            let pixel = GroundPixel { column: column as f64, row: row as f64 };
+            let p_in_vehicle = grid.vehicle_from_ground(pixel);
+            (fitted.current_from_previous * p_in_vehicle - motion * p_in_vehicle).norm()
+        };
+        let (right, bottom) = (region.x + region.width, region.y + region.height);
+        let corners = [(region.x, region.y), (right, region.y), (region.x, bottom), (right, bottom)];
+        let change = corners.into_iter().map(|(column, row)| corner(column, row)).fold(0.0, f64::max);
         if change > RESTART_PX * grid.metres_per_pixel() {
             motion = fitted.current_from_previous;
             pairs = self.measure(view, pictures, region, &motion)?;
-            let Some(again) = self.fit(&mut pairs, grid.metres_per_pixel()) else { return Ok(None) };
+            let Some(again) = self.fit(view, &mut pairs) else { return Ok(None) };
             fitted = again;
         }
         motion = fitted.current_from_previous;
@@ -271,6 +271,44 @@ impl MotionEstimator for FarnebackMotion {
         self.previous = None;
         self.last = Isometry2::identity();
         self.last_difference = 0.0;
+    }
+}
+
+/// What the older picture would show in `region` had the vehicle already moved; black where it shows nothing.
+fn move_patch(
+    grid: &GroundGrid,
+    previous: &Plane<u8>,
+    region: Rect,
+    previous_from_current: &Isometry2<f64>,
+    moved: &mut Plane<u8>,
+) {
+    if moved.size() != (region.width, region.height) {
+        moved.reset(region.width, region.height, 0);
+    }
+    let place = |column: usize, row: usize| {
+        let pixel = GroundPixel { column: column as f64, row: row as f64 };
+        grid.ground_from_vehicle(previous_from_current * grid.vehicle_from_ground(pixel))
+    };
+    let (origin, right) = (place(region.x, region.y), place(region.x + 1, region.y));
+    let (along_column, along_row) = (right.column - origin.column, right.row - origin.row);
+    let limits = (previous.width() as f64 - 1.0, previous.height() as f64 - 1.0);
+    for y in 0..region.height {
+        let start = place(region.x, region.y + y);
+        for (x, out) in moved.row_mut(y).iter_mut().enumerate() {
+            let column = start.column + x as f64 * along_column;
+            let row = start.row + x as f64 * along_row;
+            if !(0.0..limits.0).contains(&column) || !(0.0..limits.1).contains(&row) {
+                *out = 0;
+                continue;
+            }
+            let (c, r) = (column as usize, row as usize);
+            let (right_share, below_share) = (column - c as f64, row - r as f64);
+            let (upper, lower) = (previous.row(r), previous.row(r + 1));
+            let mix = |pixels: &[u8]| {
+                f64::from(pixels[c]) * (1.0 - right_share) + f64::from(pixels[c + 1]) * right_share
+            };
+            *out = (mix(upper) * (1.0 - below_share) + mix(lower) * below_share).round() as u8;
+        }
     }
 }
 

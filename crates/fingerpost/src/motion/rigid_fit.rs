@@ -1,9 +1,25 @@
-//! The rigid motion of the plane behind a field of displacements.
+//! The rigid motion of the plane behind a field of displacements, and the body's sway beside it.
 //!
-//! Weighted orthogonal Procrustes in closed form, re-weighted by Tukey's biweight until the outliers (kerbs, parked
-//! cars, shadows that move with the vehicle) have no say.
+//! The vehicle moves in the plane, but on its suspension the camera also pitches and rolls a little, and the ground
+//! view, made for the camera at rest, then bends: a camera turned by a small rotation (pitch p, roll r) shows the place
+//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h). Left out, a tenth of a
+//! degree of roll between two frames would read as half a degree of turn. So the fit has six unknowns: the motion
+//! (forward, left, yaw), the change of pitch and of roll, and the pitch itself, which stretches the displacement. The
+//! last three are held small by priors and thrown away; the motion is what is wanted.
+//!
+//! Gauss-Newton, re-weighted by Tukey's biweight until outliers (kerbs, parked cars, shadows that move with the
+//! vehicle) have no say; it starts from the weighted orthogonal Procrustes solution.
 
-use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
+use nalgebra::{Isometry2, Matrix2x3, Matrix3, Point2, SMatrix, SVector, Vector2};
+
+/// Where the camera looks from, in the vehicle frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Viewpoint {
+    /// Place on the road below the camera, metres.
+    pub(super) foot: Point2<f64>,
+    /// Height of the camera, metres.
+    pub(super) height_m: f64,
+}
 
 /// A place on the road before and after, vehicle frame, metres.
 #[derive(Debug, Clone, Copy)]
@@ -30,37 +46,124 @@ const ITERATIONS: usize = 8;
 const TUKEY: f64 = 4.685;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_SIGMA: f64 = 1.4826;
+/// Standard deviations of the body's sway: change of pitch and roll between frames and pitch itself, radians; a car on
+/// its springs moves by a few tenths of a degree.
+const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
 
-/// Fits the motion, leaving each pair's final weight in it; none for fewer than three pairs.
+/// Fits the motion, leaving each pair's final weight in it; none for fewer than six pairs.
 ///
 /// `scale_floor_m` keeps the re-weighting from rejecting pairs over differences below the flow's own accuracy;
 /// `independent` is how many of the pairs count as independent measurements.
-pub(super) fn fit(pairs: &mut [Pair], scale_floor_m: f64, independent: f64) -> Option<RigidFit> {
-    if pairs.len() < 3 {
+pub(super) fn fit(
+    pairs: &mut [Pair],
+    viewpoint: Viewpoint,
+    scale_floor_m: f64,
+    independent: f64,
+) -> Option<RigidFit> {
+    if pairs.len() < 6 {
         return None;
     }
     let mut motion = procrustes(pairs)?;
+    let mut sway = SVector::<f64, 3>::zeros();
+    let mut information = SMatrix::<f64, 6, 6>::zeros();
     let mut residuals = Vec::with_capacity(pairs.len());
+    let mut sorted = Vec::with_capacity(pairs.len());
     for _ in 0..ITERATIONS {
         residuals.clear();
-        residuals.extend(pairs.iter().map(|pair| (motion * pair.previous - pair.current).norm()));
-        let mut sorted = residuals.clone();
+        residuals.extend(pairs.iter().map(|pair| residual(pair, &motion, &sway, viewpoint).norm()));
+        sorted.clone_from(&residuals);
         sorted.sort_unstable_by(f64::total_cmp);
         let scale = (MAD_TO_SIGMA * sorted[sorted.len() / 2]).max(scale_floor_m);
         for (pair, residual) in pairs.iter_mut().zip(&residuals) {
             let x = residual / (TUKEY * scale);
             pair.weight = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
         }
-        motion = procrustes(pairs)?;
+        // Each pair counts for its share of an independent measurement of this standard deviation.
+        let per_pair = independent / (pairs.len() as f64 * scale * scale);
+        let mut gradient = SVector::<f64, 6>::zeros();
+        information.fill(0.0);
+        for (i, sigma) in SWAY_SIGMA_RAD.iter().enumerate() {
+            information[(3 + i, 3 + i)] = sigma.powi(-2);
+            gradient[3 + i] = -sway[i] * sigma.powi(-2);
+        }
+        for pair in pairs.iter().filter(|pair| pair.weight > 0.0) {
+            let jacobian = jacobian(pair, &motion, viewpoint);
+            let weight = per_pair * pair.weight;
+            information += jacobian.transpose() * jacobian * weight;
+            gradient += jacobian.transpose() * residual(pair, &motion, &sway, viewpoint) * weight;
+        }
+        let change = information.cholesky()?.solve(&gradient);
+        motion = Isometry2::new(
+            motion.translation.vector + Vector2::new(change[0], change[1]),
+            motion.rotation.angle() + change[2],
+        );
+        sway += change.fixed_rows::<3>(3);
     }
     let total: f64 = pairs.iter().map(|pair| pair.weight).sum();
     let squares: f64 =
-        pairs.iter().map(|pair| pair.weight * (motion * pair.previous - pair.current).norm_squared()).sum();
-    let residual_m = (squares / total).sqrt();
+        pairs.iter().map(|pair| pair.weight * residual(pair, &motion, &sway, viewpoint).norm_squared()).sum();
     let accepted = pairs.iter().filter(|pair| pair.weight > 0.5).count() as f64 / pairs.len() as f64;
-    let covariance =
-        covariance(pairs, &motion, residual_m.max(scale_floor_m), independent * accepted.max(0.05));
-    Some(RigidFit { current_from_previous: motion, residual_m, accepted, covariance })
+    let of_inverse: Matrix3<f64> = information.try_inverse()?.fixed_view::<3, 3>(0, 0).into();
+    // previous_from_current is -R^T t, so a turn moves it by the lever of the step itself.
+    let back = motion.rotation.inverse().to_rotation_matrix();
+    let lever = back * Vector2::new(-motion.translation.y, motion.translation.x);
+    let by_fit = Matrix3::new(
+        -back[(0, 0)],
+        -back[(0, 1)],
+        lever.x, //
+        -back[(1, 0)],
+        -back[(1, 1)],
+        lever.y, //
+        0.0,
+        0.0,
+        -1.0,
+    );
+    Some(RigidFit {
+        current_from_previous: motion,
+        residual_m: (squares / total).sqrt(),
+        accepted,
+        covariance: by_fit * of_inverse * by_fit.transpose(),
+    })
+}
+
+/// How a place moves in the ground view for a unit of pitch and of roll.
+fn sway_field(p: Point2<f64>, viewpoint: Viewpoint) -> (Vector2<f64>, Vector2<f64>) {
+    let (d, h) = (p - viewpoint.foot, viewpoint.height_m);
+    let by_pitch = Vector2::new((d.x * d.x + h * h) / h, d.x * d.y / h);
+    let by_roll = Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
+    (by_pitch, by_roll)
+}
+
+/// The displacement of a pair that a standing roll explains, per radian.
+fn stretch(pair: &Pair, viewpoint: Viewpoint) -> Vector2<f64> {
+    sway_field(pair.current, viewpoint).1 - sway_field(pair.previous, viewpoint).1
+}
+
+fn residual(
+    pair: &Pair,
+    motion: &Isometry2<f64>,
+    sway: &SVector<f64, 3>,
+    viewpoint: Viewpoint,
+) -> Vector2<f64> {
+    let (by_pitch, by_roll) = sway_field(pair.current, viewpoint);
+    pair.current
+        - motion * pair.previous
+        - by_pitch * sway[0]
+        - by_roll * sway[1]
+        - stretch(pair, viewpoint) * sway[2]
+}
+
+/// Derivative of the explained place by the six unknowns.
+fn jacobian(pair: &Pair, motion: &Isometry2<f64>, viewpoint: Viewpoint) -> SMatrix<f64, 2, 6> {
+    let turned = motion.rotation * pair.previous.coords;
+    let (by_pitch, by_roll) = sway_field(pair.current, viewpoint);
+    let by_motion = Matrix2x3::new(1.0, 0.0, -turned.y, 0.0, 1.0, turned.x);
+    let mut jacobian = SMatrix::<f64, 2, 6>::zeros();
+    jacobian.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_motion);
+    jacobian.set_column(3, &by_pitch);
+    jacobian.set_column(4, &by_roll);
+    jacobian.set_column(5, &stretch(pair, viewpoint));
+    jacobian
 }
 
 fn procrustes(pairs: &[Pair]) -> Option<Isometry2<f64>> {
@@ -83,30 +186,16 @@ fn procrustes(pairs: &[Pair]) -> Option<Isometry2<f64>> {
     Some(Isometry2::new(after - moved, rotation.rotation.angle()))
 }
 
-fn covariance(pairs: &[Pair], motion: &Isometry2<f64>, sigma_m: f64, independent: f64) -> Matrix3<f64> {
-    let total: f64 = pairs.iter().map(|pair| pair.weight).sum();
-    let middle: Vector2<f64> =
-        pairs.iter().map(|pair| pair.previous.coords * pair.weight).sum::<Vector2<f64>>() / total;
-    let spread: f64 =
-        pairs.iter().map(|pair| pair.weight * (pair.previous.coords - middle).norm_squared()).sum::<f64>()
-            / total;
-    let per_axis = 0.5 * sigma_m * sigma_m / independent;
-    let yaw = sigma_m * sigma_m / (independent * spread.max(1e-6));
-    // At the middle of the region translation and rotation are independent; the vehicle's origin is a lever away.
-    let lever = motion * Point2::from(middle);
-    let origin_from_middle = Matrix3::new(1.0, 0.0, lever.y, 0.0, 1.0, -lever.x, 0.0, 0.0, 1.0);
-    let at_middle = Matrix3::from_diagonal(&nalgebra::Vector3::new(per_axis, per_axis, yaw));
-    origin_from_middle * at_middle * origin_from_middle.transpose()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const VIEWPOINT: Viewpoint = Viewpoint { foot: Point2::new(1.5, 0.0), height_m: 1.5 };
+
     fn pairs(motion: Isometry2<f64>) -> Vec<Pair> {
-        (0..200)
+        (0..400)
             .map(|i| {
-                let previous = Point2::new(4.0 + 0.05 * f64::from(i), 3.0 * f64::from(i % 7) / 7.0 - 1.5);
+                let previous = Point2::new(5.0 + 0.3 * f64::from(i / 20), 0.3 * f64::from(i % 20) - 2.85);
                 Pair { previous, current: motion * previous, weight: 1.0 }
             })
             .collect()
@@ -119,7 +208,7 @@ mod tests {
         for pair in pairs.iter_mut().step_by(4) {
             pair.current.y += 0.7;
         }
-        let fit = fit(&mut pairs, 0.005, 50.0).unwrap();
+        let fit = fit(&mut pairs, VIEWPOINT, 0.005, 50.0).unwrap();
         assert!((fit.current_from_previous.translation.vector - motion.translation.vector).norm() < 1e-6);
         assert!((fit.current_from_previous.rotation.angle() + 0.03).abs() < 1e-7);
         assert!((fit.accepted - 0.75).abs() < 0.01, "a quarter are outliers: {}", fit.accepted);
@@ -127,7 +216,41 @@ mod tests {
     }
 
     #[test]
+    fn the_body_s_sway_is_not_taken_for_motion() {
+        let motion = Isometry2::new(Vector2::new(-0.8, 0.0), 0.01);
+        let mut pairs = pairs(motion);
+        let (pitch, roll) = (0.003, -0.002);
+        for pair in &mut pairs {
+            let (by_pitch, by_roll) = sway_field(pair.current, VIEWPOINT);
+            pair.current += by_pitch * pitch + by_roll * roll;
+        }
+        let fit = fit(&mut pairs, VIEWPOINT, 0.0025, 100.0).unwrap();
+        let error = fit.current_from_previous.translation.vector - motion.translation.vector;
+        assert!(error.norm() < 0.03, "{error}: pitch alone moves the road 8 m ahead by 6 cm");
+        assert!((fit.current_from_previous.rotation.angle() - 0.01).abs() < 0.001);
+    }
+
+    /// The field of a small rotation against a camera that is really turned.
+    #[test]
+    fn the_sway_field_is_that_of_a_turned_camera() {
+        use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+        let mount = Mount { x_m: 1.5, ..Mount::level(1.5) };
+        let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 320.0, cy: 100.0 };
+        let camera = |mount| Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap();
+        let place = Point2::new(8.0, 2.0);
+        let shown = |mount| {
+            let pixel = camera(mount).pixel_of_ground(place).unwrap();
+            camera(Mount { x_m: 1.5, ..Mount::level(1.5) }).ground_of_pixel(pixel).unwrap() - place
+        };
+        let (by_pitch, by_roll) = sway_field(place, VIEWPOINT);
+        let angle = 1e-5;
+        assert!((shown(Mount { pitch_rad: angle, ..mount }) / angle - by_pitch).norm() < 0.01);
+        let roll = shown(Mount { roll_rad: angle, ..mount }) / angle;
+        assert!((roll - by_roll).norm().min((roll + by_roll).norm()) < 0.01, "{roll} {by_roll}");
+    }
+
+    #[test]
     fn too_few_pairs_are_no_motion() {
-        assert!(fit(&mut pairs(Isometry2::identity())[..2], 0.005, 50.0).is_none());
+        assert!(fit(&mut pairs(Isometry2::identity())[..5], VIEWPOINT, 0.005, 50.0).is_none());
     }
 }
