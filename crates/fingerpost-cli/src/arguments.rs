@@ -1,5 +1,6 @@
 //! Arguments that have a form of their own.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use fingerpost_map::LatLon;
@@ -42,6 +43,22 @@ impl FromStr for PictureSize {
     }
 }
 
+/// Frames given as `FROM-TO`, both included, or as one number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct FrameRange(pub(crate) RangeInclusive<u64>);
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (from, to) = text.split_once('-').unwrap_or((text, text));
+        match (from.parse(), to.parse()) {
+            (Ok(from), Ok(to)) if from <= to => Ok(Self(from..=to)),
+            _ => Err(format!("{text:?} are no frames; give FROM-TO, as in 85-105, or one frame's number")),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,5 +70,12 @@ mod tests {
         assert!("48.9".parse::<Place>().is_err() && "91,0".parse::<Place>().is_err());
         assert_eq!("640x480".parse(), Ok(PictureSize { width: 640, height: 480 }));
         assert!("640".parse::<PictureSize>().is_err() && "0x480".parse::<PictureSize>().is_err());
+    }
+
+    #[test]
+    fn ranges_of_frames() {
+        assert_eq!("85-105".parse(), Ok(FrameRange(85..=105)));
+        assert_eq!("7".parse(), Ok(FrameRange(7..=7)));
+        assert!("9-8".parse::<FrameRange>().is_err() && "-".parse::<FrameRange>().is_err());
     }
 }

@@ -16,7 +16,7 @@ use crate::driver::{Driver, RunSetting};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::record::FrameTime;
-use crate::recorder::RunEnd;
+use crate::recorder::{Pictures, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
 
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
@@ -42,6 +42,9 @@ const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
 /// Rendered frames that may wait for the method: enough to even out slow ones.
 const WAITING_FRAMES: usize = 8;
 
+/// Every so many frames one is written with all that was seen in it: one in five seconds.
+const PICTURE_EVERY_FRAMES: u64 = 50;
+
 /// Simulates, runs and reports.
 pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let graph = RoadGraph::from_osm(&OsmData::from_bytes(TOWN_OSM)?)?;
@@ -49,13 +52,19 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let camera = default_camera(SIZE, Lens::None)?;
     let sim_config = SimConfig::default();
     let simulator = Simulator::new(&graph, &route, &camera, &sim_config)?;
-    let mut driver = Driver::new(RunSetting {
+    let setting = RunSetting {
         config: &Config::default(),
         camera: &camera,
         route: Some(&route),
         start_m: Some(sim_config.start_m),
         out: &args.out,
-    })?;
+    };
+    let wishes = Wishes {
+        title: "Fingerpost demo: a simulated drive through Mauren".to_owned(),
+        pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
+        video_fps: None,
+    };
+    let mut driver = Driver::new(setting, wishes)?;
     let interrupt = Interrupt::listen()?;
     let bar = output::progress(Some(simulator.frames() as u64), "frames");
     let mut truth = Vec::with_capacity(simulator.frames());

@@ -7,11 +7,12 @@ use fingerpost::ground_view::GroundViewError;
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_geometry::Camera;
 use fingerpost_map::Route;
+use fingerpost_report::{Scene, Setting, Thresholds};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::output;
 use crate::record::{FrameTime, feature_identities};
-use crate::recorder::Recorder;
+use crate::recorder::{Recorder, Subject, Wishes};
 use crate::stage_clock::{FrameClock, stage_name};
 
 /// What a run is about.
@@ -29,22 +30,35 @@ pub(crate) struct RunSetting<'a> {
     pub(crate) out: &'a Path,
 }
 
+impl RunSetting<'_> {
+    fn subject(&self, pipeline: &Pipeline) -> Result<Subject> {
+        Ok(Subject {
+            config_toml: toml::to_string(self.config)
+                .context("the configuration cannot be written as TOML")?,
+            thresholds: Thresholds {
+                detect: self.config.track.detect_threshold,
+                confirm: self.config.track.confirm_threshold,
+            },
+            route: self.route.cloned(),
+            features: feature_identities(pipeline.tracker().stops()),
+        })
+    }
+}
+
 /// A run in hand.
 pub(crate) struct Driver {
     pipeline: Pipeline,
-    camera_size: (usize, usize),
+    drawing: Setting,
     /// The results.
     pub(crate) recorder: Recorder,
 }
 
 impl Driver {
     /// Sets the method up and makes the run folder, replacing earlier results in it.
-    pub(crate) fn new(setting: RunSetting<'_>) -> Result<Self> {
-        let RunSetting { config, camera, route, start_m, out } = setting;
-        let pipeline = Pipeline::new(config, camera, route, start_m)?;
-        let config_toml = toml::to_string(config).context("the configuration cannot be written as TOML")?;
-        let recorder = Recorder::create(out, &config_toml, feature_identities(pipeline.tracker().stops()))?;
-        Ok(Self { pipeline, camera_size: (camera.width(), camera.height()), recorder })
+    pub(crate) fn new(setting: RunSetting<'_>, wishes: Wishes) -> Result<Self> {
+        let pipeline = Pipeline::new(setting.config, setting.camera, setting.route, setting.start_m)?;
+        let recorder = Recorder::create(setting.out, setting.subject(&pipeline)?, wishes)?;
+        Ok(Self { drawing: Setting::new(setting.camera, &pipeline), pipeline, recorder })
     }
 
     /// Takes one frame in.
@@ -52,7 +66,12 @@ impl Driver {
         let mut clock = FrameClock::start();
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
         match done {
-            Ok((output, _)) => self.recorder.add(time, &output, &clock.stage_ms),
+            Ok((output, evidence)) => {
+                let FrameTime { frame, t_s } = time;
+                let (setting, output, evidence) = (&self.drawing, &output, &evidence);
+                let scene = Scene { setting, frame, t_s, picture, output, evidence };
+                self.recorder.add(&scene, &clock.stage_ms)
+            }
             Err(PipelineError::GroundView(GroundViewError::Frame(_))) => self.misfit(time, picture),
             Err(cause) => self.pass_over(time, &cause),
         }
@@ -67,7 +86,7 @@ impl Driver {
     /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no
     /// frame will fit; a later one is a broken frame.
     fn misfit(&mut self, time: FrameTime, picture: &RgbImage) -> Result<()> {
-        let (width, height) = self.camera_size;
+        let (width, height) = (self.drawing.camera.width(), self.drawing.camera.height());
         let cause = anyhow!(
             "the picture has {} x {} pixels and the calibration is for {width} x {height}; give the calibration of this \
              camera at this size",

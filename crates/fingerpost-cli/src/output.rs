@@ -74,7 +74,7 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
     }
     let Summary { frames, broken_frames, lost_frames, fps, .. } = summary;
     message(&format!("{frames} frames ({broken_frames} broken, {lost_frames} lost) at {fps:.1} a second"));
-    message(&format!("results in {}", out.display()));
+    message(&format!("results in {}; look at {}", out.display(), out.join("report.html").display()));
 }
 
 #[cfg(test)]

@@ -1,17 +1,22 @@
-//! The run folder while a run goes on: every frame's record as it comes, and the summary at the end, however it ends.
+//! The run folder while a run goes on: every frame's record as it comes, and summary and report at the end, however it
+//! ends.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
-use fingerpost::FrameOutput;
 use fingerpost_eval::{FeatureIdentity, evaluate_junctions, feature_summaries};
 use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
-use fingerpost_io::RunFolder;
+use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
+use fingerpost_map::Route;
+use fingerpost_report::{
+    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Scene, Thresholds, compose, report_html,
+};
 
+use crate::arguments::FrameRange;
 use crate::record::{FrameTime, broken_record, frame_record};
-use crate::stage_clock::StageTimes;
+use crate::stage_clock::{FrameClock, StageTimes};
 
 /// How a run came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,11 +27,59 @@ pub(crate) enum RunEnd {
     Interrupted,
 }
 
+/// Which annotated frames are written as pictures.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Pictures {
+    /// None.
+    None,
+    /// Some frames in a row.
+    Frames(FrameRange),
+    /// Every n-th frame.
+    Every(u64),
+}
+
+impl Pictures {
+    fn want(&self, frame: u64) -> bool {
+        match self {
+            Self::None => false,
+            Self::Frames(FrameRange(frames)) => frames.contains(&frame),
+            Self::Every(nth) => frame.is_multiple_of(*nth),
+        }
+    }
+}
+
+/// What is to be written beside the records.
+#[derive(Debug)]
+pub(crate) struct Wishes {
+    /// Title of the report.
+    pub(crate) title: String,
+    /// Annotated frames as pictures.
+    pub(crate) pictures: Pictures,
+    /// Frame rate of the annotated video, where one is wanted.
+    pub(crate) video_fps: Option<f64>,
+}
+
+/// What a run is about, as far as its results say.
+#[derive(Debug)]
+pub(crate) struct Subject {
+    /// The effective configuration.
+    pub(crate) config_toml: String,
+    /// Thresholds in it.
+    pub(crate) thresholds: Thresholds,
+    /// The route.
+    pub(crate) route: Option<Route>,
+    /// What its features are called.
+    pub(crate) features: Vec<FeatureIdentity>,
+}
+
 /// Writes the results of a run.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     folder: RunFolder,
-    features: Vec<FeatureIdentity>,
+    subject: Subject,
+    wishes: Wishes,
+    video: Option<VideoWriter>,
+    key_frames: KeyFrames,
     records: Vec<FrameRecord>,
     times: StageTimes,
     broken_frames: u64,
@@ -35,12 +88,20 @@ pub(crate) struct Recorder {
 
 impl Recorder {
     /// Makes the run folder, replacing earlier results in it, and writes the configuration.
-    pub(crate) fn create(out: &Path, config_toml: &str, features: Vec<FeatureIdentity>) -> Result<Self> {
+    pub(crate) fn create(out: &Path, subject: Subject, wishes: Wishes) -> Result<Self> {
         let folder = RunFolder::create(out)?;
-        folder.write_config(config_toml)?;
+        folder.write_config(&subject.config_toml)?;
+        let size = (COMPOSED_WIDTH_PX, COMPOSED_HEIGHT_PX);
+        let video = wishes
+            .video_fps
+            .map(|fps| VideoWriter::create(&folder.video_path(), size, fps, &FfmpegPrograms::default()))
+            .transpose()?;
         Ok(Self {
             folder,
-            features,
+            subject,
+            wishes,
+            video,
+            key_frames: KeyFrames::new(),
             records: Vec::new(),
             times: StageTimes::default(),
             broken_frames: 0,
@@ -59,13 +120,27 @@ impl Recorder {
     }
 
     /// Adds a frame that was processed.
-    pub(crate) fn add(
-        &mut self,
-        time: FrameTime,
-        output: &FrameOutput,
-        stage_ms: &BTreeMap<String, f64>,
-    ) -> Result<()> {
-        self.keep(frame_record(time, output, &self.features, stage_ms))
+    pub(crate) fn add(&mut self, scene: &Scene<'_>, stage_ms: &BTreeMap<String, f64>) -> Result<()> {
+        let mut clock = FrameClock::start();
+        let time = FrameTime { frame: scene.frame, t_s: scene.t_s };
+        self.keep(frame_record(time, scene.output, &self.subject.features, stage_ms))?;
+        let reason = self.key_frames.consider(scene.frame, scene.output, &scene.evidence.track);
+        if let Some(reason) = reason {
+            self.key_frames.add(reason, scene)?;
+        }
+        let as_picture = self.wishes.pictures.want(scene.frame);
+        if as_picture || self.video.is_some() {
+            let annotated = compose(scene);
+            if as_picture {
+                self.folder.write_picture(&format!("frame_{:06}", scene.frame), &annotated)?;
+            }
+            if let Some(video) = &mut self.video {
+                video.write(&annotated)?;
+            }
+        }
+        clock.finished("results");
+        self.add_times(&clock.stage_ms);
+        Ok(())
     }
 
     /// Adds the times of work outside the method, milliseconds.
@@ -87,34 +162,40 @@ impl Recorder {
         Ok(())
     }
 
-    /// Writes the summary.
-    pub(crate) fn finish(self, end: RunEnd, truth: Option<&[TruthRecord]>) -> Result<Summary> {
+    /// Writes summary and report. A truth that does not fit is an error told after the results, which are good without
+    /// it.
+    pub(crate) fn finish(mut self, end: RunEnd, truth: Option<&[TruthRecord]>) -> Result<Summary> {
         let elapsed_s = self.started.elapsed().as_secs_f64();
-        let ids: Vec<i64> = self.features.iter().map(|feature| feature.id).collect();
-        let truth = truth
-            .filter(|_| !self.records.is_empty())
-            .map(|truth| evaluate_junctions(&self.records, truth, &ids));
+        let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
+        let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
+        let truth = truth.filter(|_| !self.records.is_empty());
+        let evaluation = truth.map(|truth| evaluate_junctions(&self.records, truth, &ids)).transpose();
+        let state_count = |state| self.records.iter().filter(|record| record.state == state).count() as u64;
         let summary = Summary {
             frames: self.records.len() as u64,
             broken_frames: self.broken_frames,
             // A tenth of a frame a second is all that repeats.
             fps: (10.0 * self.records.len() as f64 / elapsed_s.max(1e-9)).round() / 10.0,
             stage_ms: self.times.summary(),
-            features: feature_summaries(&self.records, &self.features),
-            lost_frames: self.records.iter().filter(|record| record.state == TrackState::Lost).count() as u64,
-            truth: None,
+            features: feature_summaries(&self.records, &self.subject.features),
+            lost_frames: state_count(TrackState::Lost),
+            truth: evaluation.as_ref().ok().and_then(|of_truth| Some(of_truth.as_ref()?.summary.clone())),
             interrupted: end == RunEnd::Interrupted,
         };
-        // A truth that does not fit is told after the results, which are good without it.
-        let (truth, misfit) = match truth.transpose() {
-            Ok(evaluation) => (evaluation.map(|evaluation| evaluation.summary), None),
-            Err(misfit) => (None, Some(misfit)),
-        };
-        let summary = Summary { truth, ..summary };
         self.folder.write_summary(&summary)?;
-        match misfit {
-            Some(misfit) => Err(misfit.into()),
-            None => Ok(summary),
-        }
+        let report = report_html(&ReportInput {
+            title: &self.wishes.title,
+            records: &self.records,
+            summary: &summary,
+            truth: truth.filter(|_| evaluation.is_ok()),
+            route: self.subject.route.as_ref(),
+            thresholds: self.subject.thresholds,
+            config_toml: &self.subject.config_toml,
+            key_frames: &self.key_frames,
+        });
+        self.folder.write_report(&report)?;
+        evaluation?;
+        video?;
+        Ok(summary)
     }
 }

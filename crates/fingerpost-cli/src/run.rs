@@ -9,11 +9,12 @@ use fingerpost_format::TruthRecord;
 use fingerpost_io::{FrameError, FrameSource, SourceOptions, read_camera, read_truth};
 use fingerpost_map::Route;
 
+use crate::arguments::FrameRange;
 use crate::driver::{Driver, RunSetting};
 use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
 use crate::record::FrameTime;
-use crate::recorder::RunEnd;
+use crate::recorder::{Pictures, RunEnd, Wishes};
 use crate::stage_clock::FrameClock;
 use crate::{inputs, output};
 
@@ -48,6 +49,12 @@ pub(crate) struct RunArgs {
     /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
     #[arg(long, value_name = "N")]
     fps: Option<f64>,
+    /// Write annotated.mp4: every frame with all that was seen in it. Needs ffmpeg.
+    #[arg(long)]
+    video: bool,
+    /// Write the annotated pictures of these frames into the folder pictures.
+    #[arg(long, value_name = "FROM-TO")]
+    pictures: Option<FrameRange>,
     /// Folder to write; results of an earlier run in it are replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -66,13 +73,19 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
     let source =
         FrameSource::open(&args.input, &SourceOptions { fps: args.fps, ..SourceOptions::default() })?;
-    let driver = Driver::new(RunSetting {
+    let setting = RunSetting {
         config: &config,
         camera: &camera,
         route: route.as_ref(),
         start_m: args.start_m,
         out: &args.out,
-    })?;
+    };
+    let wishes = Wishes {
+        title: args.input.clone(),
+        pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
+        video_fps: args.video.then(|| source.fps()),
+    };
+    let driver = Driver::new(setting, wishes)?;
     RecordedDrive { driver, source, gps, most: args.frames.unwrap_or(u64::MAX) }.run(args, truth.as_deref())
 }
 
@@ -120,6 +133,9 @@ impl RecordedDrive {
         let stopped = interrupt.wanted() || failure.is_some();
         let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
         if let Some(failure) = failure {
+            if let Err(error) = summary {
+                output::message(&format!("the results are incomplete: {}", output::cause_chain(&error)));
+            }
             return Err(failure.context(format!(
                 "the run ended after {frames} frames; results so far are in {}",
                 args.out.display()

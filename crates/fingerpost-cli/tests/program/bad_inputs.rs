@@ -1,0 +1,201 @@
+//! Inputs that cannot be used: each a message with cause and next action, and an exit code.
+
+use std::fs;
+use std::path::PathBuf;
+
+use tempfile::TempDir;
+
+use crate::drive::{Drive, MAP};
+use crate::program::{call_line, command};
+
+/// A folder with one file in it.
+fn file(name: &str, contents: &str) -> (TempDir, PathBuf) {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, contents).unwrap();
+    (folder, path)
+}
+
+/// Calls `run` on the drive with one argument exchanged or added.
+fn run_with(change: impl FnOnce(String) -> String) -> crate::program::Called {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    call_line(&change(drive.run_line(&drive.path(), &out.path().join("run"))))
+}
+
+#[test]
+fn wrong_arguments_are_told_from_failed_runs() {
+    call_line("run").refused(2, &["--camera"]);
+    call_line("fly").refused(2, &["fly"]);
+    call_line("route --map a --out b").refused(2, &["--from"]);
+    call_line("route --map a --from 48.9 --to 1,2 --out b").refused(2, &["LAT,LON"]);
+    call_line("run in --camera c --start-m 3 --out o").refused(2, &["--route"]);
+    call_line("run in --camera c --frames 0 --out o").refused(2, &["--frames"]);
+    call_line("simulate --map m --route r --size 640 --out o").refused(2, &["WIDTHxHEIGHT"]);
+    call_line("run in --camera c --pictures 9-8 --out o").refused(2, &["FROM-TO"]);
+    call_line("evaluate motion run").refused(2, &["--truth"]);
+}
+
+#[test]
+fn inputs_that_are_not_there() {
+    run_with(|line| line.replace("/drive ", "/nothing ")).refused(1, &["there is no", "give a folder"]);
+    run_with(|line| line.replace("camera.toml", "kamera.toml"))
+        .refused(1, &["kamera.toml", "cannot be read"]);
+    let empty = TempDir::new().unwrap();
+    let drive = Drive::get();
+    call_line(&drive.run_line(empty.path(), &empty.path().join("run"))).refused(1, &["holds no picture"]);
+}
+
+#[test]
+fn calibrations_that_cannot_be_right() {
+    let text = fs::read_to_string(Drive::get().camera()).unwrap();
+    let with = |key: &str, value: &str| -> String {
+        text.lines()
+            .map(
+                |line| if line.starts_with(key) { format!("{key} = {value}\n") } else { format!("{line}\n") },
+            )
+            .collect()
+    };
+    for (contents, words) in [
+        (with("fx", "nan"), ["fx", "focal length"]),
+        (with("height_m", "-1.5"), ["height_m", "-1.5"]),
+        (with("height_m", "150.0"), ["height_m", "150"]),
+        (with("pitch_deg", "inf"), ["pitch", "inf"]),
+        (with("fy", "\"wide\""), ["fy", "wide"]),
+        (text.replace("[mount]", "[mounting]"), ["mounting", "camera.toml"]),
+    ] {
+        let (_folder, camera) = file("bad.toml", &contents);
+        let called = run_with(|line| {
+            line.replace(&Drive::get().camera().display().to_string(), &camera.display().to_string())
+        });
+        called.refused(1, &words);
+        called.refused(1, &["bad.toml"]);
+    }
+}
+
+#[test]
+fn configurations_that_cannot_be_used() {
+    for (contents, words) in [
+        ("[track]\ndetect_treshold = 0.8\n", ["detect_treshold", "fingerpost schema"]),
+        ("[tracking]\n", ["tracking", "fingerpost schema"]),
+        ("[track]\ndetect_threshold = 1.5\n", ["track.detect_threshold", "1.5"]),
+        ("[ground_view]\nnear_m = nan\n", ["near_m", "NaN"]),
+        ("[track\n", ["line 1", "fingerpost schema"]),
+    ] {
+        let (_folder, config) = file("mine.toml", contents);
+        run_with(|line| format!("{line} --config {}", config.display())).refused(1, &words);
+    }
+}
+
+#[test]
+fn maps_without_use() {
+    for (contents, words) in [
+        ("", ["empty", "download it again"]),
+        ("P6 not a map", ["neither OSM XML", "give a .osm"]),
+        (r#"<osm version="0.6"><node id="1" lat="47" lon="9"/></osm>"#, ["no roads", "map.osm"]),
+        (&MAP[..MAP.len() / 2], ["broken", "again"]),
+    ] {
+        let (folder, map) = file("map.osm", contents);
+        let out = folder.path().join("route.geojson");
+        let line =
+            format!("route --map {} --from 47,9.5 --to 47,9.501 --out {}", map.display(), out.display());
+        call_line(&line).refused(1, &words);
+        assert!(!out.exists(), "nothing is left behind that looks like a route");
+    }
+}
+
+#[test]
+fn routes_that_leave_the_map() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let map = drive.map();
+    let (map, out) = (map.display(), folder.path().join("out"));
+    let to = out.display();
+    call_line(&format!("route --map {map} --from 47,9.5 --to 47.3,9.5 --out {to}"))
+        .refused(1, &["stop 2", "from the nearest road", "check the place"]);
+
+    let far = "<gpx version=\"1.1\"><trk><trkseg><trkpt lat=\"47.0\" lon=\"9.5\"/><trkpt lat=\"47.0\" lon=\"9.5005\"/>\
+               <trkpt lat=\"47.01\" lon=\"9.51\"/><trkpt lat=\"47.02\" lon=\"9.52\"/></trkseg></trk></gpx>";
+    let (_folder, track) = file("far.gpx", far);
+    call_line(&format!("route --map {map} --gpx {} --out {to}", track.display()))
+        .refused(1, &["far.gpx", "leaves the map", "cut the track"]);
+
+    let (_folder, elsewhere) = file("elsewhere.osm", &MAP.replace("lat=\"47", "lat=\"46"));
+    let route = drive.route();
+    call_line(&format!("simulate --map {} --route {} --out {to}", elsewhere.display(), route.display()))
+        .refused(1, &["away from every road", "give the map"]);
+}
+
+#[test]
+fn route_files_that_are_none() {
+    for (contents, words) in [("{", "route.geojson"), ("{\"type\":\"Feature\"}", "FeatureCollection")] {
+        let (_folder, route) = file("route.geojson", contents);
+        let planned = Drive::get().route().display().to_string();
+        run_with(|line| line.replace(&planned, &route.display().to_string())).refused(1, &[words]);
+    }
+}
+
+#[test]
+fn a_start_that_is_not_on_the_route() {
+    run_with(|line| line.replace("--start-m 5", "--start-m 5000")).refused(1, &["5000", "give 0 to"]);
+    run_with(|line| line.replace("--start-m 5", "--start-m -1")).refused(1, &["-1", "give 0 to"]);
+    run_with(|line| line.replace("--start-m 5", "--start-m nan")).refused(1, &["NaN", "give 0 to"]);
+}
+
+#[test]
+fn a_gps_track_without_times() {
+    let (_folder, track) = file("t.gpx", r#"<gpx version="1.1"><wpt lat="47" lon="9.5"/></gpx>"#);
+    run_with(|line| format!("{line} --gps {}", track.display()))
+        .refused(1, &["t.gpx", "no times", "export it"]);
+}
+
+#[test]
+fn times_that_do_not_fit_the_pictures() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let pictures = drive.pictures(3);
+    fs::write(pictures.path().join("times.txt"), "0.0\n0.1\n").unwrap();
+    call_line(&drive.run_line(pictures.path(), out.path())).refused(1, &["2 times for 3 pictures", "remove"]);
+    fs::write(pictures.path().join("times.txt"), "0.0\n0.2\n0.1\n").unwrap();
+    call_line(&drive.run_line(pictures.path(), out.path())).refused(1, &["backwards at line 3"]);
+}
+
+#[test]
+fn unknown_conditions_and_absurd_rates() {
+    let drive = Drive::get();
+    let out = TempDir::new().unwrap();
+    let (map, route) = (drive.map(), drive.route());
+    let line = format!(
+        "simulate --map {} --route {} --out {}",
+        map.display(),
+        route.display(),
+        out.path().display()
+    );
+    call_line(&format!("{line} --conditions fog")).refused(1, &["fog", "choose one of"]);
+    call_line(&format!("{line} --fps 0")).refused(1, &["fps", "0.1 to 1000"]);
+    run_with(|line| format!("{line} --fps 0")).refused(1, &["a frame rate of 0", "give 0.01"]);
+}
+
+#[test]
+fn video_without_ffmpeg() {
+    let (folder, video) = file("drive.mp4", "no video");
+    let drive = Drive::get();
+    let called = command()
+        .args(drive.run_line(&video, &folder.path().join("run")).split_whitespace())
+        .env("PATH", folder.path())
+        .output()
+        .unwrap();
+    crate::program::Called::from(called).refused(1, &["was not found", "install ffmpeg"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk() {
+    let map = Drive::get().map();
+    call_line(&format!("route --map {} --from 47,9.5 --to 47.0005,9.5006 --out /dev/full", map.display()))
+        .refused(1, &["/dev/full", "space"]);
+}
+
+#[test]
+fn an_output_folder_that_is_a_file() {
+    let (_folder, path) = file("taken", "");
+    let drive = Drive::get();
+    call_line(&drive.run_line(&drive.path(), &path)).refused(1, &["taken"]);
+}

@@ -1,0 +1,51 @@
+//! Runs that end before their input does.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use crate::program::{Called, frames, summary};
+use crate::video_stub::VideoStub;
+
+#[test]
+fn a_video_that_breaks_off_leaves_a_finished_run_folder() {
+    let stub = VideoStub::new("cat $PICTURE $PICTURE $PICTURE; echo 'Invalid data found' >&2; exit 1");
+    let out = TempDir::new().unwrap();
+    let called = Called::from(stub.run(out.path()).output().unwrap());
+    called.refused(1, &["breaks off after 3 frames", "Invalid data found", "results so far are in"]);
+    assert_eq!(frames(out.path()).len(), 3);
+    let summary = summary(out.path());
+    assert_eq!((summary.frames, summary.interrupted), (3, true));
+}
+
+#[test]
+fn a_video_of_whole_frames_is_a_complete_run() {
+    let stub = VideoStub::new("cat $PICTURE $PICTURE $PICTURE");
+    let out = TempDir::new().unwrap();
+    Called::from(stub.run(out.path()).output().unwrap()).done();
+    let summary = summary(out.path());
+    assert_eq!((summary.frames, summary.interrupted), (3, false));
+    assert!(frames(out.path())[2].motion.unwrap().forward_m.abs() < 0.01, "no motion in, no motion out");
+}
+
+#[test]
+fn an_interrupt_leaves_a_finished_run_folder() {
+    let stub = VideoStub::new("while cat $PICTURE; do :; done");
+    let out = TempDir::new().unwrap();
+    let child = stub.run(out.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let patience = Instant::now();
+    let lines = || fs::read_to_string(out.path().join("frames.jsonl")).unwrap_or_default().lines().count();
+    while lines() < 5 {
+        assert!(patience.elapsed() < Duration::from_secs(60), "the run does not get going");
+        sleep(Duration::from_millis(20));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let called = Called::from(child.wait_with_output().unwrap());
+    called.refused(1, &["interrupted after", "results so far are in"]);
+    let summary = summary(out.path());
+    assert!(summary.interrupted);
+    assert_eq!(summary.frames, frames(out.path()).len() as u64);
+}

@@ -1,0 +1,14 @@
+//! The program as its users call it: arguments, files, messages and exit codes.
+
+// A helper that unwraps is part of the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+mod bad_inputs;
+mod broken_frames;
+mod drive;
+mod evaluating;
+mod interrupts;
+mod program;
+mod running;
+mod simulating;
+mod video_stub;

@@ -1,0 +1,139 @@
+//! A run on a simulated drive.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use fingerpost_format::{FrameRecord, TrackState};
+use tempfile::TempDir;
+
+use crate::drive::{Drive, FRAMES};
+use crate::program::{call_line, command, frames, summary};
+
+/// Frames without what the clock says.
+fn timeless(run: &std::path::Path) -> Vec<FrameRecord> {
+    frames(run).into_iter().map(|frame| FrameRecord { stage_ms: BTreeMap::new(), ..frame }).collect()
+}
+
+#[test]
+fn a_junction_is_found_followed_and_arrived_at() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let line = drive.run_line(&drive.path(), out.path());
+    let called = call_line(&format!("{line} --truth {} --json", drive.truth().display())).done();
+
+    let records = frames(out.path());
+    assert_eq!(records.len(), FRAMES);
+    assert!(records.iter().enumerate().all(|(i, record)| record.frame == i as u64));
+    assert!((records[20].t_s - 2.0).abs() < 1e-6, "times.txt says ten frames a second");
+    assert!(records.iter().any(|record| record.state == TrackState::Tracking));
+    let followed = records.iter().find_map(|record| record.feature.as_ref()).unwrap();
+    assert_eq!((followed.id, followed.kind.as_str()), (2, "junction"));
+    assert!(followed.sub.contains_key("approach") && followed.sub.contains_key("driving_line"));
+    for stage in ["ground_view", "road", "motion", "match", "driving_line"] {
+        assert!(records[5].stage_ms.contains_key(stage), "{stage}");
+    }
+
+    let summary = summary(out.path());
+    let feature = &summary.features[0];
+    assert_eq!((summary.features.len(), feature.id), (1, 2));
+    assert!(feature.detected_forward_m.unwrap() > 8.0);
+    assert!(feature.arrived_frame.unwrap() > feature.detected_frame.unwrap());
+    let truth = summary.truth.as_ref().unwrap();
+    assert_eq!((truth.features_total, truth.features_detected, truth.false_detections), (1, 1, 0));
+    // How precise the method is, its own tests say; here only that run and truth are of one drive.
+    assert!(truth.position_error_m.unwrap().p95 < 2.0);
+    assert!(truth.motion_error_pct.unwrap() < 5.0);
+
+    let printed: fingerpost_format::Summary = serde_json::from_str(&called.stdout).unwrap();
+    assert_eq!(printed, summary, "--json prints what summary.json holds");
+    assert!(called.stderr.contains("results in"));
+}
+
+#[test]
+fn the_same_input_gives_the_same_frames_on_any_number_of_threads() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let runs = [("a", "1"), ("b", "1"), ("c", "4")].map(|(name, threads)| {
+        let out = folder.path().join(name);
+        let line = drive.run_line(&drive.path(), &out);
+        let status = command()
+            .args(line.split_whitespace())
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap()
+            .status;
+        assert!(status.success());
+        timeless(&out)
+    });
+    assert_eq!(runs[0], runs[1]);
+    assert_eq!(runs[0], runs[2]);
+}
+
+#[test]
+fn without_a_route_there_is_motion_and_nothing_to_follow() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let (input, camera) = (drive.path(), drive.camera());
+    let (input, camera, to) = (input.display(), camera.display(), out.path().display());
+    let called = call_line(&format!("run {input} --camera {camera} --frames 10 --out {to}")).done();
+    assert!(called.stdout.is_empty(), "data on standard output only when asked");
+    let records = frames(out.path());
+    assert_eq!(records.len(), 10);
+    assert!(records.iter().all(|record| record.state == TrackState::NoRoute && record.feature.is_none()));
+    assert!(records[9].motion.unwrap().forward_m > 0.3);
+}
+
+#[test]
+fn the_effective_configuration_is_saved_and_can_be_used_again() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let config = folder.path().join("mine.toml");
+    fs::write(&config, "[track]\ndetect_frames = 7\n").unwrap();
+    let (first, second) = (folder.path().join("first"), folder.path().join("second"));
+    let line = drive.run_line(&drive.path(), &first);
+    call_line(&format!("{line} --frames 3 --config {}", config.display())).done();
+    let saved = first.join("config.toml");
+    let text = fs::read_to_string(&saved).unwrap();
+    assert!(text.contains("detect_frames = 7") && text.contains("[ground_view]"), "{text}");
+    let line = drive.run_line(&drive.path(), &second);
+    call_line(&format!("{line} --frames 3 --config {}", saved.display())).done();
+    assert_eq!(fs::read_to_string(second.join("config.toml")).unwrap(), text);
+}
+
+#[test]
+fn results_of_an_earlier_run_are_replaced() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let line = drive.run_line(&drive.path(), out.path());
+    call_line(&format!("{line} --frames 8")).done();
+    call_line(&format!("{line} --frames 3")).done();
+    assert_eq!(frames(out.path()).len(), 3);
+    assert_eq!(summary(out.path()).frames, 3);
+}
+
+#[test]
+fn the_schema_describes_every_table() {
+    let called = call_line("schema").done();
+    let schema: serde_json::Value = serde_json::from_str(&called.stdout).unwrap();
+    for table in ["vehicle", "ground_view", "road_surface", "motion", "match", "track"] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn gps_times_choose_the_frames() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let track = folder.path().join("track.gpx");
+    // Where the drive starts, and a second later 8 m on.
+    fs::write(
+        &track,
+        r#"<gpx version="1.1"><trk><trkseg>
+        <trkpt lat="47.0" lon="9.500066"><time>2020-01-01T10:00:00Z</time></trkpt>
+        <trkpt lat="47.0" lon="9.500170"><time>2020-01-01T10:00:01Z</time></trkpt>
+        </trkseg></trk></gpx>"#,
+    )
+    .unwrap();
+    let line = drive.run_line(&drive.path(), folder.path()).replace(" --start-m 5", "");
+    let without = call_line(&format!("{line}/without --frames 15")).done();
+    let with = call_line(&format!("{line}/with --frames 15 --gps {}", track.display())).done();
+    assert!(without.code == with.code);
+    let route_m = |run: &str| frames(&folder.path().join(run))[14].route_m;
+    let believed_m = route_m("with").unwrap();
+    assert!((believed_m - 16.0).abs() < 5.0, "{believed_m}");
+    assert_ne!(route_m("without"), Some(believed_m));
+}

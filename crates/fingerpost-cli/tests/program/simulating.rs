@@ -1,0 +1,62 @@
+//! Simulated drives as files.
+
+use std::fs;
+
+use fingerpost_format::{TruthRecord, camera_from_toml, from_json_lines};
+use tempfile::TempDir;
+
+use crate::drive::{Drive, FRAMES};
+use crate::program::{call_line, command};
+
+#[test]
+fn a_drive_folder_holds_all_that_a_run_needs() {
+    let drive = Drive::get().path();
+    let read = |name: &str| fs::read_to_string(drive.join(name)).unwrap();
+    let truth: Vec<TruthRecord> = from_json_lines(&read("truth.jsonl")).unwrap();
+    assert_eq!(truth.len(), FRAMES);
+    assert_eq!(fs::read_dir(drive.join("frames")).unwrap().count(), FRAMES);
+    assert_eq!(fs::read_dir(drive.join("road_masks")).unwrap().count(), FRAMES);
+    assert_eq!(read("times.txt").lines().count(), FRAMES);
+    let camera = camera_from_toml(&read("camera.toml")).unwrap();
+    assert_eq!((camera.width(), camera.height()), (320, 240));
+    assert!(read("route.geojson").contains("LineString"));
+    let (first, last) = (&truth[0], &truth[FRAMES - 1]);
+    assert_eq!(first.feature_id, Some(2));
+    assert!(first.feature_forward_m > last.feature_forward_m);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_one_thread() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let (map, route) = (drive.map(), drive.route());
+    let line = format!(
+        "simulate --map {} --route {} --frames 3 --size 320x240 --conditions ideal --out {}",
+        map.display(),
+        route.display(),
+        out.path().display()
+    );
+    let status =
+        command().args(line.split_whitespace()).env("RAYON_NUM_THREADS", "1").output().unwrap().status;
+    assert!(status.success());
+    for name in ["frames/000002.jpg", "road_masks/000002.png"] {
+        let (one, many) = (fs::read(out.path().join(name)), fs::read(drive.path().join(name)));
+        assert_eq!(one.unwrap(), many.unwrap(), "{name}");
+    }
+    call_line(&format!("{line} --seed 2")).done();
+    let other = fs::read(out.path().join("frames/000002.jpg")).unwrap();
+    assert_ne!(other, fs::read(drive.path().join("frames/000002.jpg")).unwrap());
+}
+
+#[test]
+fn a_distorting_lens_stands_in_the_calibration() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let (map, route) = (drive.map(), drive.route());
+    let line = format!("simulate --map {} --route {}", map.display(), route.display());
+    call_line(&format!(
+        "{line} --frames 1 --size 160x120 --lens brown-conrady --out {}",
+        out.path().display()
+    ))
+    .done();
+    let camera = fs::read_to_string(out.path().join("camera.toml")).unwrap();
+    assert!(camera.contains("brown-conrady") && camera.contains("-0.25"), "{camera}");
+}

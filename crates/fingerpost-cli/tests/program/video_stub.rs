@@ -1,0 +1,54 @@
+//! Stand-ins for ffmpeg and ffprobe, so that what videos do can be tried where there is no ffmpeg.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use fingerpost_io::read_picture;
+use tempfile::TempDir;
+
+use crate::drive::Drive;
+use crate::program::command;
+
+/// A folder with programs called ffmpeg and ffprobe, and a video that they play.
+pub(crate) struct VideoStub {
+    folder: TempDir,
+}
+
+impl VideoStub {
+    /// Stand-ins that play the drive's first picture as the shell commands `play` say; there, `$PICTURE` is that picture as
+    /// ffmpeg writes it into its pipe.
+    pub(crate) fn new(play: &str) -> Self {
+        let stub = Self { folder: TempDir::new().unwrap() };
+        let picture = read_picture(&Drive::get().path().join("frames/000000.jpg")).unwrap();
+        let mut ppm = format!("P6\n{} {}\n255\n", picture.width(), picture.height()).into_bytes();
+        ppm.extend_from_slice(picture.as_slice());
+        let path = stub.folder.path().join("picture.ppm");
+        fs::write(&path, ppm).unwrap();
+        fs::write(stub.video(), "played by the stand-ins").unwrap();
+        let says = r#"echo '{"streams":[{"avg_frame_rate":"10/1","r_frame_rate":"10/1"}]}'"#;
+        stub.program("ffprobe", says);
+        stub.program("ffmpeg", &format!("PICTURE={}\n{play}", path.display()));
+        stub
+    }
+
+    fn program(&self, name: &str, commands: &str) {
+        let path = self.folder.path().join(name);
+        fs::write(&path, format!("#!/bin/sh\n{commands}\n")).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    fn video(&self) -> PathBuf {
+        self.folder.path().join("drive.mp4")
+    }
+
+    /// `run` on that video, ready to be started.
+    pub(crate) fn run(&self, out: &Path) -> Command {
+        let mut command = command();
+        let path =
+            std::env::join_paths([self.folder.path(), Path::new("/usr/bin"), Path::new("/bin")]).unwrap();
+        command.args(Drive::get().run_line(&self.video(), out).split_whitespace()).env("PATH", path);
+        command
+    }
+}
