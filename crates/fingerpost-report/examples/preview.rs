@@ -1,6 +1,6 @@
 //! Draws a painted drive and its report, to be looked at: `cargo run -p fingerpost-report --example preview -- DIR`.
 
-#[path = "../tests/painted_run/mod.rs"]
+#[path = "../tests/report/painted_run.rs"]
 mod painted_run;
 
 use std::fs::File;

@@ -32,9 +32,6 @@ impl Paint {
     }
 }
 
-/// No columns and no rows.
-const NOTHING: [Range<usize>; 2] = [usize::MAX..0, usize::MAX..0];
-
 /// A picture to draw on.
 #[derive(Debug)]
 pub(crate) struct Canvas {
@@ -42,8 +39,8 @@ pub(crate) struct Canvas {
     clip: Rect,
     /// Coverage of the shape at hand, 255 = whole; zero everywhere between shapes.
     coverage: Vec<u8>,
-    /// Columns and rows that hold all of it.
-    covered: [Range<usize>; 2],
+    /// Columns and rows that hold all of it; none between shapes.
+    covered: Option<[Range<usize>; 2]>,
 }
 
 impl Canvas {
@@ -53,7 +50,7 @@ impl Canvas {
             image: RgbImage::new(width, height),
             clip,
             coverage: vec![0; width * height],
-            covered: NOTHING,
+            covered: None,
         };
         canvas.fill(clip, Paint::solid(background));
         canvas
@@ -133,7 +130,8 @@ impl Canvas {
         let width = self.image.width();
         if let Some(coverage) = self.coverage.get_mut(y * width + x) {
             *coverage = (*coverage).max((255.0 * share.clamp(0.0, 1.0)).round() as u8);
-            for (range, at) in self.covered.iter_mut().zip([x, y]) {
+            let covered = self.covered.get_or_insert([x..x + 1, y..y + 1]);
+            for (range, at) in covered.iter_mut().zip([x, y]) {
                 *range = range.start.min(at)..range.end.max(at + 1);
             }
         }
@@ -142,7 +140,7 @@ impl Canvas {
     /// Blends what is covered and clears the coverage.
     fn lay(&mut self, paint: Paint) {
         let width = self.image.width();
-        let [columns, rows] = std::mem::replace(&mut self.covered, NOTHING);
+        let Some([columns, rows]) = self.covered.take() else { return };
         for y in rows {
             for x in columns.clone() {
                 let coverage = std::mem::take(&mut self.coverage[y * width + x]);

@@ -156,12 +156,8 @@ impl KeyFrames {
         let feature = feature.map_or_else(String::new, |model| {
             format!("{} {} {}", crate::palette::kind(model.kind), model.id, model.name).trim_end().to_owned()
         });
-        if let KeyReason::WeakestMatch { .. } = reason {
-            self.kept.retain(|(kept, _), _| *kept != reason);
-        }
         let (frame, t_s, why) = (scene.frame, scene.t_s, scene.output.why.clone());
-        self.kept.insert((reason, frame), KeyFrame { frame, t_s, reason, feature, why, pictures });
-        self.thin_spread();
+        self.keep(KeyFrame { frame, t_s, reason, feature, why, pictures });
         Ok(())
     }
 
@@ -175,6 +171,14 @@ impl KeyFrames {
     /// Losses in the run whose pictures are not kept.
     pub const fn losses_not_kept(&self) -> usize {
         self.losses.saturating_sub(MAX_LOSSES)
+    }
+
+    fn keep(&mut self, key: KeyFrame) {
+        if let KeyReason::WeakestMatch { .. } = key.reason {
+            self.kept.retain(|(reason, _), _| *reason != key.reason);
+        }
+        self.kept.insert((key.reason, key.frame), key);
+        self.thin_spread();
     }
 
     fn once(&self, reason: KeyReason) -> Option<KeyReason> {
@@ -209,4 +213,93 @@ fn encoded(
         .encode(picture.as_slice(), side(size_px.0), side(size_px.1), ColorType::Rgb)
         .map_err(|cause| ReportError::Encode { stage, cause })?;
     Ok(KeyPicture { stage, legend, jpeg, size_px })
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost::matching::Match;
+    use fingerpost::track::{Followed, TrackOutput};
+    use nalgebra::{Isometry2, Matrix3};
+
+    use super::*;
+
+    fn output(state: State, p: Option<f64>) -> FrameOutput {
+        let pose = Isometry2::translation(12.0, 0.0);
+        let matched = |p| Match { vehicle_from_feature: pose, subs: Vec::new(), p: Some(p), weakest: None };
+        let followed = p.map(|p| Followed {
+            index: 2,
+            vehicle_from_feature: pose,
+            covariance: Matrix3::identity(),
+            matched: matched(p),
+        });
+        FrameOutput {
+            track: TrackOutput { state, followed, route_m: None },
+            motion: None,
+            driving_line: Vec::new(),
+            driving_line_curvature_per_m: Vec::new(),
+            why: String::new(),
+        }
+    }
+
+    fn evidence(decision: Decision) -> TrackEvidence {
+        let (predicted, predicted_p, best_p) = (None, None, None);
+        TrackEvidence { decision, predicted, predicted_p, tried: 0, best_p, sections: Vec::new(), gps: None }
+    }
+
+    /// Considers a frame and keeps it without pictures where it is wanted.
+    fn see(
+        frames: &mut KeyFrames,
+        frame: u64,
+        decision: Decision,
+        state: State,
+        p: Option<f64>,
+    ) -> Option<KeyReason> {
+        let reason = frames.consider(frame, &output(state, p), &evidence(decision))?;
+        let (feature, why, pictures) = (String::new(), String::new(), Vec::new());
+        frames.keep(KeyFrame { frame, t_s: frame as f64, reason, feature, why, pictures });
+        Some(reason)
+    }
+
+    #[test]
+    fn a_feature_is_kept_when_detected_when_weakest_and_on_arrival() {
+        let mut frames = KeyFrames::new();
+        let not_found = || Decision::NotFound { index: 2 };
+        assert_eq!(see(&mut frames, 0, not_found(), State::Searching, None), Some(KeyReason::FirstFrame));
+        let tracking = [
+            (Decision::Detected, 0.90, Some(KeyReason::Detection { feature: 2 })),
+            (Decision::Confirmed, 0.95, None),
+            (Decision::Confirmed, 0.80, Some(KeyReason::WeakestMatch { feature: 2 })),
+            (Decision::Confirmed, 0.79, None),
+            (Decision::Confirmed, 0.70, Some(KeyReason::WeakestMatch { feature: 2 })),
+        ];
+        for (frame, (decision, p, wanted)) in (1..).zip(tracking) {
+            assert_eq!(see(&mut frames, frame, decision, State::Tracking, Some(p)), wanted, "frame {frame}");
+        }
+        let arrival = see(&mut frames, 6, Decision::Arrived, State::Arrived, Some(0.5));
+        assert_eq!(arrival, Some(KeyReason::Arrival { feature: 2 }));
+        let kept: Vec<u64> = frames.frames().iter().map(|key| key.frame).collect();
+        assert_eq!(kept, [0, 1, 5, 6], "the weaker match took the place of the weak one");
+    }
+
+    #[test]
+    fn a_run_without_detections_keeps_an_even_spread() {
+        let mut frames = KeyFrames::new();
+        for frame in 0..30_000 {
+            see(&mut frames, frame, Decision::NotFound { index: 0 }, State::Searching, None);
+        }
+        let kept: Vec<u64> = frames.frames().iter().map(|key| key.frame).collect();
+        assert!((MAX_SPREAD / 2..=MAX_SPREAD + 1).contains(&kept.len()), "{kept:?}");
+        assert!(kept.windows(2).all(|w| w[1] - w[0] == kept[1] - kept[0]), "{kept:?}");
+        assert!(kept.last().is_some_and(|&last| last > 27_000), "{kept:?}");
+    }
+
+    #[test]
+    fn losses_are_kept_up_to_a_limit_and_the_rest_is_counted() {
+        let mut frames = KeyFrames::new();
+        let wanted = (0..20)
+            .map(|frame| see(&mut frames, frame, Decision::Lost { index: 1 }, State::Lost, None))
+            .filter(|reason| *reason == Some(KeyReason::Loss { feature: 1 }))
+            .count();
+        assert_eq!((wanted, frames.losses_not_kept()), (MAX_LOSSES, 20 - MAX_LOSSES));
+    }
 }

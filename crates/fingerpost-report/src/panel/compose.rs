@@ -31,7 +31,7 @@ const WIDE_CAMERA_PX: usize = 900;
 /// Sub-masks in a line of the footer.
 const CHIPS_A_LINE: usize = 5;
 const CHIP_LINE_PX: usize = 22;
-const BAR_PX: usize = 50;
+const BAR_PX: usize = 42;
 
 /// A drawing of one ground panel.
 type GroundPanel = (&'static str, fn(&mut Canvas, &GroundPlot<'_>, &Scene<'_>));

@@ -91,6 +91,23 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
 
 /// A pose in the vehicle frame in words.
 fn words(pose: &Isometry2<f64>) -> String {
-    let [forward_m, left_m] = [pose.translation.x, pose.translation.y];
-    format!("{forward_m:.2} m ahead, {left_m:+.2} m left, {:+.1}°", pose.rotation.angle().to_degrees())
+    let (left, turned) = (signed(pose.translation.y, 2), signed(pose.rotation.angle().to_degrees(), 1));
+    format!("{} m ahead, {left} m left, {turned}°", signed(pose.translation.x, 2).trim_start_matches('+'))
+}
+
+/// A number with its sign and so many digits; what rounds to zero has no sign.
+pub(crate) fn signed(value: f64, digits: usize) -> String {
+    let text = format!("{value:+.digits$}");
+    if text.chars().all(|c| !c.is_ascii_digit() || c == '0') { format!("{:.digits$}", 0.0) } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!([signed(-0.001, 2), signed(0.3, 2), signed(-0.06, 1)], ["0.00", "+0.30", "-0.1"]);
+        assert_eq!(words(&Isometry2::translation(-1.5, 0.25)), "-1.50 m ahead, +0.25 m left, 0.0°");
+    }
 }

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use nalgebra::Point2;
-
+use super::facts::signed;
 use super::ground_plot::GroundPlot;
 use crate::draw::{Canvas, Paint, TextSize};
 use crate::palette;
@@ -33,10 +32,12 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         };
         canvas.dashed(&plot.outline(motion.region), 1.5, [5.0, 4.0], Paint::glaze(palette::SAMPLE, 0.8));
         let mut drawn = BTreeSet::new();
+        // Squares that begin where the samples do take one of each row and column of them alike.
+        let corner = motion.samples.first().map_or([0.0; 2], |first| plot.at_pixel(first.from_px));
         for sample in &motion.samples {
             let ends = [sample.from_px, sample.to_px].map(|p| plot.at_pixel(p));
             let rejected = sample.weight < REJECTED_WEIGHT;
-            let cell = ends[0].map(|c| (c / CELL_PX).floor() as i64);
+            let cell = [0, 1].map(|axis| ((ends[0][axis] - corner[axis]) / CELL_PX).floor() as i64);
             if !drawn.insert((cell, rejected)) {
                 continue;
             }
@@ -50,9 +51,9 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         }
         if let Some(moved) = &scene.output.motion {
             let step = moved.previous_from_current.translation.vector;
-            let near = plot.at(Point2::new(plot.grid.near_m(), plot.grid.half_width_m()));
-            let text = format!("moved {:.2} m, {:+.2} m left", step.x, step.y);
-            canvas.label([near[0], near[1] - 40.0], TextSize::Small, palette::TEXT, &text);
+            let text = format!("moved {:.2} m, {} m left", step.x, signed(step.y, 2));
+            let corner = [plot.area.x as f64 + 8.0, plot.area.y as f64 + 6.0];
+            canvas.label(corner, TextSize::Small, palette::TEXT, &text);
         }
     });
 }

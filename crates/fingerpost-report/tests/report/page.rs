@@ -1,0 +1,150 @@
+//! The report page: whole, well-formed, escaped, small.
+
+use crate::painted_run::{camera, painted_run};
+use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
+use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, report_html};
+
+const THRESHOLDS: Thresholds = Thresholds { detect: 0.75, confirm: 0.65 };
+
+/// Every inline SVG of a page, parsed.
+fn svgs(page: &str) -> usize {
+    let mut count = 0;
+    for rest in page.split("<svg").skip(1) {
+        let svg = format!("<svg{}</svg>", rest.split("</svg>").next().unwrap());
+        roxmltree::Document::parse(&svg).unwrap();
+        count += 1;
+    }
+    count
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[test]
+fn the_page_of_a_drive_holds_everything() {
+    let name = "Milkmaid's Lane & <Orchard> Road";
+    let run = painted_run(&camera(), name, &mut |_| {});
+    let reasons: Vec<KeyReason> = run.key_frames.frames().iter().map(|key| key.reason).collect();
+    for reason in
+        [KeyReason::FirstFrame, KeyReason::Detection { feature: 0 }, KeyReason::Arrival { feature: 0 }]
+    {
+        assert!(reasons.contains(&reason), "{reason:?} in {reasons:?}");
+    }
+    let page = report_html(&ReportInput {
+        title: "a <painted> drive",
+        records: &run.records,
+        summary: &run.summary,
+        truth: Some(&run.truth),
+        route: Some(&run.route),
+        thresholds: THRESHOLDS,
+        config_toml: "[track]\nlost_frames = 10 # <10>\n",
+        key_frames: &run.key_frames,
+    });
+    // Map, P(F), distance, error, stage times.
+    assert_eq!(svgs(&page), 5);
+    assert!(page.contains(&escaped(name)) && !page.contains("<Orchard>"));
+    assert!(page.contains("a &lt;painted&gt; drive") && page.contains("lost_frames = 10 # &lt;10&gt;"));
+    for key in run.key_frames.frames() {
+        assert!(page.contains(&escaped(&key.why)), "{}", key.why);
+        assert_eq!(key.pictures.len(), 6, "composed and five stages");
+        assert!(key.pictures.iter().all(|picture| picture.jpeg.starts_with(&[0xFF, 0xD8])));
+    }
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 6 * reasons.len());
+    assert!(page.contains("OpenStreetMap contributors, ODbL"));
+    for outside in ["http:", "https:", "<script", "url("] {
+        assert!(!page.contains(outside), "nothing from outside: {outside}");
+    }
+    for tag in ["figure", "details", "table", "article", "div", "ul", "body", "html", "svg"] {
+        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "<{tag}>");
+    }
+}
+
+fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
+    FrameRecord {
+        frame,
+        t_s: frame as f64 / 30.0,
+        state,
+        feature: None,
+        motion: None,
+        driving_line_m: Vec::new(),
+        driving_line_curvature_per_m: Vec::new(),
+        centreline: None,
+        lanes: None,
+        fix: None,
+        route_m: None,
+        stage_ms: std::collections::BTreeMap::new(),
+        why,
+        error: None,
+    }
+}
+
+#[test]
+fn losses_are_listed_with_their_reasons_once_each() {
+    let state = |frame: u64| if frame % 10 < 3 { TrackState::Lost } else { TrackState::Searching };
+    let mut records: Vec<FrameRecord> =
+        (0..600).map(|frame| record(frame, state(frame), format!("reason {frame}."))).collect();
+    records[5].error = Some("cannot be decoded: <end> of file".to_owned());
+    let page = report_html(&ReportInput {
+        title: "losses",
+        records: &records,
+        summary: &Summary::default(),
+        truth: None,
+        route: None,
+        thresholds: THRESHOLDS,
+        config_toml: "",
+        key_frames: &KeyFrames::new(),
+    });
+    assert!(page.contains("reason 0.") && page.contains("reason 10.") && page.contains("reason 390."));
+    assert!(!page.contains("reason 1.") && !page.contains("reason 400."));
+    assert!(page.contains("and 20 more"), "60 losses, 40 listed");
+    assert!(page.contains("cannot be decoded: &lt;end&gt; of file"));
+    assert!(!page.contains("OpenStreetMap"), "no map, no attribution");
+}
+
+#[test]
+fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
+    let mut records = Vec::new();
+    let mut truth = Vec::new();
+    for frame in 0..30_000_u64 {
+        let state = if frame % 7 < 3 { TrackState::Tracking } else { TrackState::Searching };
+        let mut one = record(frame, state, String::new());
+        one.route_m = Some(frame as f64);
+        one.feature = (state == TrackState::Tracking).then(|| fingerpost_format::FeatureRecord {
+            id: 1,
+            kind: "bend".to_owned(),
+            p: Some(0.5 + 0.4 * (frame as f64 * 0.37).sin()),
+            sub: [("approach".to_owned(), 0.9), ("exit".to_owned(), (frame % 5) as f64 * 0.2)].into(),
+            forward_m: 12.0,
+            left_m: 0.0,
+            heading_rad: 0.0,
+            sigma_m: [0.1, 0.1],
+        });
+        records.push(one);
+        truth.push(TruthRecord {
+            frame,
+            feature_id: Some(1),
+            feature_forward_m: Some(12.0),
+            feature_left_m: Some(0.3),
+            ..TruthRecord::default()
+        });
+    }
+    let page = |records, truth| {
+        report_html(&ReportInput {
+            title: "long",
+            records,
+            summary: &Summary::default(),
+            truth,
+            route: None,
+            thresholds: THRESHOLDS,
+            config_toml: "",
+            key_frames: &KeyFrames::new(),
+        })
+    };
+    let long = page(&records, Some(&truth));
+    assert_eq!(svgs(&long), 3);
+    assert!(long.len() < 1_000_000, "{} bytes", long.len());
+    let empty = page(&[], None);
+    assert!(empty.contains("No frame was processed."));
+}
