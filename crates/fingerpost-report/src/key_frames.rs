@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 
 use fingerpost::FrameOutput;
 use fingerpost::track::{Decision, State, TrackEvidence};
-use jpeg_encoder::{ColorType, Encoder};
+use fingerpost_vision::picture::RgbImage;
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use crate::ReportError;
 use crate::panel::{StagePictures, compose};
@@ -75,7 +76,7 @@ pub struct KeyFrame {
 }
 
 /// The key frames of a run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct KeyFrames {
     kept: BTreeMap<(KeyReason, u64), KeyFrame>,
     lowest_p: BTreeMap<usize, f64>,
@@ -83,6 +84,12 @@ pub struct KeyFrames {
     spread_stride: u64,
     any_detection: bool,
     started: bool,
+}
+
+impl Default for KeyFrames {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 /// Losses whose pictures are kept; more of them look alike, and the page counts them all.
@@ -99,7 +106,14 @@ const JPEG_QUALITY: u8 = 82;
 impl KeyFrames {
     /// No frames yet.
     pub fn new() -> Self {
-        Self { spread_stride: 1, ..Self::default() }
+        Self {
+            kept: BTreeMap::new(),
+            lowest_p: BTreeMap::new(),
+            losses: 0,
+            spread_stride: 1,
+            any_detection: false,
+            started: false,
+        }
     }
 
     /// Why the frame is wanted, if it is. To be asked once for every frame, in order.
@@ -201,15 +215,14 @@ impl KeyFrames {
     }
 }
 
-fn encoded(
-    stage: &'static str,
-    legend: &'static str,
-    picture: &fingerpost_vision::picture::RgbImage,
-) -> Result<KeyPicture, ReportError> {
+fn encoded(stage: &'static str, legend: &'static str, picture: &RgbImage) -> Result<KeyPicture, ReportError> {
     let size_px = picture.size();
     let side = |px: usize| u16::try_from(px).unwrap_or(0);
     let mut jpeg = Vec::new();
-    Encoder::new(&mut jpeg, JPEG_QUALITY)
+    let mut encoder = Encoder::new(&mut jpeg, JPEG_QUALITY);
+    // Halved chroma would smear coloured letters.
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    encoder
         .encode(picture.as_slice(), side(size_px.0), side(size_px.1), ColorType::Rgb)
         .map_err(|cause| ReportError::Encode { stage, cause })?;
     Ok(KeyPicture { stage, legend, jpeg, size_px })

@@ -48,6 +48,11 @@ const BOTTOM: f64 = 44.0;
 const STRIP: f64 = 10.0;
 
 impl Chart {
+    /// Whether there is anything to be seen in it.
+    pub(crate) fn has_values(&self) -> bool {
+        self.curves.iter().flat_map(|curve| &curve.points).any(|(_, value)| value.is_some())
+    }
+
     /// The chart as a figure.
     pub(crate) fn figure(&self) -> Markup {
         let (mut low, mut high) = (*self.values.start(), *self.values.end());

@@ -19,12 +19,22 @@ pub(crate) fn curves(input: &ReportInput<'_>) -> Markup {
     };
     let seconds = first.t_s..=last.t_s;
     let truth = truth_by_frame(input.truth);
+    let p = probability(input, seconds.clone());
+    let others = [
+        distance(records, &truth, seconds.clone()),
+        error(records, &truth, seconds.clone()),
+        speed(records, &truth, seconds),
+    ];
     html! {
         (states(records))
-        (probability(input, seconds.clone()).figure())
-        (arms(records))
-        (distance(records, &truth, seconds.clone()).figure())
-        @if !truth.is_empty() { (error(records, &truth, seconds).figure()) }
+        @if p.has_values() {
+            (p.figure())
+            (arms(records))
+        } @else {
+            p { "No feature was followed, so there is no P(F) to show." }
+            (p.figure())
+        }
+        @for chart in others.iter().filter(|chart| chart.has_values()) { (chart.figure()) }
     }
 }
 
@@ -123,6 +133,37 @@ fn error(
         strip: Vec::new(),
         lines: Vec::new(),
         curves: vec![Curve { label: "error", class: "three", points: by_feature(records, error) }],
+    }
+}
+
+/// Speed by the motion of each frame; what a frame without motion hides is left out.
+fn speed(
+    records: &[FrameRecord],
+    truth: &BTreeMap<u64, &TruthRecord>,
+    seconds: RangeInclusive<f64>,
+) -> Chart {
+    let mut points = Vec::with_capacity(records.len());
+    let mut before: Option<f64> = None;
+    for record in records {
+        let since = before.map(|before| record.t_s - before).filter(|since| *since > 0.0);
+        let moved = record.motion.map(|motion| motion.forward_m);
+        points.push((record.t_s, moved.zip(since).map(|(moved_m, since_s)| moved_m / since_s)));
+        before = Some(record.t_s);
+    }
+    let mut curves = vec![Curve { label: "by the flow", class: "one", points }];
+    if !truth.is_empty() {
+        let real = |record: &FrameRecord| truth.get(&record.frame).map(|truth| truth.speed_mps);
+        curves.push(Curve { label: "truth", class: "two", points: series(records, real) });
+    }
+    Chart {
+        title: "Speed".to_owned(),
+        unit: "metres a second",
+        seconds,
+        values: 0.0..=1.0,
+        bands: Vec::new(),
+        strip: Vec::new(),
+        lines: Vec::new(),
+        curves,
     }
 }
 

@@ -34,16 +34,14 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     let sections = &evidence.track.sections;
     if !sections.is_empty() {
         let count = |of: fn(&CrossSectionUse) -> bool| sections.iter().filter(|s| of(&s.section_use)).count();
-        facts.push((
-            "sections",
-            format!(
-                "{} used, {} without edges, {} of another width, {} too far off",
-                count(|s| matches!(s, CrossSectionUse::Accepted)),
-                count(|s| matches!(s, CrossSectionUse::NoEdges)),
-                count(|s| matches!(s, CrossSectionUse::WidthDisagrees { .. })),
-                count(|s| matches!(s, CrossSectionUse::Gated { .. })),
-            ),
-        ));
+        let used = count(|s| matches!(s, CrossSectionUse::Accepted));
+        let other_width = count(|s| matches!(s, CrossSectionUse::WidthDisagrees { .. }));
+        let too_far = count(|s| matches!(s, CrossSectionUse::Gated { .. }));
+        let without = sections.len() - used - other_width - too_far;
+        let words = format!(
+            "{used} used, {without} without edges, {other_width} of another width, {too_far} too far off"
+        );
+        facts.push(("sections", words));
     }
     let tightest = output.driving_line_curvature_per_m.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     if tightest > 0.0 {

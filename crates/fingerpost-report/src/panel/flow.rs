@@ -32,12 +32,12 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         };
         canvas.dashed(&plot.outline(motion.region), 1.5, [5.0, 4.0], Paint::glaze(palette::SAMPLE, 0.8));
         let mut drawn = BTreeSet::new();
-        // Squares that begin where the samples do take one of each row and column of them alike.
+        // Squares about the first sample take one of each row and column of them alike.
         let corner = motion.samples.first().map_or([0.0; 2], |first| plot.at_pixel(first.from_px));
         for sample in &motion.samples {
             let ends = [sample.from_px, sample.to_px].map(|p| plot.at_pixel(p));
             let rejected = sample.weight < REJECTED_WEIGHT;
-            let cell = [0, 1].map(|axis| ((ends[0][axis] - corner[axis]) / CELL_PX).floor() as i64);
+            let cell = [0, 1].map(|axis| ((ends[0][axis] - corner[axis]) / CELL_PX).round() as i64);
             if !drawn.insert((cell, rejected)) {
                 continue;
             }

@@ -9,8 +9,8 @@ use crate::palette;
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "The road from above. White cross: where ego-motion expected the feature; yellow \
-    circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, from edge to edge; \
-    cyan moved the feature, red were rejected, grey dots showed no edges. Green: driving line. Hatched: not seen.";
+    circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, out to the \
+    edges found; cyan moved the feature, red were rejected, grey measured nothing. Green: driving line. Hatched: not seen.";
 
 /// Corners of the ellipse of uncertainty.
 const ELLIPSE_CORNERS: usize = 48;
@@ -67,16 +67,15 @@ fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
 fn cross_section(canvas: &mut Canvas, plot: &GroundPlot<'_>, section: &CrossSection) {
     let colour = match section.section_use {
         CrossSectionUse::Accepted => palette::ACCEPTED,
-        CrossSectionUse::NoEdges => palette::TEXT_DIM,
         CrossSectionUse::WidthDisagrees { .. } | CrossSectionUse::Gated { .. } => palette::REJECTED,
+        _ => palette::TEXT_DIM,
     };
     let middle = plot.at(section.p_in_vehicle);
     canvas.disc(middle, 2.5, Paint::solid(colour));
-    let Some(edges) = section.edges_m else { return };
-    let ends = edges.map(|edge_m| plot.at(section.p_in_vehicle + section.left * edge_m));
-    canvas.polyline(&ends, 1.5, Paint::solid(colour));
-    for end in ends {
-        canvas.disc(end, 3.5, Paint::solid(colour));
+    for edge_m in section.edges_m.iter().flatten() {
+        let edge = plot.at(section.p_in_vehicle + section.left * *edge_m);
+        canvas.polyline(&[middle, edge], 1.5, Paint::solid(colour));
+        canvas.disc(edge, 3.5, Paint::solid(colour));
     }
     if let CrossSectionUse::WidthDisagrees { width_m, map_width_m } = section.section_use {
         let text = format!("{width_m:.1} m, map {map_width_m:.1}");

@@ -41,8 +41,8 @@ fn the_page_of_a_drive_holds_everything() {
         config_toml: "[track]\nlost_frames = 10 # <10>\n",
         key_frames: &run.key_frames,
     });
-    // Map, P(F), distance, error, stage times.
-    assert_eq!(svgs(&page), 5);
+    // Map, P(F), distance, error, speed, stage times.
+    assert_eq!(svgs(&page), 6);
     assert!(page.contains(&escaped(name)) && !page.contains("<Orchard>"));
     assert!(page.contains("a &lt;painted&gt; drive") && page.contains("lost_frames = 10 # &lt;10&gt;"));
     for key in run.key_frames.frames() {
@@ -130,7 +130,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
             ..TruthRecord::default()
         });
     }
-    let page = |records, truth| {
+    let page = |records: &[FrameRecord], truth: Option<&[TruthRecord]>| {
         report_html(&ReportInput {
             title: "long",
             records,
@@ -143,8 +143,10 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
         })
     };
     let long = page(&records, Some(&truth));
-    assert_eq!(svgs(&long), 3);
+    assert_eq!(svgs(&long), 4, "P(F), distance, error, true speed");
     assert!(long.len() < 1_000_000, "{} bytes", long.len());
     let empty = page(&[], None);
     assert!(empty.contains("No frame was processed."));
+    let unseen = [record(0, TrackState::Searching, String::new())];
+    assert!(page(&unseen, None).contains("No feature was followed"));
 }
