@@ -64,9 +64,9 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video_fps: None,
     };
-    let mut driver = Driver::new(setting, wishes)?;
-    let interrupt = Interrupt::listen()?;
     let bar = output::progress(Some(simulator.frames() as u64), "frames");
+    let mut driver = Driver::new(setting, wishes, bar)?;
+    let interrupt = Interrupt::listen()?;
     let mut truth = Vec::with_capacity(simulator.frames());
     let (sender, receiver) = sync_channel(WAITING_FRAMES);
     let followed: Result<()> = thread::scope(|scope| {
@@ -80,12 +80,10 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
             let time = FrameTime { frame: index as u64, t_s: index as f64 / sim_config.fps };
             driver.step(time, &frame.picture, Sensors::default())?;
             truth.push(frame.truth);
-            bar.inc(1);
         }
         Ok(())
     });
-    bar.finish_and_clear();
-    let recorder = driver.recorder;
+    let recorder = driver.into_recorder();
     let frames = recorder.frames();
     let complete = followed.is_ok() && frames == simulator.frames();
     let summary =
@@ -110,5 +108,35 @@ fn render(simulator: &Simulator, sender: SyncSender<SimFrame>) {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost_map::{ArmRole, FeatureKind, RouteFeature};
+
+    use super::*;
+
+    /// Sides of the arms that the route passes by: positive left, seen along the exit.
+    fn passed_sides(feature: &RouteFeature) -> Vec<f64> {
+        let exit = feature.arms.iter().find(|arm| arm.role == ArmRole::Exit).unwrap();
+        let sides = feature.arms.iter().filter(|arm| arm.role == ArmRole::Side);
+        sides.map(|side| (side.bearing_rad - exit.bearing_rad).sin()).collect()
+    }
+
+    #[test]
+    fn the_demo_has_every_kind_of_feature() {
+        let features = read_route(TOWN_ROUTE).unwrap().features;
+        assert!(features.len() >= 8);
+        let has = |wanted: &dyn Fn(&RouteFeature) -> bool| features.iter().any(wanted);
+        assert!(has(&|f| f.kind == FeatureKind::Junction && f.arms.len() == 3 && f.turn_rad > 1.0), "left T");
+        assert!(
+            has(&|f| f.kind == FeatureKind::Junction && f.arms.len() == 3 && f.turn_rad < -1.0),
+            "right T"
+        );
+        assert!(has(&|f| f.kind == FeatureKind::SideRoad && passed_sides(f)[0] > 0.0), "side road left");
+        assert!(has(&|f| f.kind == FeatureKind::SideRoad && passed_sides(f)[0] < 0.0), "side road right");
+        assert!(has(&|f| f.arms.len() == 4), "crossroads");
+        assert!(has(&|f| f.kind == FeatureKind::Bend), "bend");
     }
 }

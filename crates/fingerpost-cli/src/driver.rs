@@ -9,6 +9,7 @@ use fingerpost_geometry::Camera;
 use fingerpost_map::Route;
 use fingerpost_report::{Scene, Setting, Thresholds};
 use fingerpost_vision::picture::RgbImage;
+use indicatif::ProgressBar;
 
 use crate::output;
 use crate::record::{FrameTime, feature_identities};
@@ -51,18 +52,26 @@ pub(crate) struct Driver {
     drawing: Setting,
     /// The results.
     pub(crate) recorder: Recorder,
+    bar: ProgressBar,
 }
 
 impl Driver {
-    /// Sets the method up and makes the run folder, replacing earlier results in it.
-    pub(crate) fn new(setting: RunSetting<'_>, wishes: Wishes) -> Result<Self> {
+    /// Sets the method up and makes the run folder, replacing earlier results in it. `bar` goes on with every frame.
+    pub(crate) fn new(setting: RunSetting<'_>, wishes: Wishes, bar: ProgressBar) -> Result<Self> {
         let pipeline = Pipeline::new(setting.config, setting.camera, setting.route, setting.start_m)?;
         let recorder = Recorder::create(setting.out, setting.subject(&pipeline)?, wishes)?;
-        Ok(Self { drawing: Setting::new(setting.camera, &pipeline), pipeline, recorder })
+        Ok(Self { drawing: Setting::new(setting.camera, &pipeline), pipeline, recorder, bar })
+    }
+
+    /// The results, when there are no more frames.
+    pub(crate) fn into_recorder(self) -> Recorder {
+        self.bar.finish_and_clear();
+        self.recorder
     }
 
     /// Takes one frame in.
     pub(crate) fn step(&mut self, time: FrameTime, picture: &RgbImage, sensors: Sensors) -> Result<()> {
+        self.bar.inc(1);
         let mut clock = FrameClock::start();
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
         match done {
@@ -77,9 +86,9 @@ impl Driver {
         }
     }
 
-    /// Records a frame that cannot be used.
+    /// Records and reports a frame that cannot be used.
     pub(crate) fn pass_over(&mut self, time: FrameTime, cause: &dyn std::error::Error) -> Result<()> {
-        output::message(&format!("frame {} is passed over: {cause}", time.frame));
+        self.bar.suspend(|| output::message(&format!("frame {} is passed over: {cause}", time.frame)));
         self.recorder.add_broken(time, cause.to_string())
     }
 

@@ -78,12 +78,17 @@ pub(crate) fn frame_record(
     }
 }
 
-/// The record of a frame that could not be used: the state of the one before, and what was wrong.
-pub(crate) fn broken_record(time: FrameTime, before: Option<&FrameRecord>, error: String) -> FrameRecord {
+/// The record of a frame that could not be used: the state of the one before, or `at_first`, and what was wrong.
+pub(crate) fn broken_record(
+    time: FrameTime,
+    before: Option<&FrameRecord>,
+    at_first: TrackState,
+    error: String,
+) -> FrameRecord {
     FrameRecord {
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
-        state: before.map_or(TrackState::NoRoute, |record| record.state),
+        state: before.map_or(at_first, |record| record.state),
         feature: None,
         motion: None,
         driving_line_m: Vec::new(),

@@ -151,14 +151,21 @@ impl Recorder {
     /// Adds a frame that could not be used.
     pub(crate) fn add_broken(&mut self, time: FrameTime, error: String) -> Result<()> {
         self.broken_frames += 1;
-        let record = broken_record(time, self.records.last(), error);
+        let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
+        let record = broken_record(time, self.records.last(), at_first, error);
         self.keep(record)
     }
 
     fn keep(&mut self, record: FrameRecord) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
-        self.records.push(record);
+        // The lists are in the file; nothing at the end of a run reads them, and a long run has many.
+        self.records.push(FrameRecord {
+            driving_line_m: Vec::new(),
+            driving_line_curvature_per_m: Vec::new(),
+            stage_ms: BTreeMap::new(),
+            ..record
+        });
         Ok(())
     }
 

@@ -85,8 +85,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video_fps: args.video.then(|| source.fps()),
     };
-    let driver = Driver::new(setting, wishes)?;
-    RecordedDrive { driver, source, gps, most: args.frames.unwrap_or(u64::MAX) }.run(args, truth.as_deref())
+    let most = args.frames.unwrap_or(u64::MAX);
+    let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
+    let driver = Driver::new(setting, wishes, bar)?;
+    RecordedDrive { driver, source, gps, most }.run(args, truth.as_deref())
 }
 
 fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {
@@ -114,12 +116,10 @@ struct RecordedDrive {
 impl RecordedDrive {
     fn run(mut self, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
         let interrupt = Interrupt::listen()?;
-        let length = self.source.length().map(|length| length.min(self.most)).or(args.frames);
-        let bar = output::progress(length, "frames");
         let mut failure = None;
         while !interrupt.wanted() && (self.driver.recorder.frames() as u64) < self.most {
             match self.next_frame() {
-                Ok(Step::Done) => bar.inc(1),
+                Ok(Step::Done) => {}
                 Ok(Step::AtEnd) => break,
                 Err(error) => {
                     failure = Some(error);
@@ -127,8 +127,7 @@ impl RecordedDrive {
                 }
             }
         }
-        bar.finish_and_clear();
-        let recorder = self.driver.recorder;
+        let recorder = self.driver.into_recorder();
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
         let stopped = interrupt.wanted() || failure.is_some();
         let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use crate::drive::Drive;
 use crate::program::{Called, frames, summary};
 use crate::video_stub::VideoStub;
 
@@ -48,4 +49,18 @@ fn an_interrupt_leaves_a_finished_run_folder() {
     let summary = summary(out.path());
     assert!(summary.interrupted);
     assert_eq!(summary.frames, frames(out.path()).len() as u64);
+}
+
+/// A limit on the size of files stops writing as a full disk does, at a place that the test chooses.
+#[test]
+fn a_disk_that_fills_up_keeps_the_frames_that_fit() {
+    const BLOCKS_OF_512_BYTES: usize = 24;
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let run = drive.run_line(&drive.path(), out.path());
+    let program = env!("CARGO_BIN_EXE_fingerpost");
+    let script = format!("trap '' XFSZ; ulimit -f {BLOCKS_OF_512_BYTES}; exec {program} {run}");
+    let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
+    called.refused(1, &["frames.jsonl cannot be written", "results so far are in"]);
+    let count = frames(out.path()).len();
+    assert!((5..60).contains(&count), "{count} frames in 12 kB");
 }

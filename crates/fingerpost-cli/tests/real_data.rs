@@ -1,0 +1,138 @@
+//! The program on recorded drives: the folder named by FINGERPOST_DATA. Missing data, or a missing ffmpeg, is a failure.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+use fingerpost::ground_view::{GroundPicture, GroundView, GroundViewConfig};
+use fingerpost_format::{FrameRecord, Summary, from_json_lines};
+use fingerpost_geometry::GroundPixel;
+use fingerpost_io::{FrameSource, SourceOptions, read_camera, read_picture};
+use fingerpost_map::{ArmRole, FeatureKind, read_route};
+use fingerpost_vision::picture::RgbImage;
+use tempfile::TempDir;
+
+/// The camera of KITTI odometry 00, as its calibration and the alignment of its ground views say.
+const KITTI_CAMERA: &str = "[image]\nwidth = 1241\nheight = 376\n\
+    [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n\
+    [mount]\nheight_m = 1.65\npitch_deg = 0.8\nx_m = 1.5\n";
+/// The camera of the motorway clip, as its chessboard pictures say; its mount as the lanes' width and direction say.
+const MOTORWAY_CAMERA: &str = "[image]\nwidth = 1280\nheight = 720\n\
+    [intrinsics]\nfx = 1157.1\nfy = 1151.3\ncx = 670.4\ncy = 387.9\n\
+    [distortion]\nmodel = \"brown-conrady\"\ncoefficients = [-0.264, 0.075, -0.0003, 0.0004, -0.146]\n\
+    [mount]\nheight_m = 1.3\nx_m = 1.5\n";
+/// The junction that the drive turns right at.
+const JUNCTION: i64 = 24546162;
+
+fn data(name: &str) -> PathBuf {
+    let path = PathBuf::from(env::var("FINGERPOST_DATA").unwrap()).join(name);
+    assert!(path.exists(), "{} is missing", path.display());
+    path
+}
+
+fn fingerpost(arguments: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+fn frames(run: &Path) -> Vec<FrameRecord> {
+    from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_street_with_a_junction() {
+    let folder = TempDir::new().unwrap();
+    let (camera, route, run) =
+        (folder.path().join("camera.toml"), folder.path().join("route.geojson"), folder.path().join("run"));
+    fs::write(&camera, KITTI_CAMERA).unwrap();
+    let map = data("osm/kitti_00.osm");
+    let ends = ["--from", "48.98254524,8.39036610", "--to", "48.98322839,8.39103811"];
+    fingerpost(&[&["route", "--map", text(&map)], &ends[..], &["--out", text(&route)]].concat());
+    let planned = read_route(&fs::read_to_string(&route).unwrap()).unwrap();
+    let junction = planned.features.iter().find(|feature| feature.id == JUNCTION).unwrap();
+    assert_eq!((junction.kind, junction.arms.len()), (FeatureKind::Junction, 4));
+    assert!((junction.turn_rad.to_degrees() + 90.0).abs() < 10.0, "right");
+    assert_eq!(junction.arms.iter().filter(|arm| arm.role == ArmRole::Side).count(), 2);
+
+    let input = data("kitti/frames00");
+    let arguments =
+        ["run", text(&input), "--camera", text(&camera), "--route", text(&route), "--start-m", "0"];
+    fingerpost(&[&arguments[..], &["--pictures", "85-105", "--video", "--out", text(&run)]].concat());
+    let records = frames(&run);
+    assert_eq!(records.len(), 130);
+    assert!(records.iter().all(|record| record.error.is_none() && !record.why.is_empty()));
+    let summary: Summary =
+        serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap();
+    assert_eq!(summary.features.iter().map(|feature| feature.id).collect::<Vec<_>>(), [JUNCTION]);
+    for frame in 85..=105 {
+        let picture = read_picture(&run.join(format!("pictures/frame_{frame:06}.png"))).unwrap();
+        assert_eq!(picture.size(), (1280, 720));
+    }
+    let report = fs::read_to_string(run.join("report.html")).unwrap();
+    assert!(report.contains("24546162") && report.contains("data:image/jpeg;base64,"));
+    assert!(fs::metadata(run.join("annotated.mp4")).unwrap().len() > 100_000);
+
+    let poses = data("kitti/gt_00.txt");
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["evaluate", "motion", text(&run), "--kitti-poses", text(&poses), "--json"])
+        .output()
+        .unwrap();
+    let motion: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(motion["steps"], 129);
+    assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{motion}");
+}
+
+#[test]
+fn a_motorway_video() {
+    let folder = TempDir::new().unwrap();
+    let (camera, run) = (folder.path().join("camera.toml"), folder.path().join("run"));
+    fs::write(&camera, MOTORWAY_CAMERA).unwrap();
+    let video = data("udacity/p5h_project_video_cut.mp4");
+    let arguments = ["run", text(&video), "--camera", text(&camera), "--pictures", "5", "--out", text(&run)];
+    fingerpost(&arguments);
+    assert_eq!(frames(&run).len(), 76);
+    assert!(run.join("pictures/frame_000005.png").exists());
+
+    let first = FrameSource::open(text(&video), &SourceOptions::default()).unwrap().next().unwrap();
+    let view = GroundView::new(&GroundViewConfig::default(), &read_camera(&camera).unwrap()).unwrap();
+    let mut ground = GroundPicture::default();
+    view.render(&first.picture.unwrap(), &mut ground).unwrap();
+    let line = yellow_line(&ground.colour, &view);
+    assert!(line.len() > 150, "{} rows of the ground view show the line", line.len());
+    let bend_m = largest_offset_from_straight(&line);
+    assert!(bend_m < 0.1, "the line at the motorway's edge bends by {bend_m} m in 12");
+}
+
+/// Places of the yellow line, vehicle frame, metres forward and left, one for each row of the ground view that shows it.
+fn yellow_line(ground: &RgbImage, view: &GroundView) -> Vec<[f64; 2]> {
+    let yellow =
+        |[red, green, blue]: [u8; 3]| red > blue.saturating_add(60) && green > blue.saturating_add(30);
+    (0..ground.height())
+        .filter_map(|row| {
+            let columns: Vec<f64> = (0..ground.width())
+                .filter(|&column| ground.get(column, row).is_some_and(yellow))
+                .map(|column| column as f64)
+                .collect();
+            let column = columns.iter().sum::<f64>() / columns.len() as f64;
+            let p = view.grid().vehicle_from_ground(GroundPixel { column, row: row as f64 });
+            // Nearer than this the picture shows the bonnet.
+            (!columns.is_empty() && p.x > 7.0).then_some([p.x, p.y])
+        })
+        .collect()
+}
+
+/// Largest distance of the points from the straight line through them, least squares, metres.
+fn largest_offset_from_straight(points: &[[f64; 2]]) -> f64 {
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / points.len() as f64;
+    let (mean_x, mean_y) = (mean(0), mean(1));
+    let slope = points.iter().map(|p| (p[0] - mean_x) * (p[1] - mean_y)).sum::<f64>()
+        / points.iter().map(|p| (p[0] - mean_x).powi(2)).sum::<f64>();
+    points.iter().map(|p| (p[1] - mean_y - slope * (p[0] - mean_x)).abs()).fold(0.0, f64::max)
+}
