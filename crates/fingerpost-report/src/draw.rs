@@ -103,7 +103,8 @@ impl Canvas {
             let clip = canvas.clip;
             for y in clip.y..clip.y + clip.height {
                 let rows = [0, 1].map(|half| quarter(y - area.y, half, area.height, rows));
-                for x in clip.x..clip.x + clip.width {
+                let (pixels, _) = canvas.image.row_mut(y).as_chunks_mut::<3>();
+                for (x, pixel) in pixels.iter_mut().enumerate().skip(clip.x).take(clip.width) {
                     let columns = [0, 1].map(|half| quarter(x - area.x, half, area.width, columns));
                     let mut sum = [2_u16; 3];
                     for row in rows {
@@ -112,7 +113,7 @@ impl Canvas {
                             sum.iter_mut().zip(colour).for_each(|(sum, c)| *sum += u16::from(c));
                         }
                     }
-                    canvas.blend(x, y, sum.map(|sum| (sum / 4) as u8), 1.0);
+                    *pixel = sum.map(|sum| (sum / 4) as u8);
                 }
             }
         });
@@ -121,7 +122,7 @@ impl Canvas {
     fn blend(&mut self, x: usize, y: usize, colour: Rgb, opacity: f64) {
         let (pixels, _) = self.image.row_mut(y).as_chunks_mut::<3>();
         if let Some(pixel) = pixels.get_mut(x) {
-            *pixel = crate::palette::mix(*pixel, colour, opacity);
+            *pixel = if opacity < 1.0 { crate::palette::mix(*pixel, colour, opacity) } else { colour };
         }
     }
 

@@ -38,9 +38,8 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         let other_width = count(|s| matches!(s, CrossSectionUse::WidthDisagrees { .. }));
         let too_far = count(|s| matches!(s, CrossSectionUse::Gated { .. }));
         let without = sections.len() - used - other_width - too_far;
-        let words = format!(
-            "{used} used, {without} without edges, {other_width} of another width, {too_far} too far off"
-        );
+        let words =
+            format!("{used} used, {without} not used, {other_width} of another width, {too_far} too far off");
         facts.push(("sections", words));
     }
     let tightest = output.driving_line_curvature_per_m.iter().fold(0.0_f64, |most, k| most.max(k.abs()));

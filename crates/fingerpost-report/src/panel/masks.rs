@@ -5,7 +5,7 @@ use fingerpost::matching::{Match, Participation, SubMatch};
 use fingerpost_vision::picture::{Plane, Rect};
 
 use super::ground_plot::GroundPlot;
-use crate::draw::{Canvas, TextSize};
+use crate::draw::{Canvas, Paint, TextSize};
 use crate::palette;
 use crate::scene::Scene;
 
@@ -26,14 +26,18 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         }
         (overlay, &followed.matched, placed)
     });
+    let paints: Vec<Paint> =
+        coloured.iter().flat_map(|(_, matched, placed)| paints(matched, placed)).collect();
     plot.raster(canvas, validity, |column, row| {
         let ground = palette::shade(surface.get(column, row).unwrap_or(0));
-        let Some((overlay, matched, placed)) = &coloured else { return ground };
-        let bits = overlay.get(column, row).unwrap_or(0);
-        let subs = placed.masks.subs.iter().enumerate().filter(|&(index, _)| bits & bit(index) != 0);
-        subs.fold(ground, |under, (_, sub)| {
-            palette::mix(under, palette::sub_mask(&sub.label), opacity(matched, &sub.label))
-        })
+        let Some(bits) = coloured.as_ref().and_then(|(overlay, ..)| overlay.get(column, row)) else {
+            return ground;
+        };
+        if bits == 0 {
+            return ground;
+        }
+        let laid = paints.iter().enumerate().filter(|&(index, _)| bits & bit(index) != 0);
+        laid.fold(ground, |under, (_, paint)| palette::mix(under, paint.colour, paint.opacity))
     });
     plot.metre_lines(canvas);
     canvas.clipped(plot.area, |canvas| match &coloured {
@@ -64,9 +68,15 @@ fn paint(overlay: &mut Overlay, sub: &SubMask, placed: &PlacedMasks<'_>, index: 
     }
 }
 
-fn opacity(matched: &Match, label: &str) -> f64 {
-    let takes_part = part(matched, label).is_some_and(|sub| sub.participation == Participation::TakesPart);
-    if takes_part { OPACITIES[0] } else { OPACITIES[1] }
+/// How each sub-mask is laid on.
+fn paints(matched: &Match, placed: &PlacedMasks<'_>) -> Vec<Paint> {
+    let subs = placed.masks.subs.iter();
+    subs.map(|sub| {
+        let takes_part =
+            part(matched, &sub.label).is_some_and(|sub| sub.participation == Participation::TakesPart);
+        Paint::glaze(palette::sub_mask(&sub.label), if takes_part { OPACITIES[0] } else { OPACITIES[1] })
+    })
+    .collect()
 }
 
 fn part<'m>(matched: &'m Match, label: &str) -> Option<&'m SubMatch> {

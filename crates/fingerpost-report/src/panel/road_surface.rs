@@ -4,7 +4,7 @@ use fingerpost_vision::picture::Rect;
 
 use super::ground_plot::GroundPlot;
 use crate::draw::{Canvas, Paint, TextSize};
-use crate::palette;
+use crate::palette::{self, Rgb};
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "Probability of road, from dark (0) to yellow (1). Dashed: the region ahead that is \
@@ -16,8 +16,9 @@ const SCALE_PX: (usize, usize) = (80, 8);
 /// Draws the heat map.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
     let probability = &scene.evidence.surface.probability;
+    let heat: [Rgb; 256] = std::array::from_fn(|p| palette::heat(p as u8));
     plot.raster(canvas, scene.evidence.validity, |column, row| {
-        palette::heat(probability.get(column, row).unwrap_or(0))
+        heat[usize::from(probability.get(column, row).unwrap_or(0))]
     });
     plot.metre_lines(canvas);
     canvas.clipped(plot.area, |canvas| {
