@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
@@ -28,8 +29,9 @@ pub(crate) struct SimulateArgs {
     /// Everything random follows from this number; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// What the day is like: clear, unmarked, shadows, rough or ideal.
-    #[arg(long, value_name = "NAME", default_value = "clear")]
+    /// What the day is like; ideal is flat, still and without noise.
+    #[arg(long, value_name = "NAME", default_value = "clear",
+          value_parser = PossibleValuesParser::new(Conditions::names()))]
     conditions: String,
     /// Stop after so many frames; without it the drive goes to the route's end.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]

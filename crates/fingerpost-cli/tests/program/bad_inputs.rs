@@ -168,7 +168,7 @@ fn unknown_conditions_and_absurd_rates() {
         route.display(),
         out.path().display()
     );
-    call_line(&format!("{line} --conditions fog")).refused(1, &["fog", "choose one of"]);
+    call_line(&format!("{line} --conditions fog")).refused(2, &["fog", "shadows"]);
     call_line(&format!("{line} --fps 0")).refused(1, &["fps", "0.1 to 1000"]);
     run_with(|line| format!("{line} --fps 0")).refused(1, &["a frame rate of 0", "give 0.01"]);
 }
@@ -176,13 +176,13 @@ fn unknown_conditions_and_absurd_rates() {
 #[test]
 fn video_without_ffmpeg() {
     let (folder, video) = file("drive.mp4", "no video");
-    let drive = Drive::get();
-    let called = command()
-        .args(drive.run_line(&video, &folder.path().join("run")).split_whitespace())
-        .env("PATH", folder.path())
-        .output()
-        .unwrap();
-    crate::program::Called::from(called).refused(1, &["was not found", "install ffmpeg"]);
+    let (drive, out) = (Drive::get(), folder.path().join("run"));
+    let reading = drive.run_line(&video, &out);
+    let writing = format!("{} --video", drive.run_line(&drive.path(), &out));
+    for line in [reading, writing] {
+        let output = command().args(line.split_whitespace()).env("PATH", folder.path()).output().unwrap();
+        crate::program::Called::from(output).refused(1, &["was not found", "install ffmpeg"]);
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -1,0 +1,103 @@
+//! What must be absent: invariants of the whole workspace that no compiler checks.
+
+// A helper that unwraps is part of the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Crates whose results follow from their arguments alone.
+const PURE: [&str; 8] = [
+    "fingerpost",
+    "fingerpost-eval",
+    "fingerpost-format",
+    "fingerpost-geometry",
+    "fingerpost-map",
+    "fingerpost-report",
+    "fingerpost-sim",
+    "fingerpost-vision",
+];
+
+fn crates() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// The sources under a folder, with their texts.
+fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| match path.extension() {
+            _ if path.is_dir() => sources(&path),
+            Some(ending) if ending == "rs" => vec![(path.clone(), fs::read_to_string(&path).unwrap())],
+            _ => Vec::new(),
+        })
+        .collect()
+}
+
+/// Names of the workspace's crates in the table `[dependencies]`.
+fn dependencies(name: &str) -> Vec<String> {
+    let text = fs::read_to_string(crates().join(name).join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = toml::from_str(&text).unwrap();
+    let table = manifest["dependencies"].as_table().unwrap();
+    table.keys().filter(|key| key.starts_with("fingerpost")).cloned().collect()
+}
+
+#[test]
+fn pure_crates_read_no_file_clock_environment_or_global_randomness() {
+    let impure = [
+        "std::fs",
+        "std::env",
+        "std::net",
+        "std::process",
+        "Instant",
+        "SystemTime",
+        "thread_rng",
+        "rand::",
+        "HashMap",
+        "HashSet",
+        "static mut",
+        "println!",
+        "eprintln!",
+    ];
+    for name in PURE {
+        let found = sources(&crates().join(name).join("src"));
+        assert!(!found.is_empty(), "{name} has sources");
+        for (path, text) in found {
+            // What a module tests may do as it likes.
+            let code = text.split("#[cfg(test)]").next().unwrap();
+            for word in impure {
+                assert!(!code.contains(word), "{} has {word}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn simulator_and_evaluation_do_not_know_the_method() {
+    for name in ["fingerpost-sim", "fingerpost-eval"] {
+        assert!(!dependencies(name).contains(&"fingerpost".to_owned()), "{name}");
+    }
+}
+
+#[test]
+fn the_method_does_not_know_truth_or_files() {
+    for dependency in dependencies("fingerpost") {
+        let known = ["fingerpost-geometry", "fingerpost-map", "fingerpost-vision"];
+        assert!(known.contains(&dependency.as_str()), "{dependency}");
+    }
+    for (path, text) in sources(&crates().join("fingerpost/src")) {
+        assert!(!text.contains("TruthRecord"), "{}", path.display());
+    }
+}
+
+#[test]
+fn unsafe_code_stays_in_the_picture_kernels() {
+    for entry in fs::read_dir(crates()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.ends_with("fingerpost-vision") {
+            continue;
+        }
+        let manifest = fs::read_to_string(path.join("Cargo.toml")).unwrap();
+        assert!(manifest.contains("[lints]\nworkspace = true"), "{}", path.display());
+    }
+}
