@@ -131,10 +131,10 @@ impl RecordedDrive {
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
         let stopped = interrupt.wanted() || failure.is_some();
         let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
+        if let (true, Err(error)) = (stopped || unused, &summary) {
+            output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
+        }
         if let Some(failure) = failure {
-            if let Err(error) = summary {
-                output::message(&format!("the results are incomplete: {}", output::cause_chain(&error)));
-            }
             return Err(failure.context(format!(
                 "the run ended after {frames} frames; results so far are in {}",
                 args.out.display()
