@@ -82,7 +82,7 @@ pub(crate) fn why(
             config.detect_frames
         ),
         (Decision::Unbounded { index, p }, _) => format!(
-            "{} not taken: P(F) {p:.2}, but no arm that tells it shows both edges of its road",
+            "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
             feature_name(stops, *index)
         ),
         (Decision::Lost { index }, _) => format!(

@@ -33,9 +33,9 @@ pub struct BackprojectionConfig {
     pub saturation_bins: u16,
     /// Frames in the rolling mean of the model histogram, at least 1; default 5 (paper 1, IV-B).
     pub frames: usize,
-    /// Share of the ground view expected to be road, above 0 to 1; default 0.6.
+    /// Share of the ground view expected to be road, above 0 to 1; default 0.8.
     pub prior: f64,
-    /// Standard deviation of the histograms' smoothing, bins, 0 or more; default 0.7.
+    /// Standard deviation of the histograms' smoothing, bins, 0 or more; default 1.2.
     pub smoothing_bins: f64,
     /// Radius of the disc, pixels, 0 or more; default 2 (a 5 x 5 disc).
     pub disc_radius_px: u16,
@@ -51,8 +51,8 @@ impl Default for BackprojectionConfig {
             hue_bins: 32,
             saturation_bins: 32,
             frames: 5,
-            prior: 0.6,
-            smoothing_bins: 0.7,
+            prior: 0.8,
+            smoothing_bins: 1.2,
             disc_radius_px: 2,
             min_sample_probability: 0.3,
             patience_frames: 20,

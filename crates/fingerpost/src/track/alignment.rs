@@ -8,6 +8,8 @@
 //!
 //! Limits: a road whose edges are not seen, or which is far from as wide as the map says, measures nothing.
 
+use std::f64::consts::TAU;
+
 use fingerpost_geometry::Polyline;
 use fingerpost_vision::span::{RowSums, SpanError, SpanMask};
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -30,7 +32,7 @@ pub struct AlignmentConfig {
     pub slide_beyond_m: f64,
     /// Step of the slide, metres; default 0.1.
     pub slide_step_m: f64,
-    /// Probability that separates road from verge, 0 to 1; default 0.5.
+    /// Probability that separates road from verge, 0 to 1; default 0.35.
     pub edge_probability: f64,
     /// Narrowest road believed, as a share of the map's width; default 0.55.
     pub min_width_share: f64,
@@ -38,6 +40,10 @@ pub struct AlignmentConfig {
     pub max_width_share: f64,
     /// Standard deviation of a road's middle between its edges, metres; default 0.2.
     pub sigma_m: f64,
+    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.15.
+    pub width_sigma_share: f64,
+    /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
+    pub kerb_radius_m: f64,
     /// Standard deviation of the camera's pitch about its mount, degrees: far places are less sure; default 0.2.
     pub pitch_sigma_deg: f64,
 }
@@ -49,10 +55,12 @@ impl Default for AlignmentConfig {
             piece_width_m: 0.45,
             slide_beyond_m: 2.0,
             slide_step_m: 0.1,
-            edge_probability: 0.5,
+            edge_probability: 0.35,
             min_width_share: 0.55,
             max_width_share: 1.8,
             sigma_m: 0.2,
+            width_sigma_share: 0.15,
+            kerb_radius_m: 4.0,
             pitch_sigma_deg: 0.2,
         }
     }
@@ -68,7 +76,7 @@ pub struct CrossSection {
     /// Left of the arm when one looks outwards along it, vehicle frame, unit vector.
     pub left: Vector2<f64>,
     /// Left and right edge of the road, metres to the left of the arm; none where an edge is not seen.
-    pub edges_m: Option<[f64; 2]>,
+    pub edges_m: [Option<f64>; 2],
     /// Whether the arm leaves the line of the approach.
     pub leaves_the_line: bool,
     /// What became of the measurement.
@@ -80,8 +88,10 @@ pub struct CrossSection {
 pub enum CrossSectionUse {
     /// It moved the feature.
     Accepted,
-    /// No road, or no edge on one side.
+    /// No road, or no edge of it is seen.
     NoEdges,
+    /// Every edge that is seen is still a kerb that curves into another arm.
+    InTheMouth,
     /// The road there is not as wide as the map says.
     WidthDisagrees {
         /// Width measured, metres.
@@ -98,8 +108,28 @@ pub enum CrossSectionUse {
 
 /// Farthest piece of an arm from the node that is used, metres: beyond it arms bend away from the map.
 const MAX_ALONG_M: f64 = 16.0;
+/// Arms that differ by more than this run straight on along their outer side, radians (150 degrees).
+const STRAIGHT_RAD: f64 = 2.618;
+/// Sharper forks are taken as this sharp, radians (25 degrees): their kerbs never end in view.
+const SHARPEST_RAD: f64 = 0.436;
+/// A kerb stands back less than 13 cm over its last metre at the default radius: that much of it is let pass, metres.
+const KERB_TOLERANCE_M: f64 = 1.0;
 /// Share of a piece that must be seen.
 const MIN_SEEN_SHARE: f64 = 0.7;
+
+/// Standard deviation of an edge within a piece, metres: what the direction of an arm is measured with.
+const EDGE_SIGMA_M: f64 = 0.12;
+/// Standard deviation of a width that was measured on the same arm, metres.
+const MEASURED_WIDTH_SIGMA_M: f64 = 0.25;
+
+/// One piece of an arm with what was measured on it.
+struct Piece {
+    section: CrossSection,
+    /// Distance of its middle from the node along the arm, metres.
+    along_m: f64,
+    /// Edges that are the arm's own, metres to the left of it.
+    own_edges_m: [Option<f64>; 2],
+}
 
 /// Measures every arm of `feature` and moves `filter` accordingly; returns what was seen. The camera's height above
 /// the road (metres) says how much a pitch error moves far places.
@@ -113,33 +143,34 @@ pub(super) fn align(
     feature: &FeatureModel,
     filter: &mut PoseFilter,
 ) -> Result<Vec<CrossSection>, SpanError> {
+    let believed = *filter.pose();
     let mut sections = Vec::new();
-    let mut measurements = Vec::new();
-    let vehicle_from_feature = *filter.pose();
+    let mut lines = Vec::new();
+    let mut headings = Vec::new();
     for arm in &feature.arms {
-        let first = sections.len();
-        let mut along = arm.mouth_m;
-        while along + config.piece_length_m <= MAX_ALONG_M.min(arm.course.length_m()) {
-            if let Ok(piece) = arm.course.part(along, along + config.piece_length_m)
-                && let Some((section, measurement)) =
-                    measure(config, camera_height_m, laid, arm, &piece, &vehicle_from_feature)?
-            {
-                sections.push(section);
-                measurements.push(measurement);
-            }
-            along += config.piece_length_m;
-        }
+        let pieces = pieces(config, laid, feature, arm, &believed)?;
+        headings.extend(heading(&pieces));
+        let first = lines.len();
+        let width = width(config, arm, &pieces);
+        lines.extend(pieces.iter().map(|piece| line(config, camera_height_m, piece, width, &believed)));
         // Pieces of one arm share the errors of map and pitch: together they are worth little more than one.
-        let bounded = measurements[first..].iter().flatten().count().max(1) as f64;
-        measurements[first..].iter_mut().flatten().for_each(|m| m.sigma_m *= bounded.sqrt());
+        let used = lines[first..].iter().flatten().count().max(1) as f64;
+        lines[first..]
+            .iter_mut()
+            .flatten()
+            .for_each(|line: &mut LineMeasurement| line.sigma_m *= used.sqrt());
+        sections.extend(pieces.into_iter().map(|piece| piece.section));
     }
-    for (section, measurement) in sections.iter_mut().zip(&measurements) {
-        let Some(measurement) = measurement else { continue };
-        // Earlier sections have moved the filter: the innovation is against where it is now.
-        let moved =
-            filter.pose() * measurement.p_in_feature - vehicle_from_feature * measurement.p_in_feature;
-        let innovation_m = measurement.innovation_m - measurement.normal.dot(&moved);
-        match filter.update(&LineMeasurement { innovation_m, ..*measurement }) {
+    for (innovation_rad, sigma_rad) in headings {
+        let turned = believed.rotation.angle_to(&filter.pose().rotation);
+        filter.update_heading(innovation_rad - turned, sigma_rad);
+    }
+    for (section, line) in sections.iter_mut().zip(&lines) {
+        let Some(line) = line else { continue };
+        // Earlier measurements have moved the filter: the innovation is against where it is now.
+        let moved = filter.pose() * line.p_in_feature - believed * line.p_in_feature;
+        let innovation_m = line.innovation_m - line.normal.dot(&moved);
+        match filter.update(&LineMeasurement { innovation_m, ..*line }) {
             Update::Accepted => section.section_use = CrossSectionUse::Accepted,
             Update::Gated(sigmas) => section.section_use = CrossSectionUse::Gated { sigmas },
         }
@@ -147,20 +178,42 @@ pub(super) fn align(
     Ok(sections)
 }
 
-/// Slides one piece across its road; none when too little of it is seen.
-fn measure(
+/// The pieces of an arm that are seen, from its mouth outwards.
+fn pieces(
     config: &AlignmentConfig,
-    camera_height_m: f64,
+    laid: &LaidSurface<'_>,
+    feature: &FeatureModel,
+    arm: &ArmModel,
+    vehicle_from_feature: &Isometry2<f64>,
+) -> Result<Vec<Piece>, SpanError> {
+    let kerbs = Kerbs::of(feature, arm, config.kerb_radius_m);
+    let mut pieces = Vec::new();
+    let mut start_m = arm.mouth_m;
+    while start_m + config.piece_length_m <= MAX_ALONG_M.min(arm.course.length_m()) {
+        if let Ok(course) = arm.course.part(start_m, start_m + config.piece_length_m)
+            && let Some(section) = slide(config, laid, arm, &course.transformed(vehicle_from_feature))?
+        {
+            let own = kerbs.at(start_m);
+            let believable = section.section_use == CrossSectionUse::InTheMouth;
+            let own_edges_m = [0, 1].map(|side| section.edges_m[side].filter(|_| own[side] && believable));
+            pieces.push(Piece { section, along_m: start_m + 0.5 * config.piece_length_m, own_edges_m });
+        }
+        start_m += config.piece_length_m;
+    }
+    Ok(pieces)
+}
+
+/// Slides a piece, given in the vehicle frame, across its road; none when too little of it is seen.
+fn slide(
+    config: &AlignmentConfig,
     laid: &LaidSurface<'_>,
     arm: &ArmModel,
-    piece: &Polyline,
-    vehicle_from_feature: &Isometry2<f64>,
-) -> Result<Option<(CrossSection, Option<LineMeasurement>)>, SpanError> {
+    course_in_vehicle: &Polyline,
+) -> Result<Option<CrossSection>, SpanError> {
     let grid = laid.grid();
-    let piece_in_vehicle = piece.transformed(vehicle_from_feature);
-    let (p_in_vehicle, along) = piece_in_vehicle.at(0.5 * piece.length_m());
+    let (p_in_vehicle, along) = course_in_vehicle.at(0.5 * course_in_vehicle.length_m());
     let left = Vector2::new(-along.y, along.x);
-    let pixels: Vec<[f64; 2]> = piece_in_vehicle
+    let pixels: Vec<[f64; 2]> = course_in_vehicle
         .points()
         .iter()
         .map(|&p| grid.ground_from_vehicle(p))
@@ -172,34 +225,113 @@ fn measure(
     }
     let reach = 0.5 * arm.width_m + config.slide_beyond_m;
     let profile = profile(config, laid.sums(), &mask, left / grid.metres_per_pixel(), reach);
-    let mut section = CrossSection {
-        label: arm.label.clone(),
-        p_in_vehicle,
-        left,
-        edges_m: None,
-        leaves_the_line: arm.leaves_the_line(),
-        section_use: CrossSectionUse::NoEdges,
+    let edges_m = edges(&profile, config.edge_probability);
+    let believed = config.min_width_share * arm.width_m..=config.max_width_share * arm.width_m;
+    let section_use = match edges_m {
+        [None, None] => CrossSectionUse::NoEdges,
+        [Some(left_m), Some(right_m)] if !believed.contains(&(left_m - right_m)) => {
+            CrossSectionUse::WidthDisagrees { width_m: left_m - right_m, map_width_m: arm.width_m }
+        }
+        _ => CrossSectionUse::InTheMouth,
     };
-    let Some([left_edge, right_edge]) = edges(&profile, config.edge_probability) else {
-        return Ok(Some((section, None)));
-    };
-    section.edges_m = Some([left_edge, right_edge]);
-    let width_m = left_edge - right_edge;
-    if !(config.min_width_share * arm.width_m..=config.max_width_share * arm.width_m).contains(&width_m) {
-        section.section_use = CrossSectionUse::WidthDisagrees { width_m, map_width_m: arm.width_m };
-        return Ok(Some((section, None)));
-    }
-    let measurement = LineMeasurement {
-        p_in_feature: vehicle_from_feature.inverse() * p_in_vehicle,
-        normal: left,
-        innovation_m: 0.5 * (left_edge + right_edge),
-        sigma_m: sigma_m(config, camera_height_m, p_in_vehicle, left),
-    };
-    Ok(Some((section, Some(measurement))))
+    let (label, leaves_the_line) = (arm.label.clone(), arm.leaves_the_line());
+    Ok(Some(CrossSection { label, p_in_vehicle, left, edges_m, leaves_the_line, section_use }))
 }
 
-/// Standard deviation across a section, metres: a pitch error moves a place at distance x by x^2 / height.
-fn sigma_m(
+/// The arm's width and its standard deviation, metres: measured where both edges are seen, else the map's.
+fn width(config: &AlignmentConfig, arm: &ArmModel, pieces: &[Piece]) -> (f64, f64) {
+    let measured: Vec<f64> = pieces
+        .iter()
+        .filter_map(|piece| match piece.own_edges_m {
+            [Some(left_m), Some(right_m)] => Some(left_m - right_m),
+            _ => None,
+        })
+        .collect();
+    if measured.is_empty() {
+        (arm.width_m, config.width_sigma_share * arm.width_m)
+    } else {
+        (measured.iter().sum::<f64>() / measured.len() as f64, MEASURED_WIDTH_SIGMA_M)
+    }
+}
+
+/// How far the feature must turn for the arm to run along each of its edges, and the standard deviation, radians.
+fn heading(pieces: &[Piece]) -> Option<(f64, f64)> {
+    let side = |side: usize| {
+        let mut seen = pieces.iter().filter_map(|piece| Some((piece.along_m, piece.own_edges_m[side]?)));
+        let first = seen.next()?;
+        let last = seen.next_back()?;
+        let length_m = last.0 - first.0;
+        Some(((last.1 - first.1).atan2(length_m), 2_f64.sqrt() * EDGE_SIGMA_M / length_m))
+    };
+    match (side(0), side(1)) {
+        (Some(left), Some(right)) => Some((0.5 * (left.0 + right.0), 0.5 * left.1.hypot(right.1))),
+        (left, right) => left.or(right),
+    }
+}
+
+/// The measurement of a piece: how far the road's middle lies from it.
+fn line(
+    config: &AlignmentConfig,
+    camera_height_m: f64,
+    piece: &Piece,
+    (width_m, width_sigma_m): (f64, f64),
+    vehicle_from_feature: &Isometry2<f64>,
+) -> Option<LineMeasurement> {
+    let (innovation_m, own_sigma_m) = match piece.own_edges_m {
+        [Some(left_m), Some(right_m)] => (0.5 * (left_m + right_m), config.sigma_m),
+        [Some(edge_m), None] => (edge_m - 0.5 * width_m, config.sigma_m.hypot(width_sigma_m)),
+        [None, Some(edge_m)] => (edge_m + 0.5 * width_m, config.sigma_m.hypot(width_sigma_m)),
+        [None, None] => return None,
+    };
+    let CrossSection { p_in_vehicle, left, .. } = piece.section;
+    Some(LineMeasurement {
+        p_in_feature: vehicle_from_feature.inverse() * p_in_vehicle,
+        normal: left,
+        innovation_m,
+        sigma_m: own_sigma_m.hypot(pitch_sigma_m(config, camera_height_m, p_in_vehicle, left)),
+    })
+}
+
+/// From where on an arm's edges are its own: nearer to the node they are kerbs that curve into the neighbouring arms.
+struct Kerbs {
+    /// Distances from the node for the left and the right edge, metres.
+    own_from_m: [f64; 2],
+}
+
+impl Kerbs {
+    fn of(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> Self {
+        let direction = arm.direction_rad();
+        let others = || feature.arms.iter().filter(|other| other.label != arm.label);
+        // The neighbour on a side is the arm at the smallest angle that way.
+        let own_from_m = [1.0, -1.0].map(|side| {
+            others()
+                .map(|other| ((side * (other.direction_rad() - direction)).rem_euclid(TAU), other.width_m))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map_or(0.0, |(angle, width_m)| kerb_end_m(angle, arm.width_m, width_m, radius_m))
+        });
+        Self { own_from_m }
+    }
+
+    /// Whether the left and the right edge are the arm's own in a piece that begins `along_m` from the node.
+    fn at(&self, along_m: f64) -> [bool; 2] {
+        self.own_from_m.map(|from_m| along_m + KERB_TOLERANCE_M >= from_m)
+    }
+}
+
+/// Where the kerb between two arms ends on the first, metres from the node: their edges cross at
+/// (w_b/2 + w_a/2 cos a) / sin a, and an arc of radius r that touches both ends r / tan(a/2) beyond.
+fn kerb_end_m(angle_rad: f64, width_m: f64, other_width_m: f64, radius_m: f64) -> f64 {
+    if angle_rad > STRAIGHT_RAD {
+        return 0.0;
+    }
+    let angle_rad = angle_rad.max(SHARPEST_RAD);
+    let crossing = 0.5 * (other_width_m + width_m * angle_rad.cos()) / angle_rad.sin();
+    crossing.max(0.0) + radius_m / (0.5 * angle_rad).tan()
+}
+
+/// Standard deviation across a section from the camera's pitch, metres: an error p moves a place at distance x by
+/// p x^2 / height.
+fn pitch_sigma_m(
     config: &AlignmentConfig,
     camera_height_m: f64,
     p_in_vehicle: Point2<f64>,
@@ -208,7 +340,7 @@ fn sigma_m(
     let pitch = config.pitch_sigma_deg.to_radians();
     let forward = p_in_vehicle.x * p_in_vehicle.x / camera_height_m * pitch;
     let sideways = p_in_vehicle.y * p_in_vehicle.x / camera_height_m * pitch;
-    config.sigma_m.hypot(normal.x * forward + normal.y * sideways)
+    (normal.x * forward + normal.y * sideways).abs()
 }
 
 /// Mean probability under the piece against its shift to the left, metres; none where too little is seen.
@@ -231,12 +363,16 @@ fn profile(
         .collect()
 }
 
-/// The stretch of the profile that is most road: the one with the largest sum of probability above the threshold.
-/// Holes (markings, a shadow's rim) do not end it. None when it touches an end of what is seen.
-fn edges(profile: &[(f64, Option<f64>)], edge_probability: f64) -> Option<[f64; 2]> {
-    let seen =
-        profile.iter().position(|(_, p)| p.is_some())?..=profile.iter().rposition(|(_, p)| p.is_some())?;
-    let profile = &profile[seen];
+/// The two ends, left and right, of the stretch of the profile that is most road: the one with the largest sum of
+/// probability above the threshold. Holes (markings, a shadow's rim) do not end it. An end that is also the end of
+/// what is seen is no edge.
+fn edges(profile: &[(f64, Option<f64>)], edge_probability: f64) -> [Option<f64>; 2] {
+    let (Some(start), Some(end)) =
+        (profile.iter().position(|(_, p)| p.is_some()), profile.iter().rposition(|(_, p)| p.is_some()))
+    else {
+        return [None, None];
+    };
+    let profile = &profile[start..=end];
     let (mut best, mut best_range, mut sum, mut start) = (0.0, None, 0.0, 0);
     for (i, (_, p)) in profile.iter().enumerate() {
         if sum <= 0.0 {
@@ -247,10 +383,7 @@ fn edges(profile: &[(f64, Option<f64>)], edge_probability: f64) -> Option<[f64; 
             (best, best_range) = (sum, Some((start, i)));
         }
     }
-    let (first, last) = best_range?;
-    if first == 0 || last + 1 == profile.len() {
-        return None;
-    }
+    let Some((first, last)) = best_range else { return [None, None] };
     let crossing = |inside: usize, outside: usize| {
         let ((x_in, p_in), (x_out, p_out)) = (profile[inside], profile[outside]);
         let (p_in, p_out) = (p_in.unwrap_or(1.0), p_out.unwrap_or(0.0));
@@ -258,7 +391,9 @@ fn edges(profile: &[(f64, Option<f64>)], edge_probability: f64) -> Option<[f64; 
             if p_in > p_out { ((p_in - edge_probability) / (p_in - p_out)).clamp(0.0, 1.0) } else { 0.5 };
         x_in + share * (x_out - x_in)
     };
-    Some([crossing(last, last + 1), crossing(first, first - 1)])
+    let left = (last + 1 < profile.len()).then(|| crossing(last, last + 1));
+    let right = (first > 0).then(|| crossing(first, first - 1));
+    [left, right]
 }
 
 #[cfg(test)]
@@ -269,19 +404,31 @@ mod tests {
     fn edges_are_found_between_the_steps_and_over_holes() {
         let road = |x: f64| if (-2.05..2.95).contains(&x) && !(0.0..0.3).contains(&x) { 0.95 } else { 0.1 };
         let profile: Vec<_> = (-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, Some(road(x)))).collect();
-        let [left, right] = edges(&profile, 0.5).unwrap();
+        let [Some(left), Some(right)] = edges(&profile, 0.5) else { panic!("both edges are there") };
         assert!((left - 2.95).abs() < 0.06 && (right + 2.05).abs() < 0.06, "{left} {right}");
+    }
+
+    #[test]
+    fn a_kerb_ends_where_its_arc_touches_the_edge() {
+        // Right angle: half the other road and one radius. At 60 degrees: (3 + 3 * 0.5) / 0.866 + 4 / tan 30 deg.
+        assert!((kerb_end_m(TAU / 4.0, 6.0, 6.0, 4.0) - 7.0).abs() < 1e-9);
+        assert!((kerb_end_m(TAU / 6.0, 6.0, 6.0, 4.0) - 12.124).abs() < 1e-3);
+        assert!(kerb_end_m(3.0, 6.0, 6.0, 4.0).abs() < 1e-9, "straight on there is none");
     }
 
     #[test]
     fn a_plane_without_edges_measures_nothing() {
         let everywhere: Vec<_> = (-50..=50).map(|k| (0.1 * f64::from(k), Some(0.9))).collect();
-        assert_eq!(edges(&everywhere, 0.5), None);
+        assert_eq!(edges(&everywhere, 0.5), [None, None]);
         let nowhere: Vec<_> = (-50..=50).map(|k| (0.1 * f64::from(k), Some(0.1))).collect();
-        assert_eq!(edges(&nowhere, 0.5), None);
+        assert_eq!(edges(&nowhere, 0.5), [None, None]);
         let half_seen: Vec<_> = (-50..=50)
             .map(|k| (0.1 * f64::from(k), (k > -10).then_some(if k < 20 { 0.9 } else { 0.0 })))
             .collect();
-        assert_eq!(edges(&half_seen, 0.5), None, "the right edge is outside the view");
+        let [left, right] = edges(&half_seen, 0.5);
+        assert!(
+            left.is_some_and(|m| (m - 1.95).abs() < 0.06) && right.is_none(),
+            "the right edge is out of view"
+        );
     }
 }

@@ -82,21 +82,29 @@ impl PoseFilter {
         let turned = self.vehicle_from_feature.rotation * measurement.p_in_feature.coords;
         let n = measurement.normal;
         let h = RowVector3::new(n.x, n.y, n.y * turned.x - n.x * turned.y);
-        let variance = (h * self.covariance * h.transpose())[0] + measurement.sigma_m.powi(2);
-        let sigmas = measurement.innovation_m.abs() / variance.sqrt();
+        self.take(h, measurement.innovation_m, measurement.sigma_m)
+    }
+
+    /// Takes in how far the feature must turn, radians, unless that is too far off.
+    pub(crate) fn update_heading(&mut self, innovation_rad: f64, sigma_rad: f64) -> Update {
+        self.take(RowVector3::new(0.0, 0.0, 1.0), innovation_rad, sigma_rad)
+    }
+
+    fn take(&mut self, h: RowVector3<f64>, innovation: f64, sigma: f64) -> Update {
+        let variance = (h * self.covariance * h.transpose())[0] + sigma.powi(2);
+        let sigmas = innovation.abs() / variance.sqrt();
         if sigmas > GATE_SIGMAS {
             return Update::Gated(sigmas);
         }
         let gain = self.covariance * h.transpose() / variance;
-        let change = gain * measurement.innovation_m;
+        let change = gain * innovation;
         self.vehicle_from_feature = Isometry2::new(
             self.vehicle_from_feature.translation.vector + change.xy(),
             wrap_angle(self.vehicle_from_feature.rotation.angle() + change.z),
         );
         // Joseph's form stays symmetric and positive whatever the rounding.
         let keep = Matrix3::identity() - gain * h;
-        self.covariance =
-            keep * self.covariance * keep.transpose() + gain * gain.transpose() * measurement.sigma_m.powi(2);
+        self.covariance = keep * self.covariance * keep.transpose() + gain * gain.transpose() * sigma.powi(2);
         Update::Accepted
     }
 

@@ -81,7 +81,11 @@ pub struct Tracker {
 }
 
 /// Standard deviations of a place found by a search: metres, metres, radians.
-const FOUND_SIGMAS: [f64; 3] = [1.0, 0.7, 0.06];
+const FOUND_SIGMAS: [f64; 3] = [1.2, 0.8, 0.1];
+/// A feature is only taken as detected when its distance is known to this standard deviation, metres.
+const KNOWN_SIGMA_M: f64 = 0.9;
+/// A bracketed place must match better than the predicted one by this much: less is the noise of the road surface.
+const CLEARLY_BETTER: f64 = 0.1;
 /// A node at least this far behind by all that is known has been passed, metres.
 const PASSED_M: f64 = 3.0;
 /// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
@@ -218,7 +222,8 @@ impl Tracker {
             let threshold = self.config.confirm_threshold;
             let tried = candidates::about(&self.config, laid, &mut stop.masks, threshold, &predicted)?;
             note(&tried, evidence);
-            if let Some((pose, _)) = tried.best {
+            let clearly_better = matched.p.unwrap_or(0.0) + CLEARLY_BETTER;
+            if let Some((pose, _)) = tried.best.filter(|&(_, p)| p >= clearly_better) {
                 *unconfirmed = 0;
                 filter.relocate(pose, FOUND_SIGMAS);
                 evidence.decision = Decision::FoundByBracketing;
@@ -274,10 +279,20 @@ impl Tracker {
         evidence.sections =
             alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, &mut filter)?;
         let told = |section: &CrossSection| {
-            section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
+            section.leaves_the_line
+                && section.edges_m != [None, None]
+                && !matches!(section.section_use, CrossSectionUse::WidthDisagrees { .. })
         };
         if !evidence.sections.iter().any(told) {
             evidence.decision = Decision::Unbounded { index: self.next, p };
+            return Ok(None);
+        }
+        // The match must hold where the edges say the feature is, and they must say it well enough.
+        let followed = follow(laid, stop, self.next, &filter)?;
+        let aligned_p = followed.matched.p.unwrap_or(0.0);
+        if aligned_p < self.config.detect_threshold || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
+            evidence.decision = Decision::Unbounded { index: self.next, p: aligned_p };
+            *candidate = Some(Candidate { filter, frames: 0 });
             return Ok(None);
         }
         if frames < self.config.detect_frames {
@@ -286,7 +301,6 @@ impl Tracker {
             return Ok(None);
         }
         evidence.decision = Decision::Detected;
-        let followed = follow(laid, stop, self.next, &filter)?;
         self.mode = Mode::Tracking { filter, unconfirmed: 0 };
         Ok(Some(followed))
     }
