@@ -65,7 +65,7 @@ impl Conditions {
     /// A marked road on a bright day: mild shadows, undulation and suspension.
     pub const CLEAR: Self = Self {
         markings: Markings::Lines,
-        undulation_m: 0.12,
+        undulation_m: 0.03,
         // A tenth of a degree: a sedan at 30 km/h on a good road.
         suspension_rms_rad: 0.0022,
         // A tenth of a degree for each m/s2: about 1 degree for each g.

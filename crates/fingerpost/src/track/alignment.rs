@@ -40,7 +40,7 @@ pub struct AlignmentConfig {
     pub max_width_share: f64,
     /// Standard deviation of a road's middle between its edges, metres; default 0.2.
     pub sigma_m: f64,
-    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.15.
+    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.1.
     pub width_sigma_share: f64,
     /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
     pub kerb_radius_m: f64,
@@ -59,7 +59,7 @@ impl Default for AlignmentConfig {
             min_width_share: 0.55,
             max_width_share: 1.8,
             sigma_m: 0.2,
-            width_sigma_share: 0.15,
+            width_sigma_share: 0.1,
             kerb_radius_m: 4.0,
             pitch_sigma_deg: 0.2,
         }
@@ -112,8 +112,8 @@ const MAX_ALONG_M: f64 = 16.0;
 const STRAIGHT_RAD: f64 = 2.618;
 /// Sharper forks are taken as this sharp, radians (25 degrees): their kerbs never end in view.
 const SHARPEST_RAD: f64 = 0.436;
-/// A kerb stands back less than 13 cm over its last metre at the default radius: that much of it is let pass, metres.
-const KERB_TOLERANCE_M: f64 = 1.0;
+/// Share of a kerb's radius, from its end, over which its course is followed: there it stands back by a third of it.
+const FLARED_SHARE: f64 = 0.75;
 /// Share of a piece that must be seen.
 const MIN_SEEN_SHARE: f64 = 0.7;
 
@@ -127,8 +127,15 @@ struct Piece {
     section: CrossSection,
     /// Distance of its middle from the node along the arm, metres.
     along_m: f64,
-    /// Edges that are the arm's own, metres to the left of it.
-    own_edges_m: [Option<f64>; 2],
+    /// Edges without what the kerbs widen the road by, metres to the left of the arm.
+    edges: [Option<Edge>; 2],
+}
+
+/// One edge of a road.
+#[derive(Clone, Copy)]
+struct Edge {
+    left_m: f64,
+    sigma_m: f64,
 }
 
 /// Measures every arm of `feature` and moves `filter` accordingly; returns what was seen. The camera's height above
@@ -193,10 +200,17 @@ fn pieces(
         if let Ok(course) = arm.course.part(start_m, start_m + config.piece_length_m)
             && let Some(section) = slide(config, laid, arm, &course.transformed(vehicle_from_feature))?
         {
-            let own = kerbs.at(start_m);
+            let along_m = start_m + 0.5 * config.piece_length_m;
             let believable = section.section_use == CrossSectionUse::InTheMouth;
-            let own_edges_m = [0, 1].map(|side| section.edges_m[side].filter(|_| own[side] && believable));
-            pieces.push(Piece { section, along_m: start_m + 0.5 * config.piece_length_m, own_edges_m });
+            let edges = [0, 1].map(|side| {
+                let measured_m = section.edges_m[side].filter(|_| believable)?;
+                let flare_m = kerbs.flare_m(side, along_m)?;
+                let outwards = if side == 0 { 1.0 } else { -1.0 };
+                // The radius of a real kerb is anybody's guess within half.
+                let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m);
+                Some(Edge { left_m: measured_m - outwards * flare_m, sigma_m })
+            });
+            pieces.push(Piece { section, along_m, edges });
         }
         start_m += config.piece_length_m;
     }
@@ -242,8 +256,10 @@ fn slide(
 fn width(config: &AlignmentConfig, arm: &ArmModel, pieces: &[Piece]) -> (f64, f64) {
     let measured: Vec<f64> = pieces
         .iter()
-        .filter_map(|piece| match piece.own_edges_m {
-            [Some(left_m), Some(right_m)] => Some(left_m - right_m),
+        .filter_map(|piece| match piece.edges {
+            [Some(left), Some(right)] if left.is_sharp() && right.is_sharp() => {
+                Some(left.left_m - right.left_m)
+            }
             _ => None,
         })
         .collect();
@@ -254,10 +270,18 @@ fn width(config: &AlignmentConfig, arm: &ArmModel, pieces: &[Piece]) -> (f64, f6
     }
 }
 
+impl Edge {
+    /// Whether the edge is the road's own, not a kerb that curves.
+    fn is_sharp(self) -> bool {
+        self.sigma_m < 1.5 * EDGE_SIGMA_M
+    }
+}
+
 /// How far the feature must turn for the arm to run along each of its edges, and the standard deviation, radians.
 fn heading(pieces: &[Piece]) -> Option<(f64, f64)> {
     let side = |side: usize| {
-        let mut seen = pieces.iter().filter_map(|piece| Some((piece.along_m, piece.own_edges_m[side]?)));
+        let sharp = |piece: &Piece| piece.edges[side].filter(|edge| edge.is_sharp());
+        let mut seen = pieces.iter().filter_map(|piece| Some((piece.along_m, sharp(piece)?.left_m)));
         let first = seen.next()?;
         let last = seen.next_back()?;
         let length_m = last.0 - first.0;
@@ -277,12 +301,15 @@ fn line(
     (width_m, width_sigma_m): (f64, f64),
     vehicle_from_feature: &Isometry2<f64>,
 ) -> Option<LineMeasurement> {
-    let (innovation_m, own_sigma_m) = match piece.own_edges_m {
-        [Some(left_m), Some(right_m)] => (0.5 * (left_m + right_m), config.sigma_m),
-        [Some(edge_m), None] => (edge_m - 0.5 * width_m, config.sigma_m.hypot(width_sigma_m)),
-        [None, Some(edge_m)] => (edge_m + 0.5 * width_m, config.sigma_m.hypot(width_sigma_m)),
+    let (innovation_m, seen_sigma_m) = match piece.edges {
+        [Some(left), Some(right)] => {
+            (0.5 * (left.left_m + right.left_m), 0.5 * left.sigma_m.hypot(right.sigma_m))
+        }
+        [Some(edge), None] => (edge.left_m - 0.5 * width_m, edge.sigma_m.hypot(width_sigma_m)),
+        [None, Some(edge)] => (edge.left_m + 0.5 * width_m, edge.sigma_m.hypot(width_sigma_m)),
         [None, None] => return None,
     };
+    let own_sigma_m = config.sigma_m.hypot(seen_sigma_m);
     let CrossSection { p_in_vehicle, left, .. } = piece.section;
     Some(LineMeasurement {
         p_in_feature: vehicle_from_feature.inverse() * p_in_vehicle,
@@ -292,10 +319,11 @@ fn line(
     })
 }
 
-/// From where on an arm's edges are its own: nearer to the node they are kerbs that curve into the neighbouring arms.
+/// The kerbs at an arm's mouth, which widen its road to either side where they curve into the neighbouring arms.
 struct Kerbs {
-    /// Distances from the node for the left and the right edge, metres.
-    own_from_m: [f64; 2],
+    radius_m: f64,
+    /// Distances from the node at which they end, for the left and the right edge, metres.
+    end_m: [f64; 2],
 }
 
 impl Kerbs {
@@ -303,18 +331,21 @@ impl Kerbs {
         let direction = arm.direction_rad();
         let others = || feature.arms.iter().filter(|other| other.label != arm.label);
         // The neighbour on a side is the arm at the smallest angle that way.
-        let own_from_m = [1.0, -1.0].map(|side| {
+        let end_m = [1.0, -1.0].map(|side| {
             others()
                 .map(|other| ((side * (other.direction_rad() - direction)).rem_euclid(TAU), other.width_m))
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .map_or(0.0, |(angle, width_m)| kerb_end_m(angle, arm.width_m, width_m, radius_m))
         });
-        Self { own_from_m }
+        Self { radius_m, end_m }
     }
 
-    /// Whether the left and the right edge are the arm's own in a piece that begins `along_m` from the node.
-    fn at(&self, along_m: f64) -> [bool; 2] {
-        self.own_from_m.map(|from_m| along_m + KERB_TOLERANCE_M >= from_m)
+    /// How far the kerb stands back from the edge at a distance from the node, metres; none where the edge is rather
+    /// the other road's.
+    fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
+        let before_end_m = (self.end_m[side] - along_m).max(0.0);
+        (before_end_m < FLARED_SHARE * self.radius_m)
+            .then(|| self.radius_m - (self.radius_m.powi(2) - before_end_m.powi(2)).sqrt())
     }
 }
 

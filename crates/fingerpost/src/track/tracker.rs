@@ -82,6 +82,8 @@ pub struct Tracker {
 
 /// Standard deviations of a place found by a search: metres, metres, radians.
 const FOUND_SIGMAS: [f64; 3] = [1.2, 0.8, 0.1];
+/// Alignments before the one that counts, in the first frame of a candidate.
+const SETTLING_ROUNDS: usize = 3;
 /// A feature is only taken as detected when its distance is known to this standard deviation, metres.
 const KNOWN_SIGMA_M: f64 = 0.9;
 /// A bracketed place must match better than the predicted one by this much: less is the noise of the road surface.
@@ -272,12 +274,19 @@ impl Tracker {
             evidence.decision = Decision::NotFound { index: self.next };
             return Ok(None);
         };
+        let (config, height) = (&self.config.alignment, self.camera_height_m);
         let (mut filter, frames) = match candidate.take() {
             Some(candidate) => (candidate.filter, candidate.frames + 1),
             None => (PoseFilter::new(pose, FOUND_SIGMAS), 1),
         };
-        evidence.sections =
-            alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, &mut filter)?;
+        if frames == 1 {
+            // The search is coarse: until the place settles, each alignment starts anew from the one before.
+            for _ in 0..SETTLING_ROUNDS {
+                alignment::align(config, height, laid, &stop.model, &mut filter)?;
+                filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
+            }
+        }
+        evidence.sections = alignment::align(config, height, laid, &stop.model, &mut filter)?;
         let told = |section: &CrossSection| {
             section.leaves_the_line
                 && section.edges_m != [None, None]
@@ -292,7 +301,6 @@ impl Tracker {
         let aligned_p = followed.matched.p.unwrap_or(0.0);
         if aligned_p < self.config.detect_threshold || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
             evidence.decision = Decision::Unbounded { index: self.next, p: aligned_p };
-            *candidate = Some(Candidate { filter, frames: 0 });
             return Ok(None);
         }
         if frames < self.config.detect_frames {
