@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use fingerpost::FrameOutput;
-use fingerpost::matching::Participation;
+use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
-use fingerpost::track::{Followed, RouteStop, State};
+use fingerpost::track::{Followed, RouteStop, Sought, State};
 use fingerpost_eval::FeatureIdentity;
-use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, TrackState};
+use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, SoughtRecord, TrackState};
 use fingerpost_map::FeatureKind;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -52,11 +52,13 @@ pub(crate) const fn kind_name(kind: FeatureKind) -> &'static str {
 pub(crate) fn frame_record(
     time: FrameTime,
     output: &FrameOutput,
+    sought: Option<&Sought>,
     features: &[FeatureIdentity],
     stage_ms: &BTreeMap<String, f64>,
 ) -> FrameRecord {
     let followed = output.track.followed.as_ref();
     FrameRecord {
+        sought: sought.and_then(|sought| Some(sought_record(sought, features.get(sought.index)?))),
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
         state: track_state(output.track.state),
@@ -86,6 +88,7 @@ pub(crate) fn broken_record(
     error: String,
 ) -> FrameRecord {
     FrameRecord {
+        sought: None,
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
         state: before.map_or(at_first, |record| record.state),
@@ -116,19 +119,34 @@ const fn track_state(state: State) -> TrackState {
 
 fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRecord {
     let pose = &followed.vehicle_from_feature;
-    let taking_part =
-        followed.matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
     let sigma_m = [0, 1].map(|axis| followed.covariance[(axis, axis)].max(0.0).sqrt());
     FeatureRecord {
         id: identity.id,
         kind: identity.kind.clone(),
         p: followed.matched.p.map(|p| rounded(p, DIGITS)),
-        sub: taking_part.filter_map(|sub| Some((sub.label.clone(), rounded(sub.p?, DIGITS)))).collect(),
+        sub: sub_probabilities(&followed.matched),
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
         sigma_m: sigma_m.map(|m| rounded(m, DIGITS)),
     }
+}
+
+fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
+    let place = sought.matched.vehicle_from_feature.translation;
+    SoughtRecord {
+        id: identity.id,
+        p: sought.matched.p.map(|p| rounded(p, DIGITS)),
+        sub: sub_probabilities(&sought.matched),
+        forward_m: rounded(place.x, DIGITS),
+        left_m: rounded(place.y, DIGITS),
+    }
+}
+
+/// P(F_sub) of the sub-masks that take part.
+fn sub_probabilities(matched: &Match) -> BTreeMap<String, f64> {
+    let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
+    taking_part.filter_map(|sub| Some((sub.label.clone(), rounded(sub.p?, DIGITS)))).collect()
 }
 
 fn motion_record(motion: &Motion) -> MotionRecord {

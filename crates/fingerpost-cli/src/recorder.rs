@@ -123,7 +123,13 @@ impl Recorder {
     pub(crate) fn add(&mut self, scene: &Scene<'_>, stage_ms: &BTreeMap<String, f64>) -> Result<()> {
         let mut clock = FrameClock::start();
         let time = FrameTime { frame: scene.frame, t_s: scene.t_s };
-        self.keep(frame_record(time, scene.output, &self.subject.features, stage_ms))?;
+        self.keep(frame_record(
+            time,
+            scene.output,
+            scene.evidence.track.sought.as_ref(),
+            &self.subject.features,
+            stage_ms,
+        ))?;
         let reason = self.key_frames.consider(scene.frame, scene.output, &scene.evidence.track);
         if let Some(reason) = reason {
             self.key_frames.add(reason, scene)?;

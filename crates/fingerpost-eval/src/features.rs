@@ -16,10 +16,16 @@ pub struct FeatureIdentity {
 /// Detection, arrival and highest P(F) of every feature, in the order of the route.
 ///
 /// Detected is the first frame in which the feature is tracked; arrived the first in state `arrived`; the highest P(F)
-/// counts in both states. A route that passes the same node twice has it twice.
+/// counts in both states and in the search before. A route that passes the same node twice has it twice.
 pub fn feature_summaries(records: &[FrameRecord], features: &[FeatureIdentity]) -> Vec<FeatureSummary> {
     let ids: Vec<i64> = features.iter().map(|feature| feature.id).collect();
     let mut summaries: Vec<FeatureSummary> = features.iter().map(untouched).collect();
+    for sought in records.iter().filter_map(|record| record.sought.as_ref()) {
+        // A node that the route passes twice is searched for twice; the highest P(F) stands for both.
+        for summary in summaries.iter_mut().filter(|summary| summary.id == sought.id) {
+            summary.max_p = summary.max_p.into_iter().chain(sought.p).reduce(f64::max);
+        }
+    }
     for (record, place) in records.iter().zip(places_in_route(records, &ids)) {
         let Some((summary, feature)) = place.and_then(|i| summaries.get_mut(i)).zip(record.feature.as_ref())
         else {

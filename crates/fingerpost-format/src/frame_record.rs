@@ -33,6 +33,9 @@ pub struct FrameRecord {
     pub state: TrackState,
     /// The followed or passed feature; none while searching.
     pub feature: Option<FeatureRecord>,
+    /// The best match of the feature that is searched for; none while one is followed or none is in reach.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sought: Option<SoughtRecord>,
     /// Motion since the frame before; none in the first frame and after a broken one.
     pub motion: Option<MotionRecord>,
     /// The driving line through the feature: `[forward, left]` in the vehicle frame, metres.
@@ -77,6 +80,21 @@ pub struct FeatureRecord {
     pub heading_rad: f64,
     /// Standard deviations of `forward_m` and `left_m`, metres.
     pub sigma_m: [f64; 2],
+}
+
+/// The best match of a feature that is searched for, good enough or not, in the vehicle frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SoughtRecord {
+    /// OpenStreetMap node.
+    pub id: i64,
+    /// P(F), paper 1 equation 2; none where no sub-mask could be seen.
+    pub p: Option<f64>,
+    /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
+    pub sub: BTreeMap<String, f64>,
+    /// Distance ahead of the place that matched best, metres.
+    pub forward_m: f64,
+    /// Distance of that place to the left, metres.
+    pub left_m: f64,
 }
 
 /// The vehicle's motion since the frame before, in the vehicle frame of that frame.

@@ -55,7 +55,7 @@ pub struct FeatureSummary {
     pub detected_forward_m: Option<f64>,
     /// Frame of arrival.
     pub arrived_frame: Option<u64>,
-    /// Highest P(F) while it was followed.
+    /// Highest P(F) while it was searched for or followed; none where it never came into reach.
     pub max_p: Option<f64>,
 }
 

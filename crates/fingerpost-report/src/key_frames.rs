@@ -255,8 +255,8 @@ mod tests {
     }
 
     fn evidence(decision: Decision) -> TrackEvidence {
-        let (predicted, predicted_p, best_p) = (None, None, None);
-        TrackEvidence { decision, predicted, predicted_p, tried: 0, best_p, sections: Vec::new(), gps: None }
+        let (predicted, predicted_p, sought) = (None, None, None);
+        TrackEvidence { decision, predicted, predicted_p, tried: 0, sought, sections: Vec::new(), gps: None }
     }
 
     /// Considers a frame and keeps it without pictures where it is wanted.

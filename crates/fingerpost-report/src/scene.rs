@@ -1,6 +1,7 @@
 //! What a picture is made of: the constant setting of a run, and one frame with all that was seen in it.
 
 use fingerpost::feature_model::FeatureModel;
+use fingerpost::matching::Match;
 use fingerpost::track::Followed;
 use fingerpost::{FrameEvidence, FrameOutput, Pipeline};
 use fingerpost_geometry::{Camera, GroundGrid};
@@ -56,6 +57,12 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// The match of the followed feature, or else the best one of the feature searched for.
+    pub(crate) fn matched(&self) -> Option<&'a Match> {
+        let followed = self.output.track.followed.as_ref().map(|followed| &followed.matched);
+        followed.or(self.evidence.track.sought.as_ref().map(|sought| &sought.matched))
+    }
+
     /// The followed feature and its model.
     pub(crate) fn followed(&self) -> Option<(&'a Followed, &'a FeatureModel)> {
         let followed = self.output.track.followed.as_ref()?;

@@ -69,7 +69,7 @@ pub struct FrameEvidence<'a> {
     pub motion: Option<MotionEvidence>,
     /// How the tracker decided.
     pub track: TrackEvidence,
-    /// The masks of the followed feature, where they were matched.
+    /// The masks of the followed feature, or else of the one searched for, where they matched best.
     pub masks: Option<PlacedMasks<'a>>,
 }
 
@@ -178,7 +178,11 @@ impl Pipeline {
         let why = why(&track, &track_evidence, self.tracker.stops(), &self.config.track);
         finished(Stage::DrivingLine);
 
-        let masks = track.followed.as_ref().and_then(|f| self.tracker.placed_masks(f, self.view.grid()));
+        let followed = track.followed.as_ref().map(|followed| (followed.index, &followed.matched));
+        let sought = track_evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
+        let grid = self.view.grid();
+        let masks =
+            followed.or(sought).and_then(|(index, matched)| self.tracker.placed_masks(index, matched, grid));
         let output = FrameOutput { track, motion, driving_line, driving_line_curvature_per_m, why };
         let evidence = FrameEvidence {
             ground: &self.ground,

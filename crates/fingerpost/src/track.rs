@@ -112,6 +112,15 @@ pub struct TrackOutput {
     pub route_m: Option<f64>,
 }
 
+/// The best match of a feature that was searched for and is not followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sought {
+    /// Index of the feature in the route.
+    pub index: usize,
+    /// The match at the best of the poses that were tried, good enough or not.
+    pub matched: Match,
+}
+
 /// What decided a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Decision {
@@ -185,8 +194,8 @@ pub struct TrackEvidence {
     pub predicted_p: Option<f64>,
     /// Poses that were tried in a search or bracketing.
     pub tried: usize,
-    /// Best P(F) among them, where one reached the threshold.
-    pub best_p: Option<f64>,
+    /// The best match in a search, where the feature is not followed.
+    pub sought: Option<Sought>,
     /// The cross-sections of the arms that made the place precise.
     pub sections: Vec<CrossSection>,
     /// What became of the GPS position, where there was one.

@@ -72,17 +72,21 @@ pub(crate) fn why(
             format!("{} is not in reach of the view", feature_name(stops, *index))
         }
         (Decision::NotFound { index }, _) => format!(
-            "{} not seen: none of {} places reaches P(F) {detect:.2}",
+            "{} not seen: {}, {} places tried",
             feature_name(stops, *index),
+            evidence.sought.as_ref().map_or_else(
+                || "no arm that would tell it is in view".to_owned(),
+                |sought| format!("at the best place {}", match_words(&sought.matched, detect)),
+            ),
             evidence.tried
         ),
         (Decision::Candidate { index, frames, p }, _) => format!(
-            "{} may be ahead: P(F) {p:.2} in {frames} of {} frames needed",
+            "{} may be ahead: P(F) {p:.2} in {frames} frames, {} and a sure distance are needed",
             feature_name(stops, *index),
             config.detect_frames
         ),
         (Decision::Unbounded { index, p }, _) => format!(
-            "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
+            "{} not taken: P(F) {p:.2}, but its arms do not show their edges well enough to say where it is",
             feature_name(stops, *index)
         ),
         (Decision::Lost { index }, _) => format!(

@@ -31,7 +31,7 @@ pub(crate) fn curves(input: &ReportInput<'_>) -> Markup {
             (p.figure())
             (arms(records))
         } @else {
-            p { "No feature was followed, so there is no P(F) to show." }
+            p { "No feature of the route came into view, so there is no P(F) to show." }
             (p.figure())
         }
         @for chart in others.iter().filter(|chart| chart.has_values()) { (chart.figure()) }
@@ -70,9 +70,12 @@ fn legend(about: &str, entries: impl Iterator<Item = (String, palette::Rgb)>) ->
 
 fn probability(input: &ReportInput<'_>, seconds: RangeInclusive<f64>) -> Chart {
     let records = input.records;
-    let p = |record: &FrameRecord| record.feature.as_ref().and_then(|feature| feature.p);
+    let p = |record: &FrameRecord| {
+        let sought = record.sought.as_ref().map(|sought| sought.p);
+        record.feature.as_ref().map(|feature| feature.p).or(sought).flatten()
+    };
     Chart {
-        title: "P(F) of the followed feature; below, its weakest arm".to_owned(),
+        title: "P(F) of the feature followed or searched for; below, its weakest arm".to_owned(),
         unit: "P(F)",
         seconds,
         values: 0.0..=1.0,

@@ -160,8 +160,8 @@ fn footer(canvas: &mut Canvas, scene: &Scene<'_>) {
     let top = COMPOSED_HEIGHT_PX - FOOTER_PX;
     let bar = Rect { x: 0, y: top, width: COMPOSED_WIDTH_PX, height: FOOTER_PX };
     canvas.fill(bar, Paint::solid(palette::PANEL));
-    if let Some(followed) = &scene.output.track.followed {
-        chips(canvas, scene, &followed.matched, top + 8);
+    if let Some(matched) = scene.matched() {
+        chips(canvas, scene, matched, top + 8);
     } else {
         let text = "no feature is followed: no masks to match";
         canvas.text([12.0, (top + 8) as f64], TextSize::Small, palette::TEXT_DIM, text);

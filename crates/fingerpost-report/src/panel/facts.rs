@@ -27,9 +27,11 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     if evidence.track.tried > 0 {
         let best = evidence
             .track
-            .best_p
-            .map_or_else(|| "none reached the threshold".to_owned(), |p| format!("best P(F) {p:.2}"));
-        facts.push(("search", format!("{} places tried, {best}", evidence.track.tried)));
+            .sought
+            .as_ref()
+            .and_then(|sought| sought.matched.p)
+            .map_or_else(String::new, |p| format!(", best P(F) {p:.2}"));
+        facts.push(("search", format!("{} places tried{best}", evidence.track.tried)));
     }
     let sections = &evidence.track.sections;
     if !sections.is_empty() {

@@ -18,13 +18,12 @@ const OPACITIES: [f64; 2] = [0.62, 0.22];
 /// Draws the masks.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
     let (surface, validity) = (&scene.evidence.surface.probability, scene.evidence.validity);
-    let followed = scene.output.track.followed.as_ref();
-    let coloured = followed.zip(scene.evidence.masks.as_ref()).map(|(followed, placed)| {
+    let coloured = scene.matched().zip(scene.evidence.masks.as_ref()).map(|(matched, placed)| {
         let mut overlay = Plane::new(plot.grid.columns(), plot.grid.rows(), 0);
         for (index, sub) in placed.masks.subs.iter().enumerate() {
             paint(&mut overlay, sub, placed, index);
         }
-        (overlay, &followed.matched, placed)
+        (overlay, matched, placed)
     });
     let paints: Vec<Paint> =
         coloured.iter().flat_map(|(_, matched, placed)| paints(matched, placed)).collect();
@@ -44,7 +43,7 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         Some((overlay, matched, placed)) => labels(canvas, plot, validity, overlay, matched, placed),
         None => {
             let corner = [plot.area.x as f64 + 8.0, plot.area.y as f64 + 6.0];
-            canvas.label(corner, TextSize::Small, palette::TEXT_DIM, "no feature is followed");
+            canvas.label(corner, TextSize::Small, palette::TEXT_DIM, "no feature is followed or in reach");
         }
     });
 }

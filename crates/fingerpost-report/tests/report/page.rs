@@ -63,6 +63,7 @@ fn the_page_of_a_drive_holds_everything() {
 
 fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
     FrameRecord {
+        sought: None,
         frame,
         t_s: frame as f64 / 30.0,
         state,

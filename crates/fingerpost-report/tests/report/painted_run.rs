@@ -116,6 +116,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         sigma_m: [0.2, 0.1],
     });
     FrameRecord {
+        sought: None,
         frame,
         t_s,
         state: match output.track.state {

@@ -52,7 +52,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
             predicted: None,
             predicted_p: None,
             tried: 0,
-            best_p: None,
+            sought: None,
             sections: Vec::new(),
             gps: None,
         },

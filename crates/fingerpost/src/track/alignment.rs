@@ -24,9 +24,9 @@ use crate::matching::LaidSurface;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AlignmentConfig {
-    /// Length of a piece of an arm, metres, 0.5 to 10; default 3.
+    /// Length of a piece of an arm, metres, 0.5 to 10; default 1.5.
     pub piece_length_m: f64,
-    /// Width of a piece, metres, 0.1 to 2; default 0.45.
+    /// Width of a piece, metres, 0.1 to 2; default 0.3.
     pub piece_width_m: f64,
     /// How far beyond the road's half width a piece is slid, metres; default 2.
     pub slide_beyond_m: f64,
@@ -40,7 +40,7 @@ pub struct AlignmentConfig {
     pub max_width_share: f64,
     /// Standard deviation of a road's middle between its edges, metres; default 0.2.
     pub sigma_m: f64,
-    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.1.
+    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.08.
     pub width_sigma_share: f64,
     /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
     pub kerb_radius_m: f64,
@@ -51,15 +51,15 @@ pub struct AlignmentConfig {
 impl Default for AlignmentConfig {
     fn default() -> Self {
         Self {
-            piece_length_m: 3.0,
-            piece_width_m: 0.45,
+            piece_length_m: 1.5,
+            piece_width_m: 0.3,
             slide_beyond_m: 2.0,
             slide_step_m: 0.1,
             edge_probability: 0.35,
             min_width_share: 0.55,
             max_width_share: 1.8,
             sigma_m: 0.2,
-            width_sigma_share: 0.1,
+            width_sigma_share: 0.08,
             kerb_radius_m: 4.0,
             pitch_sigma_deg: 0.2,
         }
@@ -344,7 +344,7 @@ impl Kerbs {
     /// the other road's.
     fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
         let before_end_m = (self.end_m[side] - along_m).max(0.0);
-        (before_end_m < FLARED_SHARE * self.radius_m)
+        (before_end_m <= FLARED_SHARE * self.radius_m)
             .then(|| self.radius_m - (self.radius_m.powi(2) - before_end_m.powi(2)).sqrt())
     }
 }

@@ -22,6 +22,8 @@ pub(super) struct Tried {
     pub(super) count: usize,
     /// Best pose and its P(F); none when no candidate reached the threshold.
     pub(super) best: Option<(Isometry2<f64>, f64)>,
+    /// The pose that came nearest to the threshold, whether it reached it or not.
+    pub(super) closest: Option<Isometry2<f64>>,
 }
 
 /// Candidates within this of the best P(F) are as good as it: the noise of the road surface.
@@ -100,14 +102,17 @@ fn best_of(
     let mut best: Option<(Isometry2<f64>, f64)> = None;
     for pose in poses {
         tried.count += 1;
-        let at_least = best.map_or(threshold, |(_, p)| threshold.max(p - AS_GOOD));
+        let at_least = best.map_or(0.0, |(_, p)| (p - AS_GOOD).max(0.0));
         let Some(p) = laid.score(masks, &pose, at_least)? else { continue };
-        good.push((pose, p));
+        if p >= threshold {
+            good.push((pose, p));
+        }
         if best.is_none_or(|(_, best_p)| p > best_p) {
             best = Some((pose, p));
         }
     }
-    let Some((best_pose, best_p)) = best else { return Ok(tried) };
+    tried.closest = best.map(|(pose, _)| pose);
+    let Some((best_pose, best_p)) = best.filter(|&(_, p)| p >= threshold) else { return Ok(tried) };
     let near = good.iter().filter(|(pose, p)| {
         *p >= best_p - AS_GOOD
             && (pose.translation.vector - best_pose.translation.vector).norm() < SAME_PLACE_M

@@ -6,12 +6,12 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Point2};
 
 use super::alignment::{self, CrossSection, CrossSectionUse};
-use super::candidates::{self, Tried};
-use super::{Decision, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
+use super::candidates;
+use super::{Decision, Followed, PoseFilter, Sought, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::driving_line::{DrivingLine, DrivingLineConfig};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache, PlacedMasks, node_pixel};
 use crate::feature_model::FeatureModel;
-use crate::matching::LaidSurface;
+use crate::matching::{LaidSurface, Match};
 use crate::motion::Motion;
 use crate::route_progress::{RouteProgress, RouteProgressConfig};
 use crate::vehicle::VehicleConfig;
@@ -85,7 +85,7 @@ const FOUND_SIGMAS: [f64; 3] = [1.2, 0.8, 0.1];
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
 /// A feature is only taken as detected when its distance is known to this standard deviation, metres.
-const KNOWN_SIGMA_M: f64 = 0.9;
+const KNOWN_SIGMA_M: f64 = 0.45;
 /// A bracketed place must match better than the predicted one by this much: less is the noise of the road surface.
 const CLEARLY_BETTER: f64 = 0.1;
 /// A node at least this far behind by all that is known has been passed, metres.
@@ -139,10 +139,10 @@ impl Tracker {
         &self.stops
     }
 
-    /// The masks with which a followed feature was matched.
-    pub fn placed_masks(&self, followed: &Followed, grid: &GroundGrid) -> Option<PlacedMasks<'_>> {
-        let pose = &followed.vehicle_from_feature;
-        let masks = self.stops.get(followed.index)?.masks.drawn(pose.rotation.angle())?;
+    /// The masks with which the feature of that index was matched.
+    pub fn placed_masks(&self, index: usize, matched: &Match, grid: &GroundGrid) -> Option<PlacedMasks<'_>> {
+        let pose = &matched.vehicle_from_feature;
+        let masks = self.stops.get(index)?.masks.drawn(pose.rotation.angle())?;
         let (column, row) = node_pixel(grid, pose);
         Some(PlacedMasks { masks, column, row })
     }
@@ -162,7 +162,7 @@ impl Tracker {
             predicted: None,
             predicted_p: None,
             tried: 0,
-            best_p: None,
+            sought: None,
             sections: Vec::new(),
             gps: None,
         };
@@ -223,7 +223,7 @@ impl Tracker {
         } else {
             let threshold = self.config.confirm_threshold;
             let tried = candidates::about(&self.config, laid, &mut stop.masks, threshold, &predicted)?;
-            note(&tried, evidence);
+            evidence.tried = tried.count;
             let clearly_better = matched.p.unwrap_or(0.0) + CLEARLY_BETTER;
             if let Some((pose, _)) = tried.best.filter(|&(_, p)| p >= clearly_better) {
                 *unconfirmed = 0;
@@ -268,7 +268,11 @@ impl Tracker {
             }
             (None, None) => return Ok(None),
         };
-        note(&tried, evidence);
+        evidence.tried = tried.count;
+        if let Some(closest) = tried.closest {
+            let matched = laid.explain(&mut stop.masks, closest)?;
+            evidence.sought = Some(Sought { index: self.next, matched });
+        }
         let Some((pose, p)) = tried.best else {
             *candidate = None;
             evidence.decision = Decision::NotFound { index: self.next };
@@ -299,16 +303,17 @@ impl Tracker {
         // The match must hold where the edges say the feature is, and they must say it well enough.
         let followed = follow(laid, stop, self.next, &filter)?;
         let aligned_p = followed.matched.p.unwrap_or(0.0);
-        if aligned_p < self.config.detect_threshold || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
+        if aligned_p < self.config.detect_threshold {
             evidence.decision = Decision::Unbounded { index: self.next, p: aligned_p };
             return Ok(None);
         }
-        if frames < self.config.detect_frames {
-            evidence.decision = Decision::Candidate { index: self.next, frames, p };
+        if frames < self.config.detect_frames || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
+            evidence.decision = Decision::Candidate { index: self.next, frames, p: aligned_p };
             *candidate = Some(Candidate { filter, frames });
             return Ok(None);
         }
         evidence.decision = Decision::Detected;
+        evidence.sought = None;
         self.mode = Mode::Tracking { filter, unconfirmed: 0 };
         Ok(Some(followed))
     }
@@ -448,9 +453,4 @@ fn follow(
     let vehicle_from_feature: Isometry2<f64> = *filter.pose();
     let matched = laid.explain(&mut stop.masks, vehicle_from_feature)?;
     Ok(Followed { index, vehicle_from_feature, covariance: *filter.covariance(), matched })
-}
-
-fn note(tried: &Tried, evidence: &mut TrackEvidence) {
-    evidence.tried += tried.count;
-    evidence.best_p = tried.best.map(|(_, p)| p);
 }

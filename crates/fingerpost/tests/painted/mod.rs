@@ -2,7 +2,7 @@
 //!
 //! Independent of the simulator: no objects, no suspension, no noise, so that every place is known exactly.
 
-#![allow(unreachable_pub, reason = "shared by several test programs")]
+#![allow(unreachable_pub, dead_code, reason = "shared by several test programs, each of which uses a part")]
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, Polyline};
