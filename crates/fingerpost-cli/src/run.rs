@@ -1,6 +1,6 @@
 //! `fingerpost run`: the method on a recorded or live drive.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -65,6 +65,7 @@ pub(crate) struct RunArgs {
 
 /// Runs the method.
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
+    check_out(Path::new(&args.input), &args.out)?;
     let config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
@@ -89,6 +90,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
     let driver = Driver::new(setting, wishes, bar)?;
     RecordedDrive { driver, source, gps, most }.run(args, truth.as_deref())
+}
+
+/// An input that stands where the results go would be replaced by them.
+fn check_out(input: &Path, out: &Path) -> Result<()> {
+    let (Ok(input), Ok(out)) = (input.canonicalize(), out.canonicalize()) else {
+        return Ok(());
+    };
+    if input.starts_with(out.join("pictures")) || input == out.join("annotated.mp4") {
+        bail!("{} would be replaced by the results; choose another --out", input.display());
+    }
+    Ok(())
 }
 
 fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {

@@ -36,22 +36,9 @@ impl Mount {
     pub fn check(&self) -> Result<(), GeometryError> {
         // A camera below 5 cm sees no road; above 20 m it is not on a vehicle.
         check_range("mount.height_m", self.height_m, 0.05, 20.0, "0.05 to 20 metres above the road")?;
-        let quarter = 80_f64.to_radians();
-        check_range(
-            "mount.pitch_deg",
-            self.pitch_rad,
-            -quarter,
-            quarter,
-            "-80 to 80 degrees, positive nose down",
-        )?;
-        check_range("mount.yaw_deg", self.yaw_rad, -quarter, quarter, "-80 to 80 degrees, positive left")?;
-        check_range(
-            "mount.roll_deg",
-            self.roll_rad,
-            -quarter,
-            quarter,
-            "-80 to 80 degrees, positive left side up",
-        )?;
+        check_angle("mount.pitch_deg", self.pitch_rad, "-80 to 80 degrees, positive nose down")?;
+        check_angle("mount.yaw_deg", self.yaw_rad, "-80 to 80 degrees, positive left")?;
+        check_angle("mount.roll_deg", self.roll_rad, "-80 to 80 degrees, positive left side up")?;
         check_range("mount.x_m", self.x_m, -30.0, 30.0, "-30 to 30 metres forward of the rear axle")?;
         check_range("mount.y_m", self.y_m, -5.0, 5.0, "-5 to 5 metres left of the centre line")
     }
@@ -68,6 +55,18 @@ impl Mount {
             Translation3::new(self.x_m, self.y_m, self.height_m),
             UnitQuaternion::from_rotation_matrix(&(attitude * vehicle_from_level_camera)),
         )
+    }
+}
+
+/// Largest angle of a mount to either side, degrees: beyond, the camera does not look along the road.
+const MAX_ANGLE_DEG: f64 = 80.0;
+
+/// `Ok` when the angle is within [`MAX_ANGLE_DEG`]; the error tells it in degrees, as the files do.
+fn check_angle(name: &'static str, angle_rad: f64, expected: &'static str) -> Result<(), GeometryError> {
+    if angle_rad.abs() <= MAX_ANGLE_DEG.to_radians() {
+        Ok(())
+    } else {
+        Err(GeometryError::OutOfRange { name, value: angle_rad.to_degrees(), expected })
     }
 }
 

@@ -76,20 +76,24 @@ pub struct DriveFolder {
 
 impl DriveFolder {
     /// Makes the folder, or takes one that exists: frames, masks and files of an earlier drive are removed, all other
-    /// files stay.
+    /// files stay. Pictures are taken for an earlier drive's only beside its `truth.jsonl`.
     ///
     /// # Errors
     /// [`DriveFolderError::File`] when the folder cannot be made or earlier files cannot be removed.
     pub fn create(path: &Path, format: FrameFormat) -> Result<Self, DriveFolderError> {
+        let truth_path = path.join(TRUTH_FILE);
+        let has_drive = truth_path.exists();
         for folder in [FRAMES_FOLDER, MASKS_FOLDER] {
             let folder = path.join(folder);
             create_folder(&folder)?;
-            remove_numbered_pictures(&folder)?;
+            if has_drive {
+                remove_numbered_pictures(&folder)?;
+            }
         }
         for name in [TIMES_FILE, "camera.toml", "route.geojson"] {
             remove_if_there(&path.join(name))?;
         }
-        let truth = JsonLinesFile::create(&path.join(TRUTH_FILE))?;
+        let truth = JsonLinesFile::create(&truth_path)?;
         Ok(Self { path: path.to_owned(), format, truth, times: String::new() })
     }
 

@@ -12,9 +12,11 @@ use crate::{
     picture_file::{PictureFileError, write_png},
 };
 
+/// File of a run's frames, the first that it makes.
+const FRAMES_FILE: &str = "frames.jsonl";
 /// Files of a run, beside its pictures.
 const RESULT_FILES: [&str; 6] =
-    ["config.toml", "frames.jsonl", "summary.json", "report.html", "annotated.mp4", "run.mcap"];
+    ["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", "run.mcap"];
 /// Folder of a run's pictures.
 const PICTURES_FOLDER: &str = "pictures";
 
@@ -49,17 +51,21 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes the folder, or takes one that exists: results of an earlier run are removed, all other files stay.
+    /// Makes the folder, or takes one that exists: results of an earlier run are removed, all other files stay. Pictures
+    /// are taken for an earlier run's only beside its `frames.jsonl`.
     ///
     /// # Errors
     /// [`RunFolderError::File`] when the folder cannot be made or an earlier result cannot be removed.
     pub fn create(path: &Path) -> Result<Self, RunFolderError> {
         create_folder(path)?;
+        let frames_path = path.join(FRAMES_FILE);
+        if frames_path.exists() {
+            remove_pictures(&path.join(PICTURES_FOLDER))?;
+        }
         for name in RESULT_FILES {
             remove_if_there(&path.join(name))?;
         }
-        remove_pictures(&path.join(PICTURES_FOLDER))?;
-        let frames = JsonLinesFile::create(&path.join("frames.jsonl"))?;
+        let frames = JsonLinesFile::create(&frames_path)?;
         Ok(Self { path: path.to_owned(), frames })
     }
 

@@ -77,6 +77,20 @@ fn an_earlier_run_is_replaced_and_other_files_stay() {
 }
 
 #[test]
+fn pictures_without_an_earlier_run_or_drive_stay() {
+    let parent = tempfile::tempdir().unwrap();
+    for folder in ["pictures", "frames"] {
+        fs::create_dir(parent.path().join(folder)).unwrap();
+        fs::write(parent.path().join(folder).join("000001.png"), "recorded").unwrap();
+    }
+    drop(RunFolder::create(parent.path()).unwrap());
+    drop(DriveFolder::create(parent.path(), FrameFormat::Png).unwrap());
+    for folder in ["pictures", "frames"] {
+        assert_eq!(names(&parent.path().join(folder)), ["000001.png"]);
+    }
+}
+
+#[test]
 fn a_folder_that_cannot_be_made_is_named() {
     let parent = tempfile::tempdir().unwrap();
     let path = parent.path().join("file");

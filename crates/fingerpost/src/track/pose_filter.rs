@@ -41,7 +41,7 @@ pub(crate) enum Update {
 const GATE_SIGMAS: f64 = 3.0;
 /// Growth of the uncertainty in a frame beyond the motion's own: the road is not quite flat and the map not quite
 /// where the road is, so that no number of frames makes a place certain. Metres and radians.
-const PROCESS_M: f64 = 0.1;
+const PROCESS_M: f64 = 0.06;
 const PROCESS_RAD: f64 = 0.01;
 
 impl PoseFilter {
