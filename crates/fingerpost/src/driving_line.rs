@@ -55,6 +55,8 @@ pub struct DrivingLine {
 
 /// Pieces into which the curve is cut; at 25 m of curve a piece is shorter than a pixel of steering.
 const CURVE_PIECES: usize = 64;
+/// Distance on either side of a point of approach or exit over which its curvature is measured, metres.
+const CORNER_SPREAD_M: f64 = 3.0;
 /// Growth of the set-back from one try to the next, metres.
 const SETBACK_STEP_M: f64 = 0.25;
 
@@ -158,12 +160,16 @@ fn hand_out(
         (0..=pieces).map(|i| parameter_at(sampled, sampled.length_m() * i as f64 / pieces as f64)).collect();
     points.extend(parameters.iter().map(|&t| from_kurbo(curve.eval(t))));
     points.extend((1..=lead).map(|i| outbound.at(setback_m + step * i as f64).0));
+    let reach = (CORNER_SPREAD_M / step).ceil() as usize;
     let curvature = (0..points.len())
         .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {
             // kurbo counts a turn from y to x as positive.
             Some(&t) => -curve.curvature(t),
-            None if i == 0 || i + 1 == points.len() => 0.0,
-            None => three_point_curvature(points[i - 1], points[i], points[i + 1]),
+            None => {
+                // The map's corners are spread over the length in which a vehicle steers through them.
+                let (before, after) = (i.saturating_sub(reach), (i + reach).min(points.len() - 1));
+                three_point_curvature(points[before], points[i], points[after])
+            }
         })
         .collect();
     (points, curvature)

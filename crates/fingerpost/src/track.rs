@@ -147,12 +147,21 @@ pub enum Decision {
         /// P(F).
         p: f64,
     },
-    /// It matched, but none of the arms that tell it showed both edges of its road.
+    /// It matched, but none of the arms that tell it showed an edge of its road.
     Unbounded {
         /// Index of the feature.
         index: usize,
         /// P(F).
         p: f64,
+    },
+    /// It matched, but not where the edges of its arms say that it would have to be.
+    EdgesDisagree {
+        /// Index of the feature.
+        index: usize,
+        /// P(F) at the best place.
+        p: f64,
+        /// P(F) at the place that the edges say.
+        aligned_p: f64,
     },
     /// The feature matched in enough frames: it is tracked from now on.
     Detected,

@@ -86,7 +86,11 @@ pub(crate) fn why(
             config.detect_frames
         ),
         (Decision::Unbounded { index, p }, _) => format!(
-            "{} not taken: P(F) {p:.2}, but its arms do not show their edges well enough to say where it is",
+            "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
+            feature_name(stops, *index)
+        ),
+        (Decision::EdgesDisagree { index, p, aligned_p }, _) => format!(
+            "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
             feature_name(stops, *index)
         ),
         (Decision::Lost { index }, _) => format!(

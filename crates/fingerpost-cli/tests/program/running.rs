@@ -40,7 +40,7 @@ fn a_junction_is_found_followed_and_arrived_at() {
     let truth = summary.truth.as_ref().unwrap();
     assert_eq!((truth.features_total, truth.features_detected, truth.false_detections), (1, 1, 0));
     // How precise the method is, its own tests say; here only that it found the junction where it is.
-    assert!(truth.position_error_m.unwrap().p50 < 3.0);
+    assert!(truth.position_error_m.unwrap().p50 < 1.0);
     assert!(truth.motion_error_pct.unwrap() < 5.0);
 
     let printed: fingerpost_format::Summary = serde_json::from_str(&called.stdout).unwrap();

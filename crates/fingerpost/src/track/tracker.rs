@@ -304,7 +304,7 @@ impl Tracker {
         let followed = follow(laid, stop, self.next, &filter)?;
         let aligned_p = followed.matched.p.unwrap_or(0.0);
         if aligned_p < self.config.detect_threshold {
-            evidence.decision = Decision::Unbounded { index: self.next, p: aligned_p };
+            evidence.decision = Decision::EdgesDisagree { index: self.next, p, aligned_p };
             return Ok(None);
         }
         if frames < self.config.detect_frames || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
