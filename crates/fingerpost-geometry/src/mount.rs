@@ -115,5 +115,7 @@ mod tests {
         ] {
             assert!(bad.check().unwrap_err().to_string().starts_with(name));
         }
+        let error = Mount { yaw_rad: 90_f64.to_radians(), ..Mount::level(1.5) }.check().unwrap_err();
+        assert!(error.to_string().starts_with("mount.yaw_deg = 90 "), "{error}");
     }
 }

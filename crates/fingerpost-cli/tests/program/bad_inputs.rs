@@ -199,3 +199,14 @@ fn an_output_folder_that_is_a_file() {
     let drive = Drive::get();
     call_line(&drive.run_line(&drive.path(), &path)).refused(1, &["taken"]);
 }
+
+#[test]
+fn an_input_that_the_results_would_replace() {
+    let out = TempDir::new().unwrap();
+    let pictures = out.path().join("pictures");
+    fs::create_dir(&pictures).unwrap();
+    fs::write(pictures.join("1.png"), "recorded").unwrap();
+    let drive = Drive::get();
+    call_line(&drive.run_line(&pictures, out.path())).refused(1, &["replaced", "--out"]);
+    assert_eq!(fs::read(pictures.join("1.png")).unwrap(), b"recorded");
+}
