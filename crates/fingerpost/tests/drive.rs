@@ -23,7 +23,7 @@ fn drive(world: &World, junction: &Junction<'_>, config: &Config, left_m: f64, s
     let (route, _) = route(junction);
     let mut pipeline = Pipeline::new(config, &camera, Some(&route), None).unwrap();
     let mut result = Drive { outputs: Vec::new(), vehicle_from_node: Vec::new() };
-    let frames = ((28.0 - 6.0) / step_m) as usize;
+    let frames = ((28.0 - 5.0) / step_m) as usize;
     for i in 0..frames {
         let y = -28.0 + step_m * i as f64;
         let map_from_vehicle = Isometry2::new(Vector2::new(-left_m, y), std::f64::consts::FRAC_PI_2);

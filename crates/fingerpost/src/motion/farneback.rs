@@ -76,6 +76,8 @@ const FLOW_FLOOR_PX: f64 = 0.05;
 const GOOD_START: f64 = 1.5;
 /// Flow beyond this after the start was applied is measured again from the better start, pixels.
 const RESTART_PX: f64 = 1.5;
+/// Shift along the road that a good motion must be told from by the picture, metres.
+const TELL_SHIFT_M: f64 = 0.3;
 /// Share of the distance by which a flat road's scale is off when the vehicle pitches, one standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
 /// Smallest standard deviations of a frame's motion: metres and radians; a real road is never flatter.
@@ -222,8 +224,9 @@ impl FarnebackMotion {
         let difference =
             |motion: &Isometry2<f64>| coarse::difference(&grid, pictures, view.validity(), region, motion);
         let left_over = difference(&motion).unwrap_or(f64::INFINITY);
-        let quality =
-            fitted.accepted * (1.0 - left_over / contrast(current, region).max(1.0)).clamp(0.0, 1.0);
+        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M]
+            .map(|shift| difference(&(Isometry2::translation(shift, 0.0) * motion)).unwrap_or(0.0));
+        let quality = fitted.accepted * told_apart(left_over, shifted[0].min(shifted[1]));
         self.last = motion;
         self.last_difference = if left_over.is_finite() { left_over.max(1.0) } else { 0.0 };
         let samples = pairs
@@ -337,13 +340,14 @@ fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
         .map(|(bottom, half)| Rect { x: middle - half, y: bottom - length, width: 2 * half, height: length })
 }
 
-/// Mean absolute deviation of grey in a region, grey levels.
-fn contrast(grey: &Plane<u8>, region: Rect) -> f64 {
-    let rows =
-        || (region.y..region.y + region.height).map(|y| &grey.row(y)[region.x..region.x + region.width]);
-    let count = (region.width * region.height) as f64;
-    let mean = rows().flatten().map(|&g| f64::from(g)).sum::<f64>() / count;
-    rows().flatten().map(|&g| (f64::from(g) - mean).abs()).sum::<f64>() / count
+/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
+/// road without texture looks alike however far the vehicle moved.
+fn told_apart(left_over: f64, shifted: f64) -> f64 {
+    if left_over.is_finite() && shifted > 0.0 {
+        (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
 }
 
 fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
