@@ -8,7 +8,9 @@
 
 mod alignment;
 mod candidates;
+mod kerbs;
 mod pose_filter;
+mod route_stop;
 mod tracker;
 
 use nalgebra::{Isometry2, Matrix3};
@@ -20,7 +22,8 @@ use crate::route_progress::GpsUse;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
 pub use pose_filter::PoseFilter;
-pub use tracker::{RouteStop, Tracker, TrackerSetting};
+pub use route_stop::{RouteStop, TrackerSetting};
+pub use tracker::Tracker;
 
 /// Settings of search and tracking.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -8,14 +8,13 @@
 //!
 //! Limits: a road whose edges are not seen, or which is far from as wide as the map says, measures nothing.
 
-use std::f64::consts::TAU;
-
 use fingerpost_geometry::Polyline;
 use fingerpost_vision::span::{RowSums, SpanError, SpanMask};
 use nalgebra::{Isometry2, Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::kerbs::Kerbs;
 use super::pose_filter::{LineMeasurement, PoseFilter, Update};
 use crate::feature_model::{ArmModel, FeatureModel};
 use crate::matching::LaidSurface;
@@ -108,12 +107,6 @@ pub enum CrossSectionUse {
 
 /// Farthest piece of an arm from the node that is used, metres: beyond it arms bend away from the map.
 const MAX_ALONG_M: f64 = 16.0;
-/// Arms that differ by more than this run straight on along their outer side, radians (150 degrees).
-const STRAIGHT_RAD: f64 = 2.618;
-/// Sharper forks are taken as this sharp, radians (25 degrees): their kerbs never end in view.
-const SHARPEST_RAD: f64 = 0.436;
-/// Share of a kerb's radius, from its end, over which its course is followed: there it stands back by a third of it.
-const FLARED_SHARE: f64 = 0.75;
 /// Share of a piece that must be seen.
 const MIN_SEEN_SHARE: f64 = 0.7;
 
@@ -319,47 +312,6 @@ fn line(
     })
 }
 
-/// The kerbs at an arm's mouth, which widen its road to either side where they curve into the neighbouring arms.
-struct Kerbs {
-    radius_m: f64,
-    /// Distances from the node at which they end, for the left and the right edge, metres.
-    end_m: [f64; 2],
-}
-
-impl Kerbs {
-    fn of(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> Self {
-        let direction = arm.direction_rad();
-        let others = || feature.arms.iter().filter(|other| other.label != arm.label);
-        // The neighbour on a side is the arm at the smallest angle that way.
-        let end_m = [1.0, -1.0].map(|side| {
-            others()
-                .map(|other| ((side * (other.direction_rad() - direction)).rem_euclid(TAU), other.width_m))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map_or(0.0, |(angle, width_m)| kerb_end_m(angle, arm.width_m, width_m, radius_m))
-        });
-        Self { radius_m, end_m }
-    }
-
-    /// How far the kerb stands back from the edge at a distance from the node, metres; none where the edge is rather
-    /// the other road's.
-    fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
-        let before_end_m = (self.end_m[side] - along_m).max(0.0);
-        (before_end_m <= FLARED_SHARE * self.radius_m)
-            .then(|| self.radius_m - (self.radius_m.powi(2) - before_end_m.powi(2)).sqrt())
-    }
-}
-
-/// Where the kerb between two arms ends on the first, metres from the node: their edges cross at
-/// (w_b/2 + w_a/2 cos a) / sin a, and an arc of radius r that touches both ends r / tan(a/2) beyond.
-fn kerb_end_m(angle_rad: f64, width_m: f64, other_width_m: f64, radius_m: f64) -> f64 {
-    if angle_rad > STRAIGHT_RAD {
-        return 0.0;
-    }
-    let angle_rad = angle_rad.max(SHARPEST_RAD);
-    let crossing = 0.5 * (other_width_m + width_m * angle_rad.cos()) / angle_rad.sin();
-    crossing.max(0.0) + radius_m / (0.5 * angle_rad).tan()
-}
-
 /// Standard deviation across a section from the camera's pitch, metres: an error p moves a place at distance x by
 /// p x^2 / height.
 fn pitch_sigma_m(
@@ -437,14 +389,6 @@ mod tests {
         let profile: Vec<_> = (-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, Some(road(x)))).collect();
         let [Some(left), Some(right)] = edges(&profile, 0.5) else { panic!("both edges are there") };
         assert!((left - 2.95).abs() < 0.06 && (right + 2.05).abs() < 0.06, "{left} {right}");
-    }
-
-    #[test]
-    fn a_kerb_ends_where_its_arc_touches_the_edge() {
-        // Right angle: half the other road and one radius. At 60 degrees: (3 + 3 * 0.5) / 0.866 + 4 / tan 30 deg.
-        assert!((kerb_end_m(TAU / 4.0, 6.0, 6.0, 4.0) - 7.0).abs() < 1e-9);
-        assert!((kerb_end_m(TAU / 6.0, 6.0, 6.0, 4.0) - 12.124).abs() < 1e-3);
-        assert!(kerb_end_m(3.0, 6.0, 6.0, 4.0).abs() < 1e-9, "straight on there is none");
     }
 
     #[test]

@@ -1,30 +1,19 @@
 //! The tracker's states and how a frame moves it from one to the next.
 
 use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
-use fingerpost_map::{Route, TangentPlane};
+use fingerpost_map::Route;
 use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Point2};
 
 use super::alignment::{self, CrossSection, CrossSectionUse};
 use super::candidates;
+use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::{Decision, Followed, PoseFilter, Sought, State, TrackConfig, TrackEvidence, TrackOutput};
-use crate::driving_line::{DrivingLine, DrivingLineConfig};
-use crate::feature_masks::{FeatureMaskConfig, MaskCache, PlacedMasks, node_pixel};
-use crate::feature_model::FeatureModel;
+use crate::driving_line::DrivingLine;
+use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::Motion;
-use crate::route_progress::{RouteProgress, RouteProgressConfig};
-use crate::vehicle::VehicleConfig;
-
-/// A feature of the route, ready to be looked for.
-#[derive(Debug)]
-pub struct RouteStop {
-    /// Its model.
-    pub model: FeatureModel,
-    /// The driving line through it; none without approach and exit.
-    pub line: Option<DrivingLine>,
-    masks: MaskCache,
-}
+use crate::route_progress::RouteProgress;
 
 #[derive(Debug)]
 enum Mode {
@@ -42,27 +31,6 @@ struct Candidate {
 struct Passing {
     index: usize,
     filter: PoseFilter,
-}
-
-/// What the tracker needs to know besides the route.
-#[derive(Debug, Clone, Copy)]
-pub struct TrackerSetting<'a> {
-    /// Search and tracking.
-    pub track: &'a TrackConfig,
-    /// Masks.
-    pub masks: &'a FeatureMaskConfig,
-    /// Driving lines.
-    pub driving_line: &'a DrivingLineConfig,
-    /// The vehicle.
-    pub vehicle: &'a VehicleConfig,
-    /// Progress along the route.
-    pub progress: &'a RouteProgressConfig,
-    /// Raster of the ground view.
-    pub grid: &'a GroundGrid,
-    /// Bottom of what is seen ahead, metres.
-    pub nearest_seen_m: f64,
-    /// Height of the camera, metres.
-    pub camera_height_m: f64,
 }
 
 /// Follows the features of a route, one after the other.
@@ -105,21 +73,7 @@ impl Tracker {
         route: Option<&Route>,
         start_m: Option<f64>,
     ) -> Result<Self, GeometryError> {
-        let mut stops = Vec::new();
-        let mut route_in_map = None;
-        if let Some(route) = route
-            && let Some(first) = route.line.first()
-        {
-            let map = TangentPlane::new(first.at);
-            route_in_map = Some(Polyline::new(route.line.iter().map(|point| map.map_from_wgs84(point.at)))?);
-            for feature in &route.features {
-                let model = FeatureModel::new(feature, &map)?;
-                let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
-                let masks =
-                    MaskCache::new(setting.masks, setting.vehicle, setting.grid, &model, line.as_ref());
-                stops.push(RouteStop { model, line, masks });
-            }
-        }
+        let (stops, route_in_map) = route_stops(setting, route)?;
         Ok(Self {
             config: setting.track.clone(),
             stops,
@@ -239,11 +193,20 @@ impl Tracker {
                 }
             }
         }
-        if *unconfirmed == 0 {
-            evidence.sections =
-                alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, filter)?;
+        let matched_there = follow(laid, stop, self.next, filter)?;
+        if *unconfirmed > 0 {
+            return Ok(Some(matched_there));
         }
-        follow(laid, stop, self.next, filter).map(Some)
+        let before = filter.clone();
+        evidence.sections =
+            alignment::align(&self.config.alignment, self.camera_height_m, laid, &stop.model, filter)?;
+        let aligned = follow(laid, stop, self.next, filter)?;
+        if aligned.matched.p.is_some_and(|p| p < self.config.confirm_threshold) {
+            // Edges that lead the masks off the road belong to something else.
+            *filter = before;
+            return Ok(Some(matched_there));
+        }
+        Ok(Some(aligned))
     }
 
     /// Searches for the next feature where it can be; tracks it once it matched in enough frames.
