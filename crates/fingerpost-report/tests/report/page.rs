@@ -149,5 +149,5 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
     let empty = page(&[], None);
     assert!(empty.contains("No frame was processed."));
     let unseen = [record(0, TrackState::Searching, String::new())];
-    assert!(page(&unseen, None).contains("No feature was followed"));
+    assert!(page(&unseen, None).contains("No feature of the route came into view"));
 }

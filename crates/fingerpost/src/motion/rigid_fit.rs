@@ -4,8 +4,11 @@
 //! view, made for the camera at rest, then bends: a camera turned by a small rotation (pitch p, roll r) shows the place
 //! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h). Left out, a tenth of a
 //! degree of roll between two frames would read as half a degree of turn. So the fit has six unknowns: the motion
-//! (forward, left, yaw), the change of pitch and of roll, and the pitch itself, which stretches the displacement. The
-//! last three are held small by priors and thrown away; the motion is what is wanted.
+//! (forward, left, yaw), the change of pitch and of roll, and a standing roll, as in a bend, which shears the
+//! displacement. The last three are held small by priors and thrown away; the motion is what is wanted.
+//!
+//! A standing pitch is left out on purpose: it stretches the displacement much as distance does, and an unknown for it
+//! turns the flow's own small errors into percents of the distance.
 //!
 //! Gauss-Newton, re-weighted by Tukey's biweight until outliers (kerbs, parked cars, shadows that move with the
 //! vehicle) have no say; it starts from the weighted orthogonal Procrustes solution.
@@ -46,8 +49,8 @@ const ITERATIONS: usize = 8;
 const TUKEY: f64 = 4.685;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_SIGMA: f64 = 1.4826;
-/// Standard deviations of the body's sway: change of pitch and roll between frames and pitch itself, radians; a car on
-/// its springs moves by a few tenths of a degree.
+/// Standard deviations of the body's sway: change of pitch and of roll between frames, and standing roll, radians; a car
+/// on its springs moves by a few tenths of a degree and leans by half a degree in a bend.
 const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
 
 /// Fits the motion, leaving each pair's final weight in it; none for fewer than six pairs.
