@@ -63,30 +63,22 @@ fn check_found(drive: &Drive) {
     assert!(arrived, "the driving line's start reached the bottom of the view");
 }
 
+/// A T-junction that is left by `exit`, with the other arm aside.
+fn check_t_junction(exit: &[Place], side: &[Place], traffic: Traffic, left_m: f64) {
+    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
+    let kind = FeatureKind::Junction;
+    let junction = Junction { kind, approach: SOUTH, exit, sides: &[side], width_m: WIDTH_M };
+    check_found(&drive(&world, &junction, &keeping(traffic), left_m, 0.6));
+}
+
 #[test]
 fn a_t_junction_to_the_right_is_found_followed_and_arrived_at() {
-    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
-    let junction = Junction {
-        kind: FeatureKind::Junction,
-        approach: SOUTH,
-        exit: EAST,
-        sides: &[WEST],
-        width_m: WIDTH_M,
-    };
-    check_found(&drive(&world, &junction, &keeping(Traffic::Centre), 0.0, 0.6));
+    check_t_junction(EAST, WEST, Traffic::Centre, 0.0);
 }
 
 #[test]
 fn the_side_of_the_road_does_not_matter() {
-    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
-    let junction = Junction {
-        kind: FeatureKind::Junction,
-        approach: SOUTH,
-        exit: WEST,
-        sides: &[EAST],
-        width_m: WIDTH_M,
-    };
-    check_found(&drive(&world, &junction, &keeping(Traffic::Right), -1.3, 0.6));
+    check_t_junction(WEST, EAST, Traffic::Right, -1.3);
 }
 
 #[test]
