@@ -6,6 +6,7 @@
 
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, RgbImage};
+use crate::simd::{CodePath, simd_kernel};
 
 /// Number of hues: half degrees of the colour circle.
 pub const HUES: u16 = 180;
@@ -142,11 +143,17 @@ impl HueSaturationBins {
 /// [`PictureError::SizeMismatch`] when the two differ in size.
 pub fn grey(image: &RgbImage, grey: &mut Plane<u8>) -> Result<(), PictureError> {
     check_size("grey picture", image.size(), grey.size())?;
-    let (pixels, _) = image.as_slice().as_chunks::<3>();
-    for (out, &rgb) in grey.as_mut_slice().iter_mut().zip(pixels) {
-        *out = grey_of(rgb);
-    }
+    grey_row(CodePath::fastest(), image.as_slice(), grey.as_mut_slice());
     Ok(())
+}
+
+simd_kernel! {
+    fn grey_row(rgb: &[u8], grey: &mut [u8]) {
+        let (pixels, _) = rgb.as_chunks::<3>();
+        for (out, &rgb) in grey.iter_mut().zip(pixels) {
+            *out = grey_of(rgb);
+        }
+    }
 }
 
 /// Fills `hue` (half degrees, 0 to 179) and `saturation` (0 to 255) with those of `image`.

@@ -15,6 +15,7 @@
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
+//! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
@@ -26,5 +27,6 @@ pub mod filter;
 pub mod histogram;
 pub mod picture;
 pub mod pyramid;
+pub mod simd;
 pub mod span;
 pub mod warp;

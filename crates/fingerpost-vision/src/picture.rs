@@ -4,9 +4,11 @@
 //! a kernel can work on a region without a copy. Sizes are in pixels; a plane of no pixels is valid.
 
 mod rgb;
+mod validity;
 mod view;
 
 pub use rgb::RgbImage;
+pub use validity::{Run, ValidityMask};
 pub use view::{PlaneView, PlaneViewMut};
 
 use crate::error::PictureError;
