@@ -39,6 +39,9 @@ struct Arguments {
     /// Times that every contestant has its turn.
     #[arg(long, value_name = "N", default_value_t = 15)]
     rounds: usize,
+    /// Compare results only; nothing is timed.
+    #[arg(long, conflicts_with = "rounds")]
+    check: bool,
     /// Only sections whose title has this in it.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
@@ -55,20 +58,21 @@ fn main() -> Result<()> {
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peer/opencv_peer.py");
     let mut opencv = OpenCv::start(&arguments.python, &script)?;
     let footage = Footage::open(arguments.recording.as_deref())?;
-    let effort = Effort { rounds: arguments.rounds, turn_ms: TURN_MS };
+    let effort = Effort { rounds: if arguments.check { 0 } else { arguments.rounds }, turn_ms: TURN_MS };
     let mut sections: Vec<Section> = Vec::new();
-    let wanted = |title: &str| title.to_lowercase().contains(&arguments.only.to_lowercase());
+    let wanted = |title: &str| title.contains(&arguments.only.to_lowercase());
+    let timed = |title: &str| wanted(title) && !arguments.check;
     if wanted("kernels") {
         let mut bench = Bench { opencv: &mut opencv, effort, frames: &footage.frames };
         sections.push(kernels::kernels(&mut bench)?);
     }
-    if wanted("whole loop") {
+    if timed("whole loop") {
         sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
     }
-    if let Some(program) = arguments.program.as_deref().filter(|_| wanted("recording")) {
+    if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
         sections.push(recording::recording(effort, &footage, program)?);
     }
-    if wanted("growth") {
+    if timed("growth") {
         sections.push(growth::growth(effort, &footage)?);
     }
     let machine = Machine::this(opencv.version.clone());

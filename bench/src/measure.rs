@@ -31,7 +31,7 @@ impl<'a> Contestant<'a> {
 /// How much is measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Effort {
-    /// Times that every contestant has its turn.
+    /// Times that every contestant has its turn; none to compare results only.
     pub rounds: usize,
     /// About how long a turn should last, milliseconds.
     pub turn_ms: f64,
