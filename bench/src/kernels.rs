@@ -2,6 +2,7 @@
 
 mod agreement;
 mod flow;
+mod pyramid;
 
 use anyhow::Result;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -56,6 +57,7 @@ pub fn kernels(bench: &mut Bench<'_>) -> Result<Section> {
         "Kernels",
         "one thread; medians; the ratio is OpenCV's time over Fingerpost's; results are compared before they are timed",
     );
+    section.rows.extend(pyramid::rows(bench)?);
     section.rows.extend(flow::rows(bench)?);
     Ok(section)
 }
