@@ -1,8 +1,10 @@
 //! Every kernel beside OpenCV's, and beside Rust crates that have the operation.
 
 mod agreement;
+mod edges;
 mod flow;
 mod pyramid;
+mod rust_crates;
 
 use anyhow::Result;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -57,6 +59,7 @@ pub fn kernels(bench: &mut Bench<'_>) -> Result<Section> {
         "Kernels",
         "one thread; medians; the ratio is OpenCV's time over Fingerpost's; results are compared before they are timed",
     );
+    section.rows.extend(edges::rows(bench)?);
     section.rows.extend(pyramid::rows(bench)?);
     section.rows.extend(flow::rows(bench)?);
     Ok(section)

@@ -11,7 +11,6 @@ mod recording;
 mod results;
 mod trapezium;
 
-
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};

@@ -6,7 +6,9 @@ use fingerpost_vision::picture::Plane;
 use fingerpost_vision::pyramid::{Resizer, halve, reduce};
 use serde_json::json;
 
-use super::{Bench, PROMISED, SIDE_PX, agreement, array_of_floats, array_of_plane, grey_square, size_of};
+use super::{
+    Bench, PROMISED, SIDE_PX, agreement, array_of_floats, array_of_plane, grey_square, rust_crates, size_of,
+};
 use crate::results::Row;
 
 /// Largest difference of a smoothed or resampled grey level that is allowed: that of adding up in another order.
@@ -33,7 +35,13 @@ fn halving(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {
     let work = || {
         let _ = halve(grey.view(), &mut half);
     };
-    bench.row(("halving, 8 bit (resize)", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, Vec::new())
+    bench.row(
+        ("halving, 8 bit (resize)", &size_of(SIDE_PX)),
+        Some(PROMISED),
+        agreement,
+        work,
+        rust_crates::halvings(grey),
+    )
 }
 
 fn reduction(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {
@@ -44,7 +52,13 @@ fn reduction(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {
     let work = || {
         let _ = reduce(grey.view(), &mut half);
     };
-    bench.row(("pyramid reduction, 8 bit (pyrDown)", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, Vec::new())
+    bench.row(
+        ("pyramid reduction, 8 bit (pyrDown)", &size_of(SIDE_PX)),
+        Some(PROMISED),
+        agreement,
+        work,
+        rust_crates::reductions(grey),
+    )
 }
 
 fn resizing(bench: &mut Bench<'_>, floats: &Plane<f32>) -> Result<Row> {
