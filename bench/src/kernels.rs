@@ -3,6 +3,7 @@
 mod agreement;
 mod edges;
 mod flow;
+mod ground;
 mod pyramid;
 mod rust_crates;
 
@@ -59,6 +60,7 @@ pub fn kernels(bench: &mut Bench<'_>) -> Result<Section> {
         "Kernels",
         "one thread; medians; the ratio is OpenCV's time over Fingerpost's; results are compared before they are timed",
     );
+    section.rows.extend(ground::rows(bench)?);
     section.rows.extend(edges::rows(bench)?);
     section.rows.extend(pyramid::rows(bench)?);
     section.rows.extend(flow::rows(bench)?);

@@ -2,6 +2,7 @@
 //! runs, interleaved in one run on the same frames, after it has checked that the results agree.
 
 mod footage;
+mod growth;
 
 mod kernels;
 mod machine;
@@ -10,6 +11,7 @@ mod peer;
 mod recording;
 mod results;
 mod trapezium;
+mod whole_loop;
 
 use std::path::PathBuf;
 
@@ -65,8 +67,14 @@ fn main() -> Result<()> {
         let mut bench = Bench { opencv: &mut opencv, effort, frames: &footage.frames };
         sections.push(kernels::kernels(&mut bench)?);
     }
+    if timed("whole loop") {
+        sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
     if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
         sections.push(recording::recording(effort, &footage, program)?);
+    }
+    if timed("growth") {
+        sections.push(growth::growth(effort, &footage)?);
     }
     let machine = Machine::this(opencv.version.clone());
     let results = Results { machine, footage: footage.description.clone(), sections };

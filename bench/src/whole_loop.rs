@@ -137,9 +137,9 @@ impl Loop {
         Ok(Self {
             detector: Backprojection::new(&config.road_surface.backprojection)?,
             matcher: Matcher::new(&config.matching, view.grid()),
-            motion: fingerpost::motion::estimator(&config.motion)?,
+            motion: Box::new(fingerpost::motion::FarnebackMotion::new(&config.motion)?),
             node: Isometry2::new(p_in_vehicle.coords, 0.0),
-            ground: GroundPicture::default(),
+            ground: view.black_picture(),
             surface: RoadSurface::default(),
             masks,
             view,
