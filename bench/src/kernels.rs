@@ -6,6 +6,7 @@ mod flow;
 mod ground;
 mod pyramid;
 mod rust_crates;
+mod shapes;
 
 use anyhow::Result;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -62,6 +63,7 @@ pub fn kernels(bench: &mut Bench<'_>) -> Result<Section> {
     );
     section.rows.extend(ground::rows(bench)?);
     section.rows.extend(edges::rows(bench)?);
+    section.rows.extend(shapes::rows(bench)?);
     section.rows.extend(pyramid::rows(bench)?);
     section.rows.extend(flow::rows(bench)?);
     Ok(section)

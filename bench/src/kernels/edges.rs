@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use fingerpost_vision::canny::{Canny, CannyParams, GradientNorm};
-use fingerpost_vision::picture::Plane;
+use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::smoothing::GaussianBlur;
 use fingerpost_vision::sobel::Sobel;
 use serde_json::json;
@@ -18,6 +18,14 @@ const SAME_EDGES: f64 = 0.995;
 pub fn rows(bench: &mut Bench<'_>) -> Result<Vec<Row>> {
     let grey = grey_square(&bench.frames[0], SIDE_PX)?;
     Ok(vec![gaussian(bench, &grey)?, sobel(bench, &grey)?, canny(bench, &grey)?])
+}
+
+/// The edges of the middle of a frame: what shapes and lines are looked for in.
+pub fn edge_picture(frame: &RgbImage) -> Result<Plane<u8>> {
+    let grey = grey_square(frame, SIDE_PX)?;
+    let mut edges = Plane::new(SIDE_PX, SIDE_PX, 0);
+    Canny::new(CANNY)?.apply(grey.view(), &mut edges)?;
+    Ok(edges)
 }
 
 fn gaussian(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {
