@@ -35,6 +35,9 @@ use crate::{
     ffmpeg::{FfmpegPrograms, Messages, VideoError, spawn, start_error},
 };
 
+/// Bytes that a pipe is to hold: the most that Linux allows everyone, and a frame of 960 x 540 pixels.
+#[cfg(target_os = "linux")]
+const PIPE_BYTES: usize = 1 << 20;
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
 
@@ -106,6 +109,7 @@ impl VideoReader {
             let cause = io::Error::from(ErrorKind::BrokenPipe);
             return Err(start_error(&Command::new(&programs.ffmpeg), cause));
         };
+        enlarge(&stdout);
         let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, stdout);
         let stream = PictureStream { pipe, format };
         let pictures = if threads == Some(NonZeroUsize::MIN) {
@@ -181,6 +185,16 @@ impl Drop for VideoReader {
         stop(&mut self.child);
     }
 }
+
+/// Lets a pipe hold more than the usual 64 kB, so that ffmpeg decodes on while a frame waits to be read.
+#[cfg(target_os = "linux")]
+fn enlarge(pipe: &ChildStdout) {
+    // Where the system does not allow it, the pipe stays as it is.
+    let _ = rustix::pipe::fcntl_setpipe_size(pipe, PIPE_BYTES);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn enlarge(_pipe: &ChildStdout) {}
 
 /// Ends a child and takes its exit status; one that has ended already is left in peace.
 fn stop(child: &mut Child) {
