@@ -10,7 +10,8 @@
 //!
 //! Limits: motion larger than about half the window at the coarsest level is not found; where the picture has no texture
 //! the flow tends to that of its surroundings or to nothing; there is no measure of confidence. Pixels of the last row and
-//! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a still picture): take
+//! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a
+//! still picture): take
 //! means over an inner region.
 
 mod displacement;
