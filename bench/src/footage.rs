@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
 use fingerpost_io::{FfmpegPrograms, FrameSource, SourceOptions, VideoWriter};
-use fingerpost_map::{OsmData, RoadGraph, read_route};
+use fingerpost_map::{OsmData, RoadGraph, Route, read_route};
 use fingerpost_sim::{SimConfig, Simulator};
 use fingerpost_vision::picture::RgbImage;
 
@@ -83,6 +83,15 @@ impl Footage {
     }
 }
 
+/// The roads of the demo's town and the route through it.
+pub fn town() -> Result<(RoadGraph, Route)> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/fingerpost-sim/assets");
+    let read = |name: &str| std::fs::read(assets.join(name)).with_context(|| format!("{name} of the demo"));
+    let graph = RoadGraph::from_osm(&OsmData::from_bytes(&read("town.osm")?)?)?;
+    let route = read_route(&String::from_utf8(read("town_route.geojson")?)?)?;
+    Ok((graph, route))
+}
+
 fn first_frames(video: &Path) -> Result<Vec<RgbImage>> {
     let input = video.to_str().context("the video's path is not UTF-8")?;
     let source = FrameSource::open(input, &SourceOptions::default())?;
@@ -93,7 +102,7 @@ fn first_frames(video: &Path) -> Result<Vec<RgbImage>> {
 }
 
 /// A camera like those behind windscreens: 1.5 m up, 8 degrees nose down, 75 degrees wide.
-fn dashcam(width: usize, height: usize) -> Result<Camera> {
+pub fn dashcam(width: usize, height: usize) -> Result<Camera> {
     let (w, h) = (width as f64, height as f64);
     let focal_px = 0.656 * w;
     let intrinsics = Intrinsics { fx: focal_px, fy: focal_px, cx: 0.5 * (w - 1.0), cy: 0.5 * (h - 1.0) };

@@ -46,6 +46,14 @@ impl Array {
     }
 }
 
+/// How long calls took, milliseconds.
+#[derive(Debug)]
+pub struct Times {
+    pub calls_ms: Vec<f64>,
+    /// By the name of a stage, for every call.
+    pub stages_ms: Vec<(String, Vec<f64>)>,
+}
+
 #[derive(Debug, Deserialize)]
 struct Announced(String, Vec<usize>);
 
@@ -89,21 +97,21 @@ impl OpenCv {
         Ok(self.ask(&json!({"do": "outputs"}), &[])?.1)
     }
 
-    /// Milliseconds of each of `calls` calls, and of every stage in them where the operation has stages.
-    pub fn time(&mut self, calls: usize) -> Result<(Vec<f64>, Vec<(String, Vec<f64>)>)> {
+    /// Times `calls` calls, and every stage in them where the operation has stages.
+    pub fn time(&mut self, calls: usize) -> Result<Times> {
         let (line, _) = self.ask(&json!({"do": "time", "calls": calls}), &[])?;
         let milliseconds = |values: &Value| -> Vec<f64> {
             let values = values.as_array().map(Vec::as_slice).unwrap_or_default();
             values.iter().filter_map(Value::as_f64).map(|nanoseconds| nanoseconds / 1e6).collect()
         };
         let stages = line["stages"].as_object().into_iter().flatten();
-        let stages = stages.map(|(name, values)| (name.clone(), milliseconds(values))).collect();
-        Ok((milliseconds(&line["nanoseconds"]), stages))
+        let stages_ms = stages.map(|(name, values)| (name.clone(), milliseconds(values))).collect();
+        Ok(Times { calls_ms: milliseconds(&line["nanoseconds"]), stages_ms })
     }
 
     /// The prepared operation as a contestant.
     pub fn contestant(&mut self) -> Contestant<'_> {
-        Contestant { name: "OpenCV".to_owned(), time: Box::new(|calls| Ok(self.time(calls)?.0)) }
+        Contestant { name: "OpenCV".to_owned(), time: Box::new(|calls| Ok(self.time(calls)?.calls_ms)) }
     }
 
     fn ask(&mut self, request: &Value, inputs: &[Array]) -> Result<(Value, Vec<Array>)> {

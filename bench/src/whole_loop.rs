@@ -70,14 +70,14 @@ fn compare(
     let mut their_times = vec![Vec::new(); STAGES.len() + 1];
     let mut next = footage.frames.iter().cycle();
     for _ in 0..effort.rounds {
-        let (totals, stages) = opencv.time(FRAMES_PER_TURN)?;
-        for frame in 0..totals.len() {
+        let theirs = opencv.time(FRAMES_PER_TURN)?;
+        for frame in 0..theirs.calls_ms.len() {
             for ((_, names), times) in STAGES.iter().zip(&mut their_times) {
-                let of_stage = stages.iter().filter(|(name, _)| names.contains(&name.as_str()));
+                let of_stage = theirs.stages_ms.iter().filter(|(name, _)| names.contains(&name.as_str()));
                 times.push(of_stage.map(|(_, laps)| laps[frame]).sum());
             }
         }
-        their_times[STAGES.len()].extend(totals);
+        their_times[STAGES.len()].extend(theirs.calls_ms);
         // The first is not timed, as on the other side.
         for turn in 0..=FRAMES_PER_TURN {
             let Some(frame) = next.next() else { break };
