@@ -14,7 +14,7 @@ use lookup::BinLookup;
 use crate::error::{PictureError, check_size};
 use crate::histogram::{Histogram, HistogramError};
 use crate::picture::{Plane, ValidityMask};
-use crate::simd::CodePath;
+use crate::simd::{CodePath, simd_kernel};
 
 /// Largest disc, pixels: 1.6 m at 0.05 m a pixel, wider than any road detail worth keeping.
 pub const MAX_DISC_RADIUS_PX: u16 = 32;
@@ -69,12 +69,18 @@ pub fn ratio_lookup(
     if !(gain.is_finite() && gain > 0.0) {
         return Err(BackProjectionError::Gain { gain });
     }
-    lookup.clear();
-    lookup.extend(surface.masses().iter().zip(picture.masses()).map(|(&surface, &picture)| {
-        let ratio = if picture > 0.0 { (gain * surface / picture).min(1.0) } else { 0.0 };
-        (255.0 * ratio).round() as u8
-    }));
+    lookup.resize(surface.masses().len(), 0);
+    tabulate_ratios(CodePath::fastest(), surface.masses(), picture.masses(), gain, lookup);
     Ok(())
+}
+
+simd_kernel! {
+    fn tabulate_ratios(surface: &[f64], picture: &[f64], gain: f64, lookup: &mut [u8]) {
+        for ((out, &surface), &picture) in lookup.iter_mut().zip(surface).zip(picture) {
+            let ratio = if picture > 0.0 { (gain * surface / picture).min(1.0) } else { 0.0 };
+            *out = (255.0 * ratio).round() as u8;
+        }
+    }
 }
 
 /// Back-projection with a disc of one radius; keeps its buffers from picture to picture.

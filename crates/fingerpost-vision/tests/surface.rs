@@ -6,7 +6,7 @@ use fingerpost_vision::backprojection::{
     BackProjectionError, BackProjector, MAX_DISC_RADIUS_PX, ratio_lookup,
 };
 use fingerpost_vision::colour::{self, HueSaturationBins, grey_of, hue_saturation_of};
-use fingerpost_vision::histogram::Histogram;
+use fingerpost_vision::histogram::{BinCounter, Histogram};
 use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
 use fingerpost_vision::span::SpanMask;
 use fingerpost_vision::warp::WarpTable;
@@ -191,11 +191,12 @@ fn a_surface_stands_out_from_its_surroundings() {
     // The left half is the surface (bin 2), the right half something else (bin 1).
     let mut bin = Plane::new(8, 4, 1_u16);
     (0..4).for_each(|y| bin.row_mut(y)[..4].fill(2));
-    let validity = Plane::new(8, 4, 1_u8);
+    let all_seen = ValidityMask::all_seen(8, 4);
     let bins = HueSaturationBins { hue: 1, saturation: 4 };
     let histogram_of = |rect: Rect| {
         let mut histogram = Histogram::new(bins).unwrap();
-        histogram.count(bin.view(), validity.view(), &SpanMask::from_rect(rect)).unwrap();
+        let region = SpanMask::from_rect(rect);
+        BinCounter::default().count(bin.view(), &all_seen, &region, &mut histogram).unwrap();
         histogram.normalise();
         histogram
     };
@@ -210,7 +211,6 @@ fn a_surface_stands_out_from_its_surroundings() {
 
     let mut projector = BackProjector::new(0).unwrap();
     let mut probability = Plane::new(8, 4, 0);
-    let all_seen = ValidityMask::all_seen(8, 4);
     projector.project(&bin, &all_seen, &lookup, &mut probability).unwrap();
     assert_eq!(probability.row(1), &[204, 204, 204, 204, 51, 51, 51, 51]);
     let short = projector.project(&bin, &all_seen, &lookup[..2], &mut probability);

@@ -212,13 +212,13 @@ fn sum_under_disc(disc: &Disc, values: &Plane<u8>, y: usize, pixels: Range<usize
         let mut sums = [0_u16; LANES];
         add(&mut sums, &middle[at..at + LANES]);
         let mut reach = 0;
-        for (&half, columns) in disc.half_heights.iter().zip(scratch.columns.chunks_exact_mut(stride)) {
+        for (level, &half) in disc.half_heights.iter().enumerate() {
             while reach < half {
                 reach += 1;
                 add(&mut sums, &middle[at - reach * stride..][..LANES]);
                 add(&mut sums, &middle[at + reach * stride..][..LANES]);
             }
-            columns[block..block + LANES].copy_from_slice(&sums);
+            scratch.columns[level * stride + block..][..LANES].copy_from_slice(&sums);
         }
     }
     for block in (0..count).step_by(LANES) {

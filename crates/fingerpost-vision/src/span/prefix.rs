@@ -50,6 +50,19 @@ impl PrefixRows {
         &self.sums[start..start + self.stride()]
     }
 
+    /// Sum of the values of row `y` from column `start` to before `end`, both inside the row.
+    #[inline]
+    pub(crate) fn sum(&self, y: usize, mut start: usize, end: usize) -> u64 {
+        let sums = &self.row(y)[LANES..];
+        let mut sum = 0;
+        while start < end {
+            let piece_end = end.min(start + MAX_PIECE_PX);
+            sum += u64::from(sums[piece_end].wrapping_sub(sums[start]));
+            start = piece_end;
+        }
+        sum
+    }
+
     fn stride(&self) -> usize {
         self.width + 2 * LANES
     }
