@@ -66,7 +66,7 @@ pub struct FrameEvidence<'a> {
     /// How it was found.
     pub road: RoadEvidence,
     /// How the motion was found.
-    pub motion: Option<MotionEvidence>,
+    pub motion: Option<&'a MotionEvidence>,
     /// How the tracker decided.
     pub track: TrackEvidence,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
@@ -174,7 +174,8 @@ impl Pipeline {
         let (track, track_evidence) = self.tracker.step(motion.as_ref(), &laid, gps_in_map)?;
         finished(Stage::Match);
 
-        let (driving_line, driving_line_curvature_per_m) = self.driving_line(track.followed.as_ref());
+        let (driving_line, driving_line_curvature_per_m) =
+            driving_line(&self.tracker, track.followed.as_ref());
         let why = why(&track, &track_evidence, self.tracker.stops(), &self.config.track);
         finished(Stage::DrivingLine);
 
@@ -210,19 +211,19 @@ impl Pipeline {
     pub const fn config(&self) -> &Config {
         &self.config
     }
+}
 
-    /// The driving line ahead of the vehicle through the followed feature.
-    fn driving_line(&self, followed: Option<&Followed>) -> (Vec<Point2<f64>>, Vec<f64>) {
-        let Some((followed, line)) = followed
-            .and_then(|followed| Some((followed, self.tracker.stops().get(followed.index)?.line.as_ref()?)))
-        else {
-            return (Vec::new(), Vec::new());
-        };
-        line.points
-            .iter()
-            .map(|&p_in_feature| followed.vehicle_from_feature * p_in_feature)
-            .zip(line.curvature_per_m.iter().copied())
-            .skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0)
-            .unzip()
-    }
+/// The driving line ahead of the vehicle through the followed feature.
+fn driving_line(tracker: &Tracker, followed: Option<&Followed>) -> (Vec<Point2<f64>>, Vec<f64>) {
+    let Some((followed, line)) =
+        followed.and_then(|followed| Some((followed, tracker.stops().get(followed.index)?.line.as_ref()?)))
+    else {
+        return (Vec::new(), Vec::new());
+    };
+    line.points
+        .iter()
+        .map(|&p_in_feature| followed.vehicle_from_feature * p_in_feature)
+        .zip(line.curvature_per_m.iter().copied())
+        .skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0)
+        .unzip()
 }
