@@ -4,6 +4,10 @@
 //! Smith, "Color gamut transform pairs", SIGGRAPH 1978) in the ranges that are usual for 8-bit pictures: hue in half
 //! degrees, 0 to 179 with red at 0, and saturation 0 to 255. Divisions are table look-ups.
 
+mod yuv;
+
+pub use yuv::{Yuv420, YuvCoding, YuvMatrix, YuvRange, rgb_from_yuv420};
+
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, RgbImage};
 use crate::simd::{CodePath, simd_kernel};
@@ -102,9 +106,6 @@ pub enum ColourError {
         /// Bins over saturation asked for.
         saturation: u16,
     },
-    /// Pictures whose sizes do not fit.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
 }
 
 impl HueSaturationBins {
@@ -134,6 +135,55 @@ impl HueSaturationBins {
         let saturation_bin =
             usize::from(saturation) * usize::from(self.saturation) / usize::from(SATURATIONS);
         hue_bin * usize::from(self.saturation) + saturation_bin
+    }
+}
+
+/// A checked [`HueSaturationBins`], ready to number the bins of whole pictures.
+///
+/// ```
+/// use fingerpost_vision::colour::{BinDivision, HueSaturationBins};
+/// let division = BinDivision::new(HueSaturationBins { hue: 6, saturation: 4 })?;
+/// assert_eq!(division.bin_of(60, 255), 2 * 4 + 3);
+/// # Ok::<(), fingerpost_vision::colour::ColourError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BinDivision {
+    bins: HueSaturationBins,
+    /// Hue bins a hue, times 2^[`HUE_BIN_BITS`], rounded up.
+    hue_factor: u32,
+}
+
+/// Bits behind the point of a factor that makes hue bins of hues. A factor is less than 2^-15 too large, so that the
+/// largest hue's bin is less than 179/32768 too large before it is cut: less than the 1/180 by which a quotient of a whole
+/// number by 180 can fall short of the next whole number.
+const HUE_BIN_BITS: u32 = 15;
+
+impl BinDivision {
+    /// Checks the numbers of bins.
+    ///
+    /// # Errors
+    /// [`ColourError::Bins`] as [`HueSaturationBins::check`].
+    pub fn new(bins: HueSaturationBins) -> Result<Self, ColourError> {
+        bins.check()?;
+        let hue_factor = (u32::from(bins.hue) << HUE_BIN_BITS).div_ceil(u32::from(HUES));
+        Ok(Self { bins, hue_factor })
+    }
+
+    /// The division into bins.
+    #[must_use]
+    pub const fn bins(&self) -> HueSaturationBins {
+        self.bins
+    }
+
+    /// Bin index of a hue in half degrees, 0 to 179, and a saturation: that of [`HueSaturationBins::bin_of`].
+    #[must_use]
+    #[inline]
+    pub fn bin_of(&self, hue: u8, saturation: u8) -> u16 {
+        let hue_bin = (u32::from(hue) * self.hue_factor) >> HUE_BIN_BITS;
+        let saturations = u32::from(self.bins.saturation);
+        let saturation_bin = (u32::from(saturation) * saturations) / u32::from(SATURATIONS);
+        // At most 180 * 256 bins, so an index fits 16 bits.
+        (hue_bin * saturations + saturation_bin) as u16
     }
 }
 
@@ -178,25 +228,25 @@ pub fn hue_saturation(
 /// Fills `grey` with the luma and `bin` with the hue-saturation bin index of each pixel of `image`, in one pass.
 ///
 /// # Errors
-/// [`ColourError`] when the bins cannot be made or the pictures differ in size.
+/// [`PictureError::SizeMismatch`] when the pictures differ in size.
 pub fn grey_and_bins(
     image: &RgbImage,
-    bins: HueSaturationBins,
+    division: &BinDivision,
     grey: &mut Plane<u8>,
     bin: &mut Plane<u16>,
-) -> Result<(), ColourError> {
-    bins.check()?;
+) -> Result<(), PictureError> {
     check_size("grey picture", image.size(), grey.size())?;
     check_size("bin picture", image.size(), bin.size())?;
-    // At most 180 * 256 bins, so an index fits 16 bits. A byte can index either table without a bounds check.
-    let hue_part: [u16; 256] = std::array::from_fn(|hue| bins.bin_of(hue as u8, 0) as u16);
-    let saturation_part: [u16; 256] =
-        std::array::from_fn(|saturation| bins.bin_of(0, saturation as u8) as u16);
     let (pixels, _) = image.as_slice().as_chunks::<3>();
-    for ((grey, bin), &rgb) in grey.as_mut_slice().iter_mut().zip(bin.as_mut_slice()).zip(pixels) {
+    grey_and_bins_of(pixels, division, grey.as_mut_slice(), bin.as_mut_slice());
+    Ok(())
+}
+
+/// Luma and bin index of each pixel.
+pub(crate) fn grey_and_bins_of(pixels: &[[u8; 3]], division: &BinDivision, grey: &mut [u8], bin: &mut [u16]) {
+    for ((grey, bin), &rgb) in grey.iter_mut().zip(bin).zip(pixels) {
         *grey = grey_of(rgb);
         let (hue, saturation) = hue_saturation_of(rgb);
-        *bin = hue_part[usize::from(hue)] + saturation_part[usize::from(saturation)];
+        *bin = division.bin_of(hue, saturation);
     }
-    Ok(())
 }
