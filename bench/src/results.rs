@@ -117,7 +117,7 @@ fn row_line(row: &Row) -> String {
     let agreement = row.agreement.as_ref().map_or("", |agreement| agreement.found.as_str());
     let says = verdict(row.holds(), row.promised_ratio.is_some() || row.agreement.is_some());
     let line = format!(
-        "  {:<44} {:<18} {ratio:>8} {promised:<8} {says:<12} {}  {agreement}",
+        "  {:<50} {:<24} {ratio:>8} {promised:<8} {says:<12} {}  {agreement}",
         row.what,
         row.size,
         contestants.join(", ")
@@ -129,7 +129,7 @@ fn figure_line(figure: &Figure) -> String {
     let promised = figure.promised.map_or(String::new(), |promised| format!("of {promised}"));
     let says = verdict(figure.holds(), figure.promised.is_some());
     let line = format!(
-        "  {:<63} {:>12} {:<12} {promised:<10} {says}",
+        "  {:<75} {:>12} {:<12} {promised:<10} {says}",
         figure.what,
         number(figure.value),
         figure.unit

@@ -77,7 +77,7 @@ fn ground(bench: &mut Bench<'_>, side_px: usize) -> Result<Row> {
     let work = || {
         let _ = table.warp_ground(frame, &division, &mut colour, &mut luma, &mut bin);
     };
-    let title = ("ground view, colour, grey and bin in one (remap, cvtColor twice)", size.as_str());
+    let title = ("ground view, colour, grey, bin (remap, 2 cvtColor)", size.as_str());
     bench.row(title, Some(PROMISED), agreement, work, Vec::new())
 }
 
