@@ -5,16 +5,25 @@
 //! every machine. A target pixel whose place lies outside the source is *unseen*: 0 in the validity mask and in every
 //! warped picture.
 
-use crate::colour::{BinDivision, grey_and_bins_of};
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod resample;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use crate::colour::{BinDivision, grey_and_bins_of_all};
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, RgbImage, ValidityMask};
+use crate::simd::CodePath;
+use resample::{Neighbours, Taps, Weights, resample, resample_rgb};
 
 /// Steps a pixel in which a place in the source is kept: fine enough that rounding costs at most 1/64 pixel, and the
 /// weights of the four neighbours are exact integers.
 const STEPS_PER_PX: u8 = 32;
-/// Sum of the four neighbours' weights, `STEPS_PER_PX` squared, as a power of two.
-const WEIGHT_BITS: u32 = 10;
-const HALF: u32 = 1 << (WEIGHT_BITS - 1);
 
 /// A resampling from pictures of one size to pictures of another.
 ///
@@ -39,10 +48,6 @@ pub struct WarpTable {
     /// For each seen pixel, run by run, the weights of the four source pixels.
     weights: Vec<Weights>,
 }
-
-/// Weights of the upper and the lower row and of the left and the right column, steps; each pair sums to
-/// [`STEPS_PER_PX`].
-type Weights = [u8; 4];
 
 impl WarpTable {
     /// Builds the table from `source_from_target`, which gives the place (u, v) in the source, in pixels, that the
@@ -115,9 +120,21 @@ impl WarpTable {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when either picture has not the table's size.
     pub fn warp_rgb(&self, source: &RgbImage, target: &mut RgbImage) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())?;
-        check_size("warp target", self.target_size(), target.size())?;
-        self.resample::<3>(source.as_slice(), target.as_mut_slice(), |_, _| {});
+        self.warp_rgb_on(CodePath::fastest(), source, target)
+    }
+
+    fn warp_rgb_on(
+        &self,
+        path: CodePath,
+        source: &RgbImage,
+        target: &mut RgbImage,
+    ) -> Result<(), PictureError> {
+        self.check(source.size(), target.size())?;
+        let (source, target) = (source.pixels(), target.pixels_mut());
+        for Part { gap, run, taps } in self.parts() {
+            target[gap].fill([0; 3]);
+            resample_rgb(path, source, self.neighbours(), taps, &mut target[run]);
+        }
         Ok(())
     }
 
@@ -126,9 +143,13 @@ impl WarpTable {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when either picture has not the table's size.
     pub fn warp_grey(&self, source: &Plane<u8>, target: &mut Plane<u8>) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())?;
-        check_size("warp target", self.target_size(), target.size())?;
-        self.resample::<1>(source.as_slice(), target.as_mut_slice(), |_, _| {});
+        self.check(source.size(), target.size())?;
+        let ((source, _), (target, _)) =
+            (source.as_slice().as_chunks::<1>(), target.as_mut_slice().as_chunks_mut::<1>());
+        for Part { gap, run, taps } in self.parts() {
+            target[gap].fill([0]);
+            resample(source, self.neighbours(), taps, &mut target[run]);
+        }
         Ok(())
     }
 
@@ -145,67 +166,68 @@ impl WarpTable {
         grey: &mut Plane<u8>,
         bin: &mut Plane<u16>,
     ) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())?;
-        check_size("warp target", self.target_size(), colour.size())?;
+        self.warp_ground_on(CodePath::fastest(), source, division, (colour, grey, bin))
+    }
+
+    fn warp_ground_on(
+        &self,
+        path: CodePath,
+        source: &RgbImage,
+        division: &BinDivision,
+        (colour, grey, bin): (&mut RgbImage, &mut Plane<u8>, &mut Plane<u16>),
+    ) -> Result<(), PictureError> {
+        self.check(source.size(), colour.size())?;
         check_size("grey picture", self.target_size(), grey.size())?;
         check_size("bin picture", self.target_size(), bin.size())?;
-        grey.as_mut_slice().fill(0);
-        bin.as_mut_slice().fill(0);
+        let (source, colour) = (source.pixels(), colour.pixels_mut());
         let (grey, bin) = (grey.as_mut_slice(), bin.as_mut_slice());
-        self.resample::<3>(source.as_slice(), colour.as_mut_slice(), |start, pixels| {
-            let part = start..start + pixels.len();
-            grey_and_bins_of(pixels, division, &mut grey[part.clone()], &mut bin[part]);
-        });
+        for Part { gap, run, taps } in self.parts() {
+            colour[gap.clone()].fill([0; 3]);
+            grey[gap.clone()].fill(0);
+            bin[gap].fill(0);
+            // The colours of a run are still in the first cache when they are looked at again.
+            resample_rgb(path, source, self.neighbours(), taps, &mut colour[run.clone()]);
+            grey_and_bins_of_all(path, &colour[run.clone()], division, &mut grey[run.clone()], &mut bin[run]);
+        }
         Ok(())
     }
 
-    /// Resamples run by run and hands each finished run to `finished`: the index of its first pixel, and its pixels.
-    fn resample<const CHANNELS: usize>(
-        &self,
-        source: &[u8],
-        target: &mut [u8],
-        mut finished: impl FnMut(usize, &[[u8; CHANNELS]]),
-    ) {
-        let (source, _) = source.as_chunks::<CHANNELS>();
-        let (target, _) = target.as_chunks_mut::<CHANNELS>();
-        target.fill([0; CHANNELS]);
-        let (width, height) = self.target_size();
-        let mut taken = 0;
-        for row in 0..height {
-            for run in self.validity.runs(row) {
-                let taps = taken..taken + (run.end - run.start);
-                taken = taps.end;
-                let start = row * width + run.start;
-                let run = &mut target[start..row * width + run.end];
-                self.resample_run(source, &self.indices[taps.clone()], &self.weights[taps], run);
-                finished(start, run);
-            }
+    fn check(&self, source: (usize, usize), target: (usize, usize)) -> Result<(), PictureError> {
+        check_size("warp source", self.source_size(), source)?;
+        check_size("warp target", self.target_size(), target)
+    }
+
+    fn neighbours(&self) -> Neighbours {
+        Neighbours {
+            right: usize::from(self.source_width > 1),
+            below: if self.source_height > 1 { self.source_width } else { 0 },
         }
     }
 
-    fn resample_run<const CHANNELS: usize>(
-        &self,
-        source: &[[u8; CHANNELS]],
-        indices: &[u32],
-        weights: &[Weights],
-        target: &mut [[u8; CHANNELS]],
-    ) {
-        // A source one pixel wide or high has no neighbour on that side; the weight there is 0.
-        let right = usize::from(self.source_width > 1);
-        let below = if self.source_height > 1 { self.source_width } else { 0 };
-        for ((out, &index), weights) in target.iter_mut().zip(indices).zip(weights) {
-            let index = index as usize;
-            let upper = [&source[index], &source[index + right]];
-            let lower = [&source[index + below], &source[index + below + right]];
-            let [w_above, w_below, w_left, w_right] = weights.map(u32::from);
-            for (channel, value) in out.iter_mut().enumerate() {
-                let above = u32::from(upper[0][channel]) * w_left + u32::from(upper[1][channel]) * w_right;
-                let beneath = u32::from(lower[0][channel]) * w_left + u32::from(lower[1][channel]) * w_right;
-                // At most 255 * 1024 before the shift, so the result fits 8 bits.
-                *value = ((above * w_above + beneath * w_below + HALF) >> WEIGHT_BITS) as u8;
-            }
-        }
+    /// The whole target, as gaps and the runs that follow them; the run after the last gap is empty.
+    fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        let (width, height) = self.target_size();
+        let runs = (0..height).flat_map(move |row| {
+            self.validity.runs(row).iter().map(move |run| row * width + run.start..row * width + run.end)
+        });
+        let end = width * height;
+        let mut filled = 0;
+        let mut taps = Taps { indices: &self.indices, weights: &self.weights };
+        runs.chain(std::iter::once(end..end)).map(move |run| {
+            let gap = filled..run.start;
+            filled = run.end;
+            let (here, rest) = taps.split_at(run.len());
+            taps = rest;
+            Part { gap, run, taps: here }
+        })
     }
+}
+
+/// A run of seen pixels and the unseen ones before it, as indices of the target's pixels.
+struct Part<'a> {
+    gap: Range<usize>,
+    run: Range<usize>,
+    taps: Taps<'a>,
 }
 
 /// Splits a coordinate into the lower of its two pixels and the upper one's weight in steps; `None` when it lies outside
