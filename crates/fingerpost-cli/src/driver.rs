@@ -77,7 +77,7 @@ impl Driver {
         match done {
             Ok((output, evidence)) => {
                 let FrameTime { frame, t_s } = time;
-                let (setting, output, evidence) = (&self.drawing, &output, &evidence);
+                let (setting, evidence) = (&self.drawing, &evidence);
                 let scene = Scene { setting, frame, t_s, picture, output, evidence };
                 self.recorder.add(&scene, &clock.stage_ms)
             }

@@ -130,7 +130,7 @@ impl Recorder {
             &self.subject.features,
             stage_ms,
         ))?;
-        let reason = self.key_frames.consider(scene.frame, scene.output, &scene.evidence.track);
+        let reason = self.key_frames.consider(scene.frame, scene.output, scene.evidence.track);
         if let Some(reason) = reason {
             self.key_frames.add(reason, scene)?;
         }

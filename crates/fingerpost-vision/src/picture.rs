@@ -14,7 +14,7 @@ pub use view::{PlaneView, PlaneViewMut};
 use crate::error::PictureError;
 
 /// A rectangle of whole pixels inside a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rect {
     /// Leftmost column, pixels.
     pub x: usize,

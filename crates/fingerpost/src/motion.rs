@@ -29,7 +29,7 @@ pub struct Motion {
 }
 
 /// How a motion was found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct MotionEvidence {
     /// The region in the newer ground view whose flow was measured, pixels.
     pub region: Rect,
@@ -55,9 +55,10 @@ pub struct FlowSample {
 }
 
 /// Where the flow started from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FlowStart {
     /// The vehicle stands.
+    #[default]
     Standing,
     /// It moves on as in the frame before.
     SameAsBefore,
@@ -83,7 +84,8 @@ pub enum MotionError {
 
 /// A way to measure the vehicle's motion on the road.
 pub trait MotionEstimator: Send {
-    /// The motion from the frame given last to this one; none for the first.
+    /// The motion from the frame given last to this one, and how it was found; none for the first. The evidence stays
+    /// with the estimator, so that a frame needs no new memory.
     ///
     /// # Errors
     /// [`MotionError`] when the ground view changed its size.
@@ -91,7 +93,7 @@ pub trait MotionEstimator: Send {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
-    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError>;
+    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError>;
 
     /// Forgets the last frame, as at the start of a drive.
     fn reset(&mut self);

@@ -66,7 +66,7 @@ pub struct FrameEvidence<'a> {
     /// How it was found.
     pub road: RoadEvidence,
     /// How the motion was found.
-    pub motion: Option<MotionEvidence>,
+    pub motion: Option<&'a MotionEvidence>,
     /// How the tracker decided.
     pub track: &'a TrackEvidence,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
@@ -183,7 +183,12 @@ impl Pipeline {
         finished(Stage::Match);
 
         output.place_driving_line(tracker.stops());
-        let why = Why { output: &output.track, evidence: track, stops: tracker.stops(), config: &self.config.track };
+        let why = Why {
+            output: &output.track,
+            evidence: track,
+            stops: tracker.stops(),
+            config: &self.config.track,
+        };
         why.write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
@@ -223,7 +228,8 @@ impl FrameOutput {
         let Some(followed) = &self.track.followed else { return };
         let Some(line) = stops.get(followed.index).and_then(|stop| stop.line.as_ref()) else { return };
         let in_vehicle = line.points.iter().map(|p_in_feature| followed.vehicle_from_feature * p_in_feature);
-        let points = in_vehicle.zip(&line.curvature_per_m).skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0);
+        let points =
+            in_vehicle.zip(&line.curvature_per_m).skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0);
         for (p_in_vehicle, curvature_per_m) in points {
             self.driving_line.push(p_in_vehicle);
             self.driving_line_curvature_per_m.push(*curvature_per_m);

@@ -73,19 +73,13 @@ pub fn painted_run(camera: &Camera, name: &str, see: &mut dyn FnMut(&Scene<'_>))
         let picture = world.picture(camera, &place_from_vehicle);
         let (output, evidence) = pipeline.step(&picture, Sensors::default(), &mut |_| {}).unwrap();
         let t_s = frame as f64 / FPS;
-        let scene = Scene {
-            setting: &run.setting,
-            frame,
-            t_s,
-            picture: &picture,
-            output: &output,
-            evidence: &evidence,
-        };
+        let scene =
+            Scene { setting: &run.setting, frame, t_s, picture: &picture, output, evidence: &evidence };
         see(&scene);
-        if let Some(reason) = run.key_frames.consider(frame, &output, &evidence.track) {
+        if let Some(reason) = run.key_frames.consider(frame, output, evidence.track) {
             run.key_frames.add(reason, &scene).unwrap();
         }
-        run.records.push(record(frame, t_s, &output));
+        run.records.push(record(frame, t_s, output));
         let node = place_from_vehicle.inverse() * Point2::origin();
         let p_in_map = Point2::from(place_from_vehicle.translation.vector) + map_from_place;
         run.truth.push(TruthRecord {

@@ -91,6 +91,8 @@ pub struct FarnebackMotion {
     flow: Farneback,
     moved: Plane<u8>,
     previous: Option<Plane<u8>>,
+    pairs: Vec<Pair>,
+    evidence: MotionEvidence,
     last: Isometry2<f64>,
     /// Grey difference that the last fit left, grey levels.
     last_difference: f64,
@@ -115,6 +117,8 @@ impl FarnebackMotion {
             flow,
             moved: Plane::default(),
             previous: None,
+            pairs: Vec::new(),
+            evidence: MotionEvidence::default(),
             last: Isometry2::identity(),
             last_difference: 0.0,
         })
@@ -130,7 +134,7 @@ impl FarnebackMotion {
         pictures: (&Plane<u8>, &Plane<u8>),
         region: Rect,
         start: &Isometry2<f64>,
-    ) -> Result<Vec<Pair>, MotionError> {
+    ) -> Result<(), MotionError> {
         let grid = view.grid();
         let previous_from_current = start.inverse();
         let previous_of = |pixel: GroundPixel| previous_from_current * grid.vehicle_from_ground(pixel);
@@ -138,7 +142,7 @@ impl FarnebackMotion {
         let flow = self.flow.flow(self.moved.view(), pictures.1.view().crop(region)?, None)?;
         // Within half a window of the region's edge the flow is extrapolated.
         let margin = self.config.window_px.min(region.width / 4).min(region.height / 4);
-        let mut pairs = Vec::new();
+        self.pairs.clear();
         for y in (margin..region.height - margin).step_by(SAMPLE_STRIDE_PX) {
             for x in (margin..region.width - margin).step_by(SAMPLE_STRIDE_PX) {
                 let Some([dx, dy]) = flow.get(x, y) else { continue };
@@ -152,10 +156,10 @@ impl FarnebackMotion {
                     continue;
                 }
                 let to = GroundPixel { column: at.column + f64::from(dx), row: at.row + f64::from(dy) };
-                pairs.push(Pair { previous, current: grid.vehicle_from_ground(to), weight: 1.0 });
+                self.pairs.push(Pair { previous, current: grid.vehicle_from_ground(to), weight: 1.0 });
             }
         }
-        Ok(pairs)
+        Ok(())
     }
 
     fn start(
@@ -178,7 +182,8 @@ impl FarnebackMotion {
         }
     }
 
-    fn fit(&self, view: &GroundView, pairs: &mut [Pair]) -> Option<RigidFit> {
+    fn fit(&mut self, view: &GroundView) -> Option<RigidFit> {
+        let pairs = &mut self.pairs;
         // The window ties neighbouring vectors together: only one in a window is independent.
         let area = (pairs.len() * SAMPLE_STRIDE_PX * SAMPLE_STRIDE_PX) as f64;
         let independent = (area / (self.config.window_px * self.config.window_px) as f64).max(1.0);
@@ -199,13 +204,13 @@ impl FarnebackMotion {
         view: &GroundView,
         previous: &Plane<u8>,
         current: &Plane<u8>,
-    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError> {
+    ) -> Result<Option<Motion>, MotionError> {
         let grid = *view.grid();
         let region = region(view, &self.config).ok_or(MotionError::NoRegion)?;
         let pictures = (previous, current);
         let (start, mut motion) = self.start(view, pictures, region);
-        let mut pairs = self.measure(view, pictures, region, &motion)?;
-        let Some(mut fitted) = self.fit(view, &mut pairs) else { return Ok(None) };
+        self.measure(view, pictures, region, &motion)?;
+        let Some(mut fitted) = self.fit(view) else { return Ok(None) };
         let corner = |column: usize, row: usize| {
             let pixel = GroundPixel { column: column as f64, row: row as f64 };
             let p_in_vehicle = grid.vehicle_from_ground(pixel);
@@ -216,8 +221,8 @@ impl FarnebackMotion {
         let change = corners.into_iter().map(|(column, row)| corner(column, row)).fold(0.0, f64::max);
         if change > RESTART_PX * grid.metres_per_pixel() {
             motion = fitted.current_from_previous;
-            pairs = self.measure(view, pictures, region, &motion)?;
-            let Some(again) = self.fit(view, &mut pairs) else { return Ok(None) };
+            self.measure(view, pictures, region, &motion)?;
+            let Some(again) = self.fit(view) else { return Ok(None) };
             fitted = again;
         }
         motion = fitted.current_from_previous;
@@ -229,28 +234,21 @@ impl FarnebackMotion {
         let quality = fitted.accepted * told_apart(left_over, shifted[0].min(shifted[1]));
         self.last = motion;
         self.last_difference = if left_over.is_finite() { left_over.max(1.0) } else { 0.0 };
-        let samples = pairs
-            .iter()
-            .map(|pair| {
-                let (from, to) =
-                    (grid.ground_from_vehicle(pair.previous), grid.ground_from_vehicle(pair.current));
-                FlowSample {
-                    from_px: [from.column, from.row],
-                    to_px: [to.column, to.row],
-                    weight: pair.weight,
-                }
-            })
-            .collect::<Vec<_>>();
-        let evidence = MotionEvidence {
-            region,
-            mean_flow_px: mean_flow(&samples),
-            samples,
-            residual_px: fitted.residual_m / grid.metres_per_pixel(),
-            start,
-        };
+        let places = self.pairs.iter().map(|pair| {
+            let (from, to) =
+                (grid.ground_from_vehicle(pair.previous), grid.ground_from_vehicle(pair.current));
+            FlowSample { from_px: [from.column, from.row], to_px: [to.column, to.row], weight: pair.weight }
+        });
+        let evidence = &mut self.evidence;
+        evidence.samples.clear();
+        evidence.samples.extend(places);
+        evidence.mean_flow_px = mean_flow(&evidence.samples);
+        evidence.region = region;
+        evidence.residual_px = fitted.residual_m / grid.metres_per_pixel();
+        evidence.start = start;
         let previous_from_current = motion.inverse();
         let covariance = fitted.covariance + floor(&previous_from_current);
-        Ok(Some((Motion { previous_from_current, covariance, quality }, evidence)))
+        Ok(Some(Motion { previous_from_current, covariance, quality }))
     }
 }
 
@@ -259,7 +257,7 @@ impl MotionEstimator for FarnebackMotion {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
-    ) -> Result<Option<(Motion, MotionEvidence)>, MotionError> {
+    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
         let Some(mut previous) = self.previous.take() else {
             self.previous = Some(picture.grey.clone());
             return Ok(None);
@@ -267,7 +265,7 @@ impl MotionEstimator for FarnebackMotion {
         let result = self.between(view, &previous, &picture.grey);
         previous.as_mut_slice().copy_from_slice(picture.grey.as_slice());
         self.previous = Some(previous);
-        result
+        Ok(result?.map(|motion| (motion, &self.evidence)))
     }
 
     fn reset(&mut self) {

@@ -137,6 +137,5 @@ impl CandidateSearch {
 /// Values from `-reach` to `reach`, at most `step` apart, zero among them.
 fn spread(reach: f64, step: f64) -> impl Iterator<Item = f64> {
     let steps = (reach / step.max(1e-3)).ceil() as i32;
-    (-steps..=steps)
-        .map(move |k| if steps == 0 { 0.0 } else { reach * f64::from(k) / f64::from(steps) })
+    (-steps..=steps).map(move |k| if steps == 0 { 0.0 } else { reach * f64::from(k) / f64::from(steps) })
 }
