@@ -13,6 +13,8 @@
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
+//! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
+//! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
 //! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
@@ -20,6 +22,8 @@
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
 pub mod backprojection;
+mod border;
+pub mod canny;
 pub mod colour;
 pub mod error;
 pub mod farneback;
@@ -28,5 +32,9 @@ pub mod histogram;
 pub mod picture;
 pub mod pyramid;
 pub mod simd;
+pub mod smoothing;
+pub mod sobel;
 pub mod span;
+#[cfg(test)]
+mod test_pictures;
 pub mod warp;
