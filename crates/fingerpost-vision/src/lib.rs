@@ -15,6 +15,8 @@
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
+//! | [`morphology`] | dilation | Serra 1982 |
+//! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
@@ -22,13 +24,17 @@
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
 pub mod backprojection;
+mod bit_plane;
+mod blocks;
 mod border;
 pub mod canny;
 pub mod colour;
+pub mod components;
 pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod histogram;
+pub mod morphology;
 pub mod picture;
 pub mod pyramid;
 pub mod simd;

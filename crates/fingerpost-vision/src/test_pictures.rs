@@ -20,6 +20,16 @@ impl Framed {
         let [x, y] = MARGIN;
         self.outer.view().crop(Rect { x, y, width: self.size.0, height: self.size.1 }).unwrap()
     }
+
+    /// The pixel in column `x` and row `y`, `outside` where there is none.
+    pub(crate) fn get(&self, x: isize, y: isize, outside: u8) -> u8 {
+        let inside =
+            |index: isize, length: usize| usize::try_from(index).ok().filter(|&index| index < length);
+        match (inside(x, self.size.0), inside(y, self.size.1)) {
+            (Some(x), Some(y)) => self.view().row(y)[x],
+            _ => outside,
+        }
+    }
 }
 
 pub(crate) fn config(cases: u32) -> ProptestConfig {
@@ -47,6 +57,13 @@ pub(crate) fn grey_pictures() -> impl Strategy<Value = Framed> {
                 (128.0 + 90.0 * wave + (state >> 60) as f64) as u8
             }
         })
+    })
+}
+
+/// Pictures of 0 and 255 alone, from nearly empty to nearly full.
+pub(crate) fn binary_pictures() -> impl Strategy<Value = Framed> {
+    (sizes(), any::<u64>(), 0..=16_u64).prop_map(|(size, seed, filled)| {
+        framed(size, seed, |state, _, _| if (state >> 60) < filled { 255 } else { 0 })
     })
 }
 

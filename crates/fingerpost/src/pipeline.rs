@@ -126,7 +126,7 @@ impl Pipeline {
         start_m: Option<f64>,
     ) -> Result<Self, PipelineError> {
         config.check()?;
-        let view = GroundView::new(&config.ground_view, camera)?;
+        let view = GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), camera)?;
         let setting = TrackerSetting {
             track: &config.track,
             masks: &config.feature_mask,
@@ -144,7 +144,7 @@ impl Pipeline {
             tracker: Tracker::new(setting, route, start_m)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             config: config.clone(),
-            ground: GroundPicture::default(),
+            ground: view.black_picture(),
             surface: RoadSurface::default(),
             track_evidence: TrackEvidence::default(),
             output: FrameOutput::default(),
@@ -163,43 +163,38 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
-        let Self { view, ground, surface, tracker, output, .. } = self;
+        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let validity = view.validity();
         view.render(frame, ground)?;
         finished(Stage::GroundView);
 
-        let sample = self.config.road_surface.sample_region(view);
-        let input = RoadInput { colour: &ground.colour, validity: view.validity(), sample };
+        let sample = config.road_surface.sample_region(view);
+        let input = RoadInput { colour: &ground.colour, bin: &ground.bin, validity, sample };
         let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
-        output.motion = motion;
         finished(Stage::Motion);
 
-        let laid = self.matcher.laid(surface, view.validity())?;
+        let laid = self.matcher.laid(surface, validity)?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        let track = &mut self.track_evidence;
-        tracker.step(motion.as_ref(), &laid, gps_in_map, &mut output.track, track)?;
+        tracker.step(motion.as_ref(), &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
+        output.motion = motion;
         output.place_driving_line(tracker.stops());
-        let why = Why {
-            output: &output.track,
-            evidence: track,
-            stops: tracker.stops(),
-            config: &self.config.track,
-        };
-        why.write_to(&mut output.why);
+        Why { track: &output.track, evidence: track_evidence, stops: tracker.stops(), config: &config.track }
+            .write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
         let evidence = FrameEvidence {
             ground,
-            validity: view.validity(),
+            validity: validity.plane(),
             surface,
             road,
             motion: motion_evidence,
-            track,
-            masks: tracker.placed_masks(&output.track, track, view.grid()),
+            track: track_evidence,
+            masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))
     }

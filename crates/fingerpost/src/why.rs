@@ -21,7 +21,7 @@ fn kind_name(kind: FeatureKind) -> &'static str {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Why<'a> {
     /// What the tracker says.
-    pub(crate) output: &'a TrackOutput,
+    pub(crate) track: &'a TrackOutput,
     /// How it came to that.
     pub(crate) evidence: &'a TrackEvidence,
     /// The features of the route.
@@ -41,10 +41,10 @@ impl Why<'_> {
 
 impl Display for Why<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { output, evidence, stops, config } = *self;
+        let Self { track, evidence, stops, config } = *self;
         let name = |index: &usize| FeatureName(stops.get(*index));
         let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
-        match (&evidence.decision, &output.followed) {
+        match (&evidence.decision, &track.followed) {
             (Decision::NoRoute, _) => f.write_str("no route: ground view, road surface and motion alone"),
             (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
             (Decision::NotInReach { index, ahead_m }, _) => {
@@ -109,7 +109,7 @@ impl Display for Why<'_> {
                 }
             }
             (_, None) => {
-                f.write_str(if output.state == State::RouteDone { ROUTE_DONE } else { "nothing is followed" })
+                f.write_str(if track.state == State::RouteDone { ROUTE_DONE } else { "nothing is followed" })
             }
         }
     }

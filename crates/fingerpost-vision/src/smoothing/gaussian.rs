@@ -6,6 +6,7 @@
 //! twice as many pixels fit a vector register as with 32.
 
 use super::{MAX_SIZE_PX, SmoothingError, check_window};
+use crate::blocks::{BLOCK, block_starts, single_pixels};
 use crate::border::Border;
 use crate::error::{PictureError, check_size};
 use crate::filter::gaussian_taps;
@@ -16,8 +17,8 @@ use crate::simd::{CodePath, simd_kernel};
 const ONE: u16 = 256;
 /// Weights that are multiples of this are divided by it; sums over the window are then below 2^16.
 const COARSE: u16 = 16;
-/// Pixels that a kernel computes together: two of the widest vector registers, and a whole number of every other.
-const BLOCK: usize = 64;
+/// Stands for a reach that a kernel is not compiled for.
+const ANY_REACH: usize = usize::MAX;
 
 /// A Gaussian blur of 8-bit pictures, with the buffers that it needs.
 ///
@@ -37,10 +38,10 @@ pub struct GaussianBlur {
     weights: Vec<u16>,
     /// What the weights along an axis sum to: [`ONE`], or [`ONE`] / [`COARSE`].
     total: u16,
-    /// Sums of columns of one row, mirrored at both ends: as they are, or their upper bytes.
+    /// Sums of columns of one row, mirrored at both ends.
     sums: Vec<u16>,
-    /// The lower bytes of the sums where they are split.
-    lower: Vec<u16>,
+    /// The same as upper and lower bytes, where they are split.
+    bytes: [Vec<u8>; 2],
 }
 
 impl GaussianBlur {
@@ -60,7 +61,7 @@ impl GaussianBlur {
             weights.iter_mut().for_each(|weight| *weight /= COARSE);
             total /= COARSE;
         }
-        Ok(Self { weights, total, sums: Vec::new(), lower: Vec::new() })
+        Ok(Self { weights, total, sums: Vec::new(), bytes: [Vec::new(), Vec::new()] })
     }
 
     /// Blurs `source` into `target`.
@@ -78,14 +79,31 @@ impl GaussianBlur {
         target: &mut Plane<u8>,
     ) -> Result<(), PictureError> {
         check_size("blurred picture", source.size(), target.size())?;
-        let (width, height) = source.size();
-        if width == 0 {
+        if source.width() == 0 {
             return Ok(());
         }
-        let reach = self.weights.len() - 1;
-        let padded = reach..reach + width;
-        self.sums.resize(width + 2 * reach, 0);
-        self.lower.resize(width + 2 * reach, 0);
+        match self.weights.len() - 1 {
+            1 => self.apply_with::<1>(path, source, target),
+            2 => self.apply_with::<2>(path, source, target),
+            3 => self.apply_with::<3>(path, source, target),
+            _ => self.apply_with::<ANY_REACH>(path, source, target),
+        }
+        Ok(())
+    }
+
+    fn apply_with<const REACH: usize>(
+        &mut self,
+        path: CodePath,
+        source: PlaneView<'_, u8>,
+        target: &mut Plane<u8>,
+    ) {
+        let (width, height) = source.size();
+        let (weights, sums, [upper, lower]) = (&self.weights, &mut self.sums, &mut self.bytes);
+        let reach = weights.len() - 1;
+        sums.resize(width + 2 * reach, 0);
+        upper.resize(width + 2 * reach, 0);
+        lower.resize(width + 2 * reach, 0);
+        let inner = reach..reach + width;
         let mut rows = [&[][..]; MAX_SIZE_PX];
         let rows = &mut rows[..2 * reach + 1];
         for y in 0..height {
@@ -94,18 +112,17 @@ impl GaussianBlur {
             }
             let out = target.row_mut(y);
             if self.total == ONE {
-                let (upper, lower) = (&mut self.sums[padded.clone()], &mut self.lower[padded.clone()]);
-                split_column_sums(path, rows, &self.weights, upper, lower);
-                Border::Mirror.pad(&mut self.sums, reach);
-                Border::Mirror.pad(&mut self.lower, reach);
-                split_row_sums(path, &self.sums, &self.lower, &self.weights, out);
+                let (inner_upper, inner_lower) = (&mut upper[inner.clone()], &mut lower[inner.clone()]);
+                split_column_sums::<REACH>(path, rows, weights, inner_upper, inner_lower);
+                Border::Mirror.pad(upper, reach);
+                Border::Mirror.pad(lower, reach);
+                split_row_sums::<REACH>(path, upper, lower, weights, out);
             } else {
-                column_sums(path, rows, &self.weights, &mut self.sums[padded.clone()]);
-                Border::Mirror.pad(&mut self.sums, reach);
-                row_sums(path, &self.sums, &self.weights, out);
+                column_sums::<REACH>(path, rows, weights, &mut sums[inner.clone()]);
+                Border::Mirror.pad(sums, reach);
+                row_sums::<REACH>(path, sums, weights, out);
             }
         }
-        Ok(())
     }
 }
 
@@ -137,102 +154,91 @@ fn fixed_point_weights(size_px: usize, sigma_px: f64) -> Vec<u16> {
     weights
 }
 
-/// The weighted sums of `N` columns from `x` on; `rows` are those of the window, `weights` from its middle outwards.
+/// The weighted sums of `N` windows from `x` on. `shifted` gives the values that a tap of the window falls on, `weights`
+/// are from the window's middle outwards. `REACH` is how far it reaches, [`ANY_REACH`] if that is not known beforehand.
 #[inline(always)]
-fn column_block<const N: usize>(rows: &[&[u8]], weights: &[u16], x: usize) -> [u16; N] {
-    let reach = weights.len() - 1;
+fn block<'a, const REACH: usize, const N: usize, T: Copy + Into<u16> + 'a>(
+    shifted: impl Fn(usize) -> &'a [T],
+    weights: &[u16],
+    x: usize,
+) -> [u16; N] {
+    let reach = if REACH == ANY_REACH { weights.len() - 1 } else { REACH };
     let mut sums = [0; N];
-    for (sum, &pixel) in sums.iter_mut().zip(&rows[reach][x..x + N]) {
-        *sum = weights[0] * u16::from(pixel);
+    for (sum, &value) in sums.iter_mut().zip(&shifted(reach)[x..x + N]) {
+        *sum = weights[0] * value.into();
     }
-    for (distance, &weight) in weights.iter().enumerate().skip(1) {
-        let (above, below) = (&rows[reach - distance][x..x + N], &rows[reach + distance][x..x + N]);
-        for ((sum, &above), &below) in sums.iter_mut().zip(above).zip(below) {
-            *sum += weight * (u16::from(above) + u16::from(below));
-        }
-    }
-    sums
-}
-
-/// The weighted sums along `row` of the `N` windows that start at `x`.
-#[inline(always)]
-fn row_block<const N: usize>(row: &[u16], weights: &[u16], x: usize) -> [u16; N] {
-    let middle = x + weights.len() - 1;
-    let mut sums = [0; N];
-    for (sum, &value) in sums.iter_mut().zip(&row[middle..middle + N]) {
-        *sum = weights[0] * value;
-    }
-    for (distance, &weight) in weights.iter().enumerate().skip(1) {
-        let (left, right) = (&row[middle - distance..][..N], &row[middle + distance..][..N]);
-        for ((sum, &left), &right) in sums.iter_mut().zip(left).zip(right) {
-            *sum += weight * (left + right);
+    for distance in 1..=reach {
+        let weight = weights[distance];
+        let (before, after) = (&shifted(reach - distance)[x..x + N], &shifted(reach + distance)[x..x + N]);
+        for ((sum, &before), &after) in sums.iter_mut().zip(before).zip(after) {
+            *sum += weight * (before.into() + after.into());
         }
     }
     sums
 }
 
 simd_kernel! {
-    fn column_sums(rows: &[&[u8]], weights: &[u16], sums: &mut [u16]) {
-        let (blocks, rest) = sums.as_chunks_mut::<BLOCK>();
-        let blocks_end = blocks.len() * BLOCK;
-        for (index, block) in blocks.iter_mut().enumerate() {
-            *block = column_block(rows, weights, index * BLOCK);
+    fn column_sums<const REACH: usize>(rows: &[&[u8]], weights: &[u16], sums: &mut [u16]) {
+        let shifted = |tap: usize| rows[tap];
+        for x in block_starts(sums.len()) {
+            sums[x..x + BLOCK].copy_from_slice(&block::<REACH, BLOCK, _>(shifted, weights, x));
         }
-        for (index, sum) in rest.iter_mut().enumerate() {
-            [*sum] = column_block(rows, weights, blocks_end + index);
-        }
-    }
-}
-
-simd_kernel! {
-    fn split_column_sums(rows: &[&[u8]], weights: &[u16], upper: &mut [u16], lower: &mut [u16]) {
-        let (upper_blocks, upper_rest) = upper.as_chunks_mut::<BLOCK>();
-        let (lower_blocks, lower_rest) = lower.as_chunks_mut::<BLOCK>();
-        let blocks_end = upper_blocks.len() * BLOCK;
-        for (index, (upper, lower)) in upper_blocks.iter_mut().zip(lower_blocks).enumerate() {
-            let sums: [u16; BLOCK] = column_block(rows, weights, index * BLOCK);
-            *upper = sums.map(|sum| sum >> 8);
-            *lower = sums.map(|sum| sum & 0xff);
-        }
-        for (index, (upper, lower)) in upper_rest.iter_mut().zip(lower_rest).enumerate() {
-            let [sum] = column_block(rows, weights, blocks_end + index);
-            (*upper, *lower) = (sum >> 8, sum & 0xff);
+        for x in single_pixels(sums.len()) {
+            [sums[x]] = block::<REACH, 1, _>(shifted, weights, x);
         }
     }
 }
 
 simd_kernel! {
-    fn row_sums(sums: &[u16], weights: &[u16], out: &mut [u8]) {
+    fn split_column_sums<const REACH: usize>(
+        rows: &[&[u8]], weights: &[u16], upper: &mut [u8], lower: &mut [u8]
+    ) {
+        let shifted = |tap: usize| rows[tap];
+        for x in block_starts(upper.len()) {
+            let sums = block::<REACH, BLOCK, _>(shifted, weights, x);
+            let (upper, lower) = (&mut upper[x..x + BLOCK], &mut lower[x..x + BLOCK]);
+            for ((upper, lower), sum) in upper.iter_mut().zip(lower).zip(sums) {
+                (*upper, *lower) = ((sum >> 8) as u8, sum as u8);
+            }
+        }
+        for x in single_pixels(upper.len()) {
+            let [sum] = block::<REACH, 1, _>(shifted, weights, x);
+            (upper[x], lower[x]) = ((sum >> 8) as u8, sum as u8);
+        }
+    }
+}
+
+simd_kernel! {
+    fn row_sums<const REACH: usize>(sums: &[u16], weights: &[u16], out: &mut [u8]) {
+        let shifted = |tap: usize| &sums[tap..];
         let round = |sum: u16| ((sum + 128) >> 8) as u8;
-        let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
-        let blocks_end = blocks.len() * BLOCK;
-        for (index, block) in blocks.iter_mut().enumerate() {
-            *block = row_block::<BLOCK>(sums, weights, index * BLOCK).map(round);
+        for x in block_starts(out.len()) {
+            let sums = block::<REACH, BLOCK, _>(shifted, weights, x);
+            out[x..x + BLOCK].copy_from_slice(&sums.map(round));
         }
-        for (index, out) in rest.iter_mut().enumerate() {
-            [*out] = row_block::<1>(sums, weights, blocks_end + index).map(round);
+        for x in single_pixels(out.len()) {
+            [out[x]] = block::<REACH, 1, _>(shifted, weights, x).map(round);
         }
     }
 }
 
 simd_kernel! {
-    fn split_row_sums(upper: &[u16], lower: &[u16], weights: &[u16], out: &mut [u8]) {
-        // 256 upper + lower + 2^15 over 2^16, rounded down; 2^15 is a multiple of 256, so the lower part's own remainder
-        // never matters.
+    fn split_row_sums<const REACH: usize>(upper: &[u8], lower: &[u8], weights: &[u16], out: &mut [u8]) {
+        // (256 upper + lower + 2^15) / 2^16, rounded down; 2^15 is a multiple of 256, so what the lower part leaves over
+        // after its division by 256 never matters.
         let round = |upper: u16, lower: u16| ((upper + 128 + (lower >> 8)) >> 8) as u8;
-        let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
-        let blocks_end = blocks.len() * BLOCK;
-        for (index, block) in blocks.iter_mut().enumerate() {
-            let upper: [u16; BLOCK] = row_block(upper, weights, index * BLOCK);
-            let lower: [u16; BLOCK] = row_block(lower, weights, index * BLOCK);
-            for ((out, &upper), &lower) in block.iter_mut().zip(&upper).zip(&lower) {
+        let (upper, lower) = (|tap: usize| &upper[tap..], |tap: usize| &lower[tap..]);
+        for x in block_starts(out.len()) {
+            let upper = block::<REACH, BLOCK, _>(upper, weights, x);
+            let lower = block::<REACH, BLOCK, _>(lower, weights, x);
+            for ((out, upper), lower) in out[x..x + BLOCK].iter_mut().zip(upper).zip(lower) {
                 *out = round(upper, lower);
             }
         }
-        for (index, out) in rest.iter_mut().enumerate() {
-            let x = blocks_end + index;
-            let ([upper], [lower]) = (row_block(upper, weights, x), row_block(lower, weights, x));
-            *out = round(upper, lower);
+        for x in single_pixels(out.len()) {
+            let [upper] = block::<REACH, 1, _>(upper, weights, x);
+            let [lower] = block::<REACH, 1, _>(lower, weights, x);
+            out[x] = round(upper, lower);
         }
     }
 }
