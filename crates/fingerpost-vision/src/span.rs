@@ -9,6 +9,7 @@
 //! shapes that share an edge share no pixel.
 
 mod draw;
+mod prefix;
 mod sums;
 
 pub use sums::{Cover, RowSums};

@@ -134,7 +134,7 @@ impl Matcher {
                 for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
                     *out = if f64::from(p) >= threshold { 255 } else { 0 };
                 }
-                self.binary_sums.rebuild(self.binary.view(), validity.plane().view())?;
+                self.binary_sums.rebuild(self.binary.view(), validity)?;
                 &self.binary_sums
             }
         };

@@ -53,8 +53,9 @@ fn surface(p: impl Fn(Point2<f64>) -> Option<u8>) -> (RoadSurface, ValidityMask)
             }
         }
     }
-    surface.sums.rebuild(surface.probability.view(), validity.view()).unwrap();
-    (surface, ValidityMask::from_plane(validity))
+    let validity = ValidityMask::from_plane(validity);
+    surface.sums.rebuild(surface.probability.view(), &validity).unwrap();
+    (surface, validity)
 }
 
 fn pose(forward: f64, left: f64, heading: f64) -> Isometry2<f64> {
