@@ -6,6 +6,7 @@ mod box_mean;
 mod separable;
 
 pub use box_mean::BoxMean;
+pub(crate) use box_mean::{ColumnSums, RowWindow};
 pub use separable::SeparableFilter;
 
 /// Weights of a Gaussian of the given standard deviation at `-radius..=radius`, summing to 1; a deviation of 0 or below
