@@ -172,7 +172,7 @@ fn convert_row(path: CodePath, y: &[u8], u: &[u8], v: &[u8], factors: &Factors, 
     let ((u_blocks, _), (v_blocks, _)) = (u.as_chunks(), v.as_chunks());
     match path.instruction_set() {
         // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
-        // Benefit: 2.5 times as fast as the plain loop on Zen 4 at 960 x 540.
+        // Benefit: 2.7 times as fast as the plain loop with AVX2 on Zen 4 at 960 x 540.
         #[cfg(target_arch = "x86_64")]
         #[allow(unsafe_code)]
         InstructionSet::Avx512 => unsafe {
