@@ -177,11 +177,9 @@ mod tests {
                     let neighbours = p.iter().filter(|&&set| set).count();
                     let rises = (0..8).filter(|&k| !p[k] && p[(k + 1) % 8]).count();
                     let [p2, p4, p6, p8] = [p[0], p[2], p[4], p[6]];
-                    let empty = if turn == 0 {
-                        !(p2 && p4 && p6) && !(p4 && p6 && p8)
-                    } else {
-                        !(p2 && p4 && p8) && !(p2 && p6 && p8)
-                    };
+                    let groups =
+                        if turn == 0 { [[p2, p4, p6], [p4, p6, p8]] } else { [[p2, p4, p8], [p2, p6, p8]] };
+                    let empty = groups.iter().all(|group| group.contains(&false));
                     if (2..=6).contains(&neighbours) && rises == 1 && empty {
                         shapes.row_mut(y)[x] = 0;
                     }
