@@ -16,6 +16,7 @@
 //! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
 //! | [`morphology`] | dilation | Serra 1982 |
+//! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
@@ -34,6 +35,7 @@ pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod histogram;
+pub mod hough;
 pub mod morphology;
 pub mod picture;
 pub mod pyramid;
