@@ -13,11 +13,12 @@
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
-//! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
+//! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
-//! | [`morphology`] | dilation | Serra 1982 |
+//! | [`morphology`] | dilation, thinning | Serra 1982; Zhang & Suen 1984 |
+//! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
-//! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
+//! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
@@ -34,6 +35,7 @@ pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod histogram;
+pub mod hough;
 pub mod morphology;
 pub mod picture;
 pub mod pyramid;
