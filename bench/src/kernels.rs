@@ -4,9 +4,11 @@ mod agreement;
 mod edges;
 mod flow;
 mod ground;
+mod lines;
 mod pyramid;
 mod rust_crates;
 mod shapes;
+mod surface;
 
 use anyhow::Result;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -62,8 +64,10 @@ pub fn kernels(bench: &mut Bench<'_>) -> Result<Section> {
         "one thread; medians; the ratio is OpenCV's time over Fingerpost's; results are compared before they are timed",
     );
     section.rows.extend(ground::rows(bench)?);
+    section.rows.extend(surface::rows(bench)?);
     section.rows.extend(edges::rows(bench)?);
     section.rows.extend(shapes::rows(bench)?);
+    section.rows.extend(lines::rows(bench)?);
     section.rows.extend(pyramid::rows(bench)?);
     section.rows.extend(flow::rows(bench)?);
     Ok(section)

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use fingerpost_vision::canny::{Canny, CannyParams, GradientNorm};
 use fingerpost_vision::picture::{Plane, RgbImage};
-use fingerpost_vision::smoothing::GaussianBlur;
+use fingerpost_vision::smoothing::{BoxBlur, GaussianBlur};
 use fingerpost_vision::sobel::Sobel;
 use serde_json::json;
 
@@ -17,7 +17,13 @@ const SAME_EDGES: f64 = 0.995;
 
 pub fn rows(bench: &mut Bench<'_>) -> Result<Vec<Row>> {
     let grey = grey_square(&bench.frames[0], SIDE_PX)?;
-    Ok(vec![gaussian(bench, &grey)?, sobel(bench, &grey)?, canny(bench, &grey)?])
+    Ok(vec![
+        gaussian(bench, &grey)?,
+        box_blur(bench, &grey, 5)?,
+        box_blur(bench, &grey, 15)?,
+        sobel(bench, &grey)?,
+        canny(bench, &grey)?,
+    ])
 }
 
 /// The edges of the middle of a frame: what shapes and lines are looked for in.
@@ -41,6 +47,20 @@ fn gaussian(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {
     };
     let others = rust_crates::gaussians(grey, side, sigma_px as f32);
     bench.row(("Gaussian 5 x 5, 8 bit", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, others)
+}
+
+fn box_blur(bench: &mut Bench<'_>, grey: &Plane<u8>, side: usize) -> Result<Row> {
+    let mut filter = BoxBlur::new(side)?;
+    let mut smooth = Plane::new(SIDE_PX, SIDE_PX, 0);
+    filter.apply(grey.view(), &mut smooth)?;
+    let theirs = bench.opencv_gives("box_mean", &json!({"side": side}), &[array_of_plane(grey)])?;
+    let agreement = agreement::within(smooth.as_slice(), theirs[0].u8s(), 1, 1.0);
+    let work = || {
+        let _ = filter.apply(grey.view(), &mut smooth);
+    };
+    let title = format!("box blur {side} x {side}, 8 bit");
+    let others = rust_crates::box_means(grey, side);
+    bench.row((&title, &size_of(SIDE_PX)), Some(PROMISED), agreement, work, others)
 }
 
 fn sobel(bench: &mut Bench<'_>, grey: &Plane<u8>) -> Result<Row> {

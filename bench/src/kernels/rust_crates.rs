@@ -6,9 +6,7 @@ use imageproc::definitions::Image;
 use imageproc::distance_transform::Norm;
 use kornia_image::{Image as KorniaImage, ImageSize};
 use kornia_imgproc::interpolation::InterpolationMode;
-use kornia_imgproc::{
-    canny, color, connected_components, filter, interpolation, morphology, pyramid, resize,
-};
+use kornia_imgproc::{canny, color, filter, interpolation, morphology, pyramid, resize};
 
 use crate::measure::Contestant;
 

@@ -1,0 +1,94 @@
+//! Lines and segments of edge pictures, and thin lines of wide ones.
+
+use std::f64::consts::PI;
+
+use anyhow::Result;
+use fingerpost_vision::hough::{HoughLines, HoughParams, HoughSegments};
+use fingerpost_vision::picture::Plane;
+use serde_json::json;
+
+use super::edges::edge_picture;
+use super::{Bench, PROMISED, SIDE_PX, agreement, array_of_plane, rust_crates, size_of};
+use crate::results::{Agreement, Row};
+
+/// Steps of a pixel and a degree.
+const PARAMS: HoughParams = HoughParams { rho_step_px: 1.0, theta_step_rad: PI / 180.0, votes: 60 };
+/// Strongest lines that are compared.
+const STRONGEST: usize = 20;
+/// Shortest segment, pixels.
+const SHORTEST_PX: f64 = 30.0;
+/// Widest gap in a segment, pixels.
+const WIDEST_GAP_PX: f64 = 10.0;
+
+pub fn rows(bench: &mut Bench<'_>) -> Result<Vec<Row>> {
+    let edges = edge_picture(&bench.frames[0])?;
+    Ok(vec![lines(bench, &edges)?, segments(bench, &edges)?])
+}
+
+fn lines(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
+    let mut finder = HoughLines::new(PARAMS)?;
+    let ours: Vec<[f64; 2]> =
+        finder.find(edges.view()).iter().map(|line| [line.rho_px, line.theta_rad]).collect();
+    let theirs =
+        bench.opencv_gives("hough_lines", &json!({"votes": PARAMS.votes}), &[array_of_plane(edges)])?;
+    let theirs: Vec<[f64; 2]> =
+        theirs[0].f32s().as_chunks::<2>().0.iter().map(|line| line.map(f64::from)).collect();
+    let agreement = same_lines(&ours, &theirs);
+    let others = rust_crates::hough_lines(edges, PARAMS.votes);
+    let work = || {
+        finder.find(edges.view());
+    };
+    bench.row(("Hough lines", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, others)
+}
+
+/// Each of OpenCV's strongest lines is within a bin of one of ours that is about as strong.
+fn same_lines(ours: &[[f64; 2]], theirs: &[[f64; 2]]) -> Agreement {
+    let near = |[rho, theta]: [f64; 2]| {
+        ours.iter().take(2 * STRONGEST).any(|line| {
+            (line[0] - rho).abs() <= PARAMS.rho_step_px + 1e-6
+                && (line[1] - theta).abs() <= PARAMS.theta_step_rad + 1e-6
+        })
+    };
+    let strongest = theirs.len().min(STRONGEST);
+    let found = theirs.iter().take(strongest).filter(|line| near(**line)).count();
+    agreement::share_of(found, strongest, 1.0, "of the strongest lines within a bin")
+}
+
+/// Segments are not compared one by one: OpenCV's are found in a random order of the pixels.
+fn segments(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
+    let params = HoughParams { votes: 50, ..PARAMS };
+    let mut finder = HoughSegments::new(params, SHORTEST_PX, WIDEST_GAP_PX)?;
+    let ours: Vec<[[f64; 2]; 2]> =
+        finder.find(edges.view()).iter().map(|segment| [segment.start_px, segment.end_px]).collect();
+    let parameters = json!({"votes": params.votes, "min_length": SHORTEST_PX, "max_gap": WIDEST_GAP_PX});
+    let theirs = bench.opencv_gives("hough_segments", &parameters, &[array_of_plane(edges)])?;
+    let theirs = theirs[0].i32s();
+    let (theirs, _) = theirs.as_chunks::<4>();
+    let long =
+        theirs.iter().filter(|s| f64::from(s[2] - s[0]).hypot(f64::from(s[3] - s[1])) >= 2.0 * SHORTEST_PX);
+    let (mut covered, mut all) = (0, 0);
+    for segment in long {
+        all += 1;
+        let [x0, y0, x1, y1] = segment.map(f64::from);
+        covered += usize::from(on_a_segment(&ours, [0.5 * (x0 + x1), 0.5 * (y0 + y1)]));
+    }
+    let agreement = Agreement {
+        found: format!("{covered} of OpenCV's {all} long segments lie on ours, {} in all", ours.len()),
+        // Which pixels are left for a segment depends on the order in which others were found.
+        holds: 10 * covered >= 8 * all,
+    };
+    let work = || {
+        finder.find(edges.view());
+    };
+    bench.row(("Hough segments", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, Vec::new())
+}
+
+/// Whether the point lies within two pixels of a segment.
+fn on_a_segment(segments: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
+    segments.iter().any(|[a, b]| {
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let along = ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy).max(1e-9);
+        let along = along.clamp(0.0, 1.0);
+        (x - a[0] - along * dx).hypot(y - a[1] - along * dy) <= 2.0
+    })
+}
