@@ -11,8 +11,7 @@
 //! Limits: motion larger than about half the window at the coarsest level is not found; where the picture has no texture
 //! the flow tends to that of its surroundings or to nothing; there is no measure of confidence. Pixels of the last row and
 //! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a
-//! still picture): take
-//! means over an inner region.
+//! still picture): take means over an inner region.
 
 mod displacement;
 mod expansion;
@@ -160,6 +159,9 @@ impl Farneback {
         }
         if self.levels.last().map(|level| (level.width, level.height)) != Some(size) {
             self.levels = pyramid_levels(size.0, size.1, self.params.pyramid_scale, self.params.levels);
+            // The two take turns from level to level; each must hold the largest, so that the next pair finds room.
+            self.flow.reset(size.0, size.1);
+            self.coarser.reset(size.0, size.1);
         }
         let path = CodePath::fastest();
         copy_to_f32(previous, &mut self.pictures[0]);

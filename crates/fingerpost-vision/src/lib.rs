@@ -18,7 +18,7 @@
 //! | [`morphology`] | dilation | Serra 1982 |
 //! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
-//! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
+//! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!

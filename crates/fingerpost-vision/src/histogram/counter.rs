@@ -6,8 +6,8 @@ use crate::picture::{PlaneView, ValidityMask};
 use crate::span::SpanMask;
 
 /// Counters of each bin that are used in turn: neighbouring pixels are often of the same bin, and a counter can be added to
-/// again only when the last addition has been stored. At 512x512 on Zen 4 four take 0.07 ms whatever the picture holds, one
-/// takes 0.15 to 0.85 ms; eight are no better.
+/// again only when the last addition has been stored. Over 512x512 pixels on Zen 4 one counter a bin takes 0.15 ms, and
+/// 0.85 ms where all pixels are alike; four take 0.07 to 0.11 ms either way, and eight are no better.
 const TURNS: usize = 4;
 
 /// Counts pixels by bin; keeps its memory from picture to picture.
