@@ -4,7 +4,9 @@
 use super::avx512;
 use super::lanes::unpack;
 use super::{BinDivision, grey_of, hue_saturation_of};
-use crate::simd::{CodePath, InstructionSet, simd_kernel};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// Pixels in a block: their lanes, 1 KiB, stay in the first cache, and a call a block costs nothing beside them.
 const BLOCK: usize = 256;
