@@ -99,7 +99,7 @@ impl VideoReader {
                 Format::Y4m(Y4mReader::new(coding))
             }
             None => {
-                command.args(["-f", "image2pipe", "-c:v", "ppm", "-"]);
+                command.args(["-pix_fmt", "rgb24", "-f", "image2pipe", "-c:v", "ppm", "-"]);
                 Format::Ppm
             }
         };

@@ -173,7 +173,7 @@ simd_kernel! {
 /// The whole number at or below `value`, which is from 0 to below [`WHOLE`], as an index and as it is.
 ///
 /// Sums with [`WHOLE`] have no room for fractions, and hold their whole part in the mantissa's bits. A conversion by `as`
-/// guards against numbers that do not fit, one pixel at a time, which takes six times as long.
+/// guards against numbers that do not fit, one pixel at a time, which takes five times as long.
 #[inline(always)]
 fn whole_part(value: f32) -> (u32, f32) {
     let nearest = (value + WHOLE) - WHOLE;

@@ -84,8 +84,8 @@ simd_kernel! {
     }
 }
 
-// No `array::map` below: it is not inlined into code for other instruction sets, and a call for each pixel makes this ten
-// times slower.
+// No `array::map` below: it is not inlined into code for other instruction sets, and a call for each pixel takes twice as
+// long as the rest.
 
 /// Sums the rows' columns for the outputs from `start` on.
 #[inline(always)]
