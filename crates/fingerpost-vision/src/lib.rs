@@ -19,6 +19,7 @@
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
+pub mod alignment;
 pub mod backprojection;
 pub mod colour;
 pub mod error;
