@@ -77,7 +77,7 @@ impl SeparableFilter {
 }
 
 /// Folds an index into `0..length` by mirrors through the first and the last element.
-fn mirror(index: isize, length: usize) -> usize {
+pub(crate) fn mirror(index: isize, length: usize) -> usize {
     if length <= 1 {
         return 0;
     }

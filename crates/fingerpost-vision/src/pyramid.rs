@@ -1,8 +1,13 @@
 //! Pyramids of pictures for coarse-to-fine search.
 //!
-//! Every level is made from the full-size picture: smoothed by a Gaussian that suits the reduction, then resampled
+//! [`halve`] and [`reduce`] make 8-bit pictures of half the size. The levels of the flow are of `f32` and any scale: every
+//! level is made from the full-size picture: smoothed by a Gaussian that suits the reduction, then resampled
 //! bilinearly. The widths of the Gaussian and the smallest level are those of OpenCV's `calcOpticalFlowFarneback`, so that
 //! flows can be compared with it.
+
+mod halving;
+
+pub use halving::{halve, reduce};
 
 use crate::filter::{SeparableFilter, gaussian_taps};
 use crate::picture::Plane;
