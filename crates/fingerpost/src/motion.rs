@@ -4,8 +4,10 @@
 //! ground view a frame; other ways take the place of the papers' behind the trait.
 
 mod coarse;
+mod direct;
 mod farneback;
 mod rigid_fit;
+mod sway;
 
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::farneback::FarnebackError;
@@ -13,6 +15,7 @@ use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Matrix3};
 use thiserror::Error;
 
+pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -97,4 +100,22 @@ pub trait MotionEstimator: Send {
 
     /// Forgets the last frame, as at the start of a drive.
     fn reset(&mut self);
+}
+
+/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
+/// road without texture looks alike however far the vehicle moved.
+fn told_apart(left_over: f64, shifted: f64) -> f64 {
+    if left_over.is_finite() && shifted > 0.0 {
+        (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
+    let total = samples.iter().map(|s| s.weight).sum::<f64>().max(1e-9);
+    let mean = |axis: usize| {
+        samples.iter().map(|s| s.weight * (s.to_px[axis] - s.from_px[axis])).sum::<f64>() / total
+    };
+    [mean(0), mean(1)]
 }

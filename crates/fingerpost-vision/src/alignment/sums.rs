@@ -3,7 +3,9 @@
 use super::{LANES, Lanes, QuadraticField, Target, Template, UNKNOWNS};
 use crate::simd::{CodePath, simd_kernel};
 
-/// Degrees of freedom of Student's t distribution: heavy tails, as residuals of pictures have (Kerl et al. 2013).
+/// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
+/// have (Kerl et al. 2013). The square root of it is also where the weights have fallen to a quarter, in standard
+/// deviations.
 const FREEDOM: f32 = 5.0;
 /// Entries of a symmetric matrix of the unknowns.
 const PRODUCTS: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
@@ -32,9 +34,9 @@ pub struct Residuals {
     pub seen: f32,
     /// Sum of the weights.
     pub weight_sum: f32,
-    /// Sum of weight times residual squared, grey levels squared.
+    /// Sum of the residuals squared, each with its weight in the scale of a t distribution, grey levels squared.
     pub square_sum: f32,
-    /// Sums of weight times residual; times the template's grey; and of the weights times the grey and its square.
+    /// Sum of weight times residual.
     pub residual_sum: f32,
     /// Sum of weight times residual times the template's grey.
     pub grey_residual_sum: f32,
@@ -51,6 +53,8 @@ pub struct Sums {
     pub hessian: [[f32; UNKNOWNS]; UNKNOWNS],
     /// Weighted products of them with the residuals.
     pub gradient: [f32; UNKNOWNS],
+    /// What the Hessian's diagonal would be had every seen point a weight of 1.
+    pub unweighted: [f32; UNKNOWNS],
 }
 
 impl Residuals {
@@ -111,7 +115,7 @@ impl Residuals {
 
     pub(super) fn sums_with(&self, path: CodePath, template: &Template) -> Sums {
         let descent = template.descent.each_ref().map(Vec::as_slice);
-        let (products, gradient) = accumulate(path, descent, &self.residual, &self.weight);
+        let (products, gradient, unweighted) = accumulate(path, descent, &self.residual, &self.weight);
         let mut hessian = [[0.0; UNKNOWNS]; UNKNOWNS];
         let mut next = products.into_iter();
         for row in 0..UNKNOWNS {
@@ -121,14 +125,13 @@ impl Residuals {
                 hessian[column][row] = product;
             }
         }
-        Sums { hessian, gradient }
+        Sums { hessian, gradient, unweighted }
     }
 
     /// Weight of a point, 0 (unseen) to 1; `None` beyond the last.
     #[must_use]
     pub fn weight(&self, point: usize) -> Option<f32> {
-        // The weights of the t distribution reach beyond 1.
-        Some(self.weight.get(point / LANES)?[point % LANES] * (FREEDOM / (FREEDOM + 1.0)))
+        Some(self.weight.get(point / LANES)?[point % LANES])
     }
 
     /// Residual of a point, grey levels; `None` beyond the last.
@@ -150,6 +153,18 @@ fn total(lanes: &Lanes) -> f32 {
         half /= 2;
     }
     lanes[0]
+}
+
+/// The pixel at or before a place of 0 or more, and how far the place lies beyond it, 0 to 1.
+///
+/// A float of 2^23 or more has no digits behind the point: adding that much rounds, and leaves the whole number in the low
+/// bits. Casts to integers would have to treat what does not fit, which no vector instruction does.
+#[inline(always)]
+fn split(place: f32) -> (u32, f32) {
+    const WHOLE: f32 = 8_388_608.0;
+    let before = place - 0.5;
+    let shifted = if before > 0.0 { before } else { 0.0 } + WHOLE;
+    (shifted.to_bits() & 0x7f_ffff, place - (shifted - WHOLE))
 }
 
 simd_kernel! {
@@ -176,11 +191,10 @@ simd_kernel! {
             for lane in 0..LANES {
                 let [place_u, place_v] = warp.at(u[lane], v[lane]);
                 let inside = (place_u >= 0.0) & (place_u < right) & (place_v >= 0.0) & (place_v < bottom);
-                let (place_u, place_v) = (if inside { place_u } else { 0.0 }, if inside { place_v } else { 0.0 });
-                let (column, row) = (place_u as i32, place_v as i32);
-                share_u[lane] = place_u - column as f32;
-                share_v[lane] = place_v - row as f32;
-                let at = row as u32 * size[0] as u32 + column as u32;
+                let ((column, right_share), (row, lower_share)) = (split(place_u), split(place_v));
+                share_u[lane] = right_share;
+                share_v[lane] = lower_share;
+                let at = row.wrapping_mul(size[0] as u32).wrapping_add(column);
                 index[lane] = if inside { at } else { nowhere };
             }
             let mut cell = [0_u32; LANES];
@@ -197,13 +211,14 @@ simd_kernel! {
                 let seen = if a.min(b).min(c.min(d)) > 0.0 { 1.0 } else { 0.0 };
                 let residual = seen * (sampled - (brightness.gain * grey[lane] + brightness.offset));
                 let square = residual * residual;
-                let weight = seen * ((FREEDOM + 1.0) / (FREEDOM + square * inverse_variance));
+                let share = FREEDOM / (FREEDOM + square * inverse_variance);
+                let weight = seen * (share * share);
                 let weighted = weight * residual;
                 residual_out[lane] = residual;
-                weight_out[lane] = weight;
+                weight_out[lane] = weight * weight;
                 sums[0][lane] += seen;
                 sums[1][lane] += weight;
-                sums[2][lane] += weight * square;
+                sums[2][lane] += ((FREEDOM + 1.0) / FREEDOM) * (share * square);
                 sums[3][lane] += weighted;
                 sums[4][lane] += weighted * grey[lane];
                 sums[5][lane] += weight * grey[lane];
@@ -219,18 +234,22 @@ simd_kernel! {
         descent: [&[Lanes]; UNKNOWNS],
         residuals: &[Lanes],
         weights: &[Lanes],
-    ) -> ([f32; PRODUCTS], [f32; UNKNOWNS]) {
+    ) -> ([f32; PRODUCTS], [f32; UNKNOWNS], [f32; UNKNOWNS]) {
         let groups = residuals.len();
         let (descent, weights) = (descent.map(|lanes| &lanes[..groups]), &weights[..groups]);
         let mut products = [[0.0_f32; LANES]; PRODUCTS];
         let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
+        let mut unweighted = [[0.0_f32; LANES]; UNKNOWNS];
         for group in 0..groups {
             let mut entry = 0;
             for i in 0..UNKNOWNS {
                 let mut weighted = [0.0; LANES];
                 for lane in 0..LANES {
-                    weighted[lane] = weights[group][lane] * descent[i][group][lane];
+                    let slope = descent[i][group][lane];
+                    weighted[lane] = weights[group][lane] * slope;
                     gradient[i][lane] += weighted[lane] * residuals[group][lane];
+                    let seen = if weights[group][lane] > 0.0 { slope } else { 0.0 };
+                    unweighted[i][lane] += seen * seen;
                 }
                 for j in i..UNKNOWNS {
                     for lane in 0..LANES {
@@ -240,6 +259,10 @@ simd_kernel! {
                 }
             }
         }
-        (products.map(|lanes| total(&lanes)), gradient.map(|lanes| total(&lanes)))
+        (
+            products.map(|lanes| total(&lanes)),
+            gradient.map(|lanes| total(&lanes)),
+            unweighted.map(|lanes| total(&lanes)),
+        )
     }
 }

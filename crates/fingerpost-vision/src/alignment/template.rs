@@ -7,6 +7,10 @@ use crate::simd::{CodePath, simd_kernel};
 /// A place far outside any picture: what fills up the last lanes.
 const NOWHERE: f32 = -1e6;
 
+/// Largest side of a cell, pixels: the order of its pixels fits eight bits.
+const MAX_CELL_PX: usize = 16;
+const MOST_ORDERS: usize = MAX_CELL_PX * MAX_CELL_PX;
+
 /// Points of a picture with their grey and gradient, in groups of lanes.
 #[derive(Debug, Clone, Default)]
 pub struct Template {
@@ -18,12 +22,14 @@ pub struct Template {
     /// Change of grey for a unit of each unknown (the steepest-descent images).
     pub(super) descent: [Vec<Lanes>; UNKNOWNS],
     points: usize,
-    strength: Vec<u16>,
+    /// Scratch: of each column of a row of cells the strongest pixel, and the columns' order in their cells.
+    keys: Vec<u32>,
+    orders: Vec<u32>,
 }
 
 impl Template {
     /// Takes in the points of `grey` (0: unseen) within `region`: of each cell of `cell` x `cell` pixels the one with the
-    /// largest gradient, the first of equals. A point has its four neighbours seen.
+    /// largest gradient, the first of equals. A point has its four neighbours seen. Cells have 16 pixels a side at the most.
     pub fn choose(&mut self, grey: &Plane<u8>, region: Rect, cell: usize) {
         self.choose_with(CodePath::fastest(), grey, region, cell);
     }
@@ -33,37 +39,34 @@ impl Template {
             lanes.clear();
         }
         self.points = 0;
-        let cell = cell.max(1);
+        let cell = cell.clamp(1, MAX_CELL_PX);
         let left = region.x.max(1);
         let right = (region.x + region.width).min(grey.width().saturating_sub(1));
         let top = region.y.max(1);
         let bottom = (region.y + region.height).min(grey.height().saturating_sub(1));
         let columns = right.saturating_sub(left) / cell;
         let width = columns * cell;
-        self.strength.resize(width * cell, 0);
+        self.orders.clear();
+        self.orders.extend((0..width).map(|x| (MOST_ORDERS - 1 - x % cell) as u32));
+        self.keys.resize(width, 0);
         for row in 0..bottom.saturating_sub(top) / cell {
             let y = top + row * cell;
+            self.keys.fill(0);
             for dy in 0..cell {
                 let span = |y: usize, x: usize| &grey.row(y)[x..x + width];
-                let cross = [
-                    span(y + dy, left),
-                    span(y + dy, left - 1),
-                    span(y + dy, left + 1),
-                    span(y + dy - 1, left),
-                    span(y + dy + 1, left),
-                ];
-                strengths(path, cross, &mut self.strength[dy * width..][..width]);
+                let y = y + dy;
+                let (left_of, right_of) = (span(y, left - 1), span(y, left + 1));
+                let (above, below) = (span(y - 1, left), span(y + 1, left));
+                let later = (dy * cell) as u32;
+                strongest(
+                    path, span(y, left), left_of, right_of, above, below, &self.orders, later, &mut self.keys,
+                );
             }
             for column in 0..columns {
-                let mut best = (0, 0, 0);
-                for dy in 0..cell {
-                    let strengths = &self.strength[dy * width + column * cell..][..cell];
-                    for (dx, &strength) in strengths.iter().enumerate() {
-                        best = if strength > best.0 { (strength, dx, dy) } else { best };
-                    }
-                }
-                if best.0 > 0 {
-                    self.push(grey, left + column * cell + best.1, y + best.2);
+                let best = self.keys[column * cell..][..cell].iter().fold(0, |best, &key| best.max(key));
+                if best >= MOST_ORDERS as u32 {
+                    let order = MOST_ORDERS - 1 - best as usize % MOST_ORDERS;
+                    self.push(grey, left + column * cell + order % cell, y + order / cell);
                 }
             }
         }
@@ -118,30 +121,48 @@ impl Template {
 
     pub(super) fn set_directions_with(&mut self, path: CodePath, fields: &[QuadraticField; UNKNOWNS]) {
         for (field, descent) in fields.iter().zip(&mut self.descent) {
-            descend(path, field, [&self.u, &self.v, &self.gradient_u, &self.gradient_v], descent);
+            descend(path, field, &self.u, &self.v, &self.gradient_u, &self.gradient_v, descent);
         }
     }
 }
 
 simd_kernel! {
-    /// Sum of the gradient's absolute parts and 1, or 0 where a pixel of the cross (middle, left, right, above, below) is
-    /// unseen.
-    fn strengths(cross: [&[u8]; 5], out: &mut [u16]) {
-        let n = out.len();
-        let [middle, left, right, above, below] = cross.map(|row| &row[..n]);
+    /// Raises each key to that of its pixel: the sum of the gradient's absolute parts and 1 above eight bits of `orders`
+    /// less `later`; a pixel that is unseen, or beside one, has no strength.
+    fn strongest(
+        middle: &[u8],
+        left: &[u8],
+        right: &[u8],
+        above: &[u8],
+        below: &[u8],
+        orders: &[u32],
+        later: u32,
+        keys: &mut [u32],
+    ) {
+        let n = keys.len();
+        let (middle, left, right) = (&middle[..n], &left[..n], &right[..n]);
+        let (above, below, orders) = (&above[..n], &below[..n], &orders[..n]);
         for i in 0..n {
-            let seen = middle[i].min(left[i]).min(right[i]).min(above[i]).min(below[i]);
-            let strength =
-                u16::from(left[i].abs_diff(right[i])) + u16::from(above[i].abs_diff(below[i])) + 1;
-            out[i] = if seen == 0 { 0 } else { strength };
+            let least = middle[i].min(left[i]).min(right[i]).min(above[i]).min(below[i]);
+            let strength = u32::from(left[i].abs_diff(right[i])) + u32::from(above[i].abs_diff(below[i])) + 1;
+            let key = strength * MOST_ORDERS as u32 + (orders[i] - later);
+            keys[i] = keys[i].max(if least == 0 { 0 } else { key });
         }
     }
 }
 
 simd_kernel! {
-    fn descend(field: &QuadraticField, points: [&[Lanes]; 4], out: &mut [Lanes]) {
+    fn descend(
+        field: &QuadraticField,
+        u: &[Lanes],
+        v: &[Lanes],
+        gradient_u: &[Lanes],
+        gradient_v: &[Lanes],
+        out: &mut [Lanes],
+    ) {
         let n = out.len();
-        let [u, v, gradient_u, gradient_v] = points.map(|lanes| &lanes[..n]);
+        let (u, v) = (&u[..n], &v[..n]);
+        let (gradient_u, gradient_v) = (&gradient_u[..n], &gradient_v[..n]);
         for i in 0..n {
             for lane in 0..LANES {
                 let [right, down] = field.at(u[i][lane], v[i][lane]);
