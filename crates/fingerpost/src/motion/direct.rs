@@ -6,6 +6,9 @@
 //! beside them, and a change of the light; kerbs, cars and walls are told from the road by weights. The motion of the frame
 //! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its uncertainty grows.
 //!
+//! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and
+//! creeping shows as soon as it can be told from noise.
+//!
 //! Limits: what stands on the road and fills most of the patch is taken for road; a road without texture gives the prior,
 //! with a quality near zero.
 
@@ -56,6 +59,19 @@ const TELL_SHIFT_M: f64 = 0.3;
 const BEARABLE: f64 = 2.0;
 /// Least cost that is taken to be left, grey levels squared: the camera's noise at the coarsest level.
 const COST_FLOOR: f64 = 0.5;
+/// A vehicle that moved less stands: several times what the camera's noise makes of a standing one, metres and radians.
+const STANDING_M: f64 = 0.005;
+const STANDING_RAD: f64 = 0.0005;
+/// Quality below which a standing vehicle is not believed to stand.
+const STANDING_QUALITY: f64 = 0.5;
+/// Shares of the texture that agree from which an alignment is believed a little and in full. On good roads it is 0.3 to
+/// 0.7; where a reflection or the edges of a lane outweigh what moves, 0.05 to 0.2.
+const AGREEING: [f64; 2] = [0.1, 0.3];
+/// What is left of the quality when the last level was still changing.
+const NOT_CONVERGED: f64 = 0.5;
+/// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
+/// standard deviation.
+const SCALE_SIGMA: f64 = 0.015;
 /// About how many displacements the evidence shows.
 const SAMPLES: usize = 400;
 
@@ -67,7 +83,6 @@ pub struct DirectMotion {
     residuals: Residuals,
     evidence: MotionEvidence,
     last: Option<Last>,
-    pub debug: [f64; 8],
 }
 
 /// What the next frame is to know of this one.
@@ -83,7 +98,7 @@ struct Last {
 impl Last {
     /// Before the second frame: nothing is known, and any start but a fitting one is searched for.
     fn first() -> Self {
-        Self { current_from_previous: Isometry2::identity(), covariance: None, bearable: COST_FLOOR }
+        Self { current_from_previous: Isometry2::identity(), covariance: None, bearable: 0.0 }
     }
 }
 
@@ -97,7 +112,6 @@ impl DirectMotion {
             residuals: Residuals::default(),
             evidence: MotionEvidence::default(),
             last: None,
-            debug: [0.0; 8],
         }
     }
 
@@ -106,12 +120,12 @@ impl DirectMotion {
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
         let (start, motion) = start(coarsest, residuals, last.current_from_previous, last.bearable);
-        let covariance = match (start, last.covariance) {
+        let before = match (start, last.covariance) {
             (FlowStart::CoarseSearch, _) | (_, None) => diagonal(UNKNOWN_SIGMA),
             (_, Some(covariance)) => covariance + diagonal(CHANGE_SIGMA),
         };
         let expected = if start == FlowStart::CoarseSearch { motion } else { last.current_from_previous };
-        let prior = Prior { current_from_previous: expected, information: covariance.try_inverse()? };
+        let prior = Prior { current_from_previous: expected, information: before.try_inverse()? };
         let mut estimate = Estimate::at(motion);
         for level in patch.levels[patch.finest..].iter_mut().rev() {
             estimate = align(level, residuals, &prior, self.config.iterations, estimate)?;
@@ -127,22 +141,23 @@ impl DirectMotion {
             cost(coarsest, residuals, &Displacement { current_from_previous, ..displacement }, brightness)
         });
         let shifted = shifted[0].min(shifted[1]);
-        let told = told_apart(left_over, shifted);
+        let quality = quality(&estimate, told_apart(left_over, shifted));
+        let mut previous_from_current = displacement.current_from_previous.inverse();
+        let covariance = covariance(&previous_from_current, &estimate.covariance);
+        let stands = previous_from_current.translation.vector.norm() < STANDING_M
+            && previous_from_current.rotation.angle().abs() < STANDING_RAD
+            && quality >= STANDING_QUALITY;
+        if stands {
+            previous_from_current = Isometry2::identity();
+        } else {
+            patch.keep();
+        }
         self.last = Some(Last {
-            current_from_previous: displacement.current_from_previous,
+            current_from_previous: previous_from_current.inverse(),
             covariance: Some(estimate.covariance),
             bearable: (BEARABLE * left_over.max(COST_FLOOR)).max(shifted),
         });
-        let previous_from_current = displacement.current_from_previous.inverse();
-        // A turn in the older frame swings the place of the newer one.
-        let step = previous_from_current.translation.vector;
-        let swing = Matrix3::new(1.0, 0.0, -step.y, 0.0, 1.0, step.x, 0.0, 0.0, 1.0);
-        self.debug = [estimate.scale, estimate.agreeing, told, left_over, shifted, if estimate.has_converged { 1.0 } else { 0.0 }, estimate.covariance[(0, 0)].sqrt(), estimate.covariance[(2, 2)].sqrt()];
-        Some(Motion {
-            previous_from_current,
-            covariance: swing * estimate.covariance * swing.transpose(),
-            quality: if std::env::var("QA").is_ok() { estimate.agreeing } else { told },
-        })
+        Some(Motion { previous_from_current, covariance, quality })
     }
 }
 
@@ -159,10 +174,8 @@ impl MotionEstimator for DirectMotion {
         let patch = self.patch.as_mut().ok_or(MotionError::NoRegion)?;
         patch.look_at(&picture.grey)?;
         let motion = self.last.and_then(|last| self.between(last));
-        if motion.is_none() {
+        if let (None, Some(patch)) = (&motion, &mut self.patch) {
             self.last = Some(Last::first());
-        }
-        if let Some(patch) = &mut self.patch {
             patch.keep();
         }
         Ok(motion.map(|motion| (motion, &self.evidence)))
@@ -171,6 +184,24 @@ impl MotionEstimator for DirectMotion {
     fn reset(&mut self) {
         self.last = None;
     }
+}
+
+/// How far a motion is to be believed, 0 to 1: whether the picture tells it from a longer one, whether the road's texture
+/// agrees with it, and how much of the patch was seen.
+fn quality(estimate: &Estimate, told: f64) -> f64 {
+    let [little, full] = AGREEING;
+    let agreeing = ((estimate.agreeing - little) / (full - little)).clamp(0.0, 1.0);
+    let converged = if estimate.has_converged { 1.0 } else { NOT_CONVERGED };
+    told * agreeing * converged * estimate.seen.clamp(0.0, 1.0)
+}
+
+/// Covariance of the vehicle's new pose in the old frame, from that of a small motion there.
+fn covariance(previous_from_current: &Isometry2<f64>, of_motion: &Matrix3<f64>) -> Matrix3<f64> {
+    // A turn in the old frame swings the new place.
+    let step = previous_from_current.translation.vector;
+    let swing = Matrix3::new(1.0, 0.0, -step.y, 0.0, 1.0, step.x, 0.0, 0.0, 1.0);
+    let scale = SCALE_SIGMA * Vector3::new(step.x, step.y, previous_from_current.rotation.angle());
+    swing * of_motion * swing.transpose() + Matrix3::from_diagonal(&scale.component_mul(&scale))
 }
 
 fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
