@@ -3,7 +3,9 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
+use clap::ValueEnum;
 use fingerpost_map::LatLon;
+use fingerpost_vision::simd::InstructionSet;
 
 /// A place given as `LAT,LON`, degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +57,27 @@ impl FromStr for FrameRange {
         match (from.parse(), to.parse()) {
             (Ok(from), Ok(to)) if from <= to => Ok(Self(from..=to)),
             _ => Err(format!("{text:?} are no frames; give FROM-TO, as in 85-105, or one frame's number")),
+        }
+    }
+}
+
+/// An instruction set by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum InstructionSetName {
+    /// What every machine of this kind has.
+    Portable,
+    /// x86-64 with AVX2.
+    Avx2,
+    /// x86-64 with AVX-512.
+    Avx512,
+}
+
+impl From<InstructionSetName> for InstructionSet {
+    fn from(name: InstructionSetName) -> Self {
+        match name {
+            InstructionSetName::Portable => Self::Portable,
+            InstructionSetName::Avx2 => Self::Avx2,
+            InstructionSetName::Avx512 => Self::Avx512,
         }
     }
 }

@@ -15,8 +15,9 @@ use crate::arguments::PictureSize;
 use crate::driver::{Driver, RunSetting};
 use crate::interrupt::Interrupt;
 use crate::output;
+use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, RunEnd, Wishes};
+use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
 
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
@@ -57,15 +58,16 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         camera: &camera,
         route: Some(&route),
         start_m: Some(sim_config.start_m),
-        out: &args.out,
     };
     let wishes = Wishes {
         title: "Fingerpost demo: a simulated drive through Mauren".to_owned(),
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video_fps: None,
     };
-    let bar = output::progress(Some(simulator.frames() as u64), "frames");
-    let mut driver = Driver::new(setting, wishes, bar)?;
+    let frames = Some(simulator.frames() as u64);
+    let mut driver = Driver::new(setting, &wishes, frames)?;
+    let bar = output::progress(frames, "frames");
+    let mut recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let mut truth = Vec::with_capacity(simulator.frames());
     let (sender, receiver) = sync_channel(WAITING_FRAMES);
@@ -73,17 +75,14 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         scope.spawn(|| render(&simulator, sender));
         // The receiver ends with the closure, and with it the rendering, however the loop ends.
         let receiver: Receiver<SimFrame> = receiver;
-        for (index, frame) in receiver.iter().enumerate() {
-            if interrupt.wanted() {
-                break;
-            }
+        let rendered = receiver.iter().take_while(|_| !interrupt.wanted()).enumerate();
+        let results = rendered.map(|(index, frame)| {
             let time = FrameTime { frame: index as u64, t_s: index as f64 / sim_config.fps };
-            driver.step(time, &frame.picture, Sensors::default())?;
             truth.push(frame.truth);
-        }
-        Ok(())
+            driver.step(time, &frame.picture, Sensors::default())
+        });
+        overlap::each(Overlap::Writing, results, |result| recorder.add(result))
     });
-    let recorder = driver.into_recorder();
     let frames = recorder.frames();
     let complete = followed.is_ok() && frames == simulator.frames();
     let summary =

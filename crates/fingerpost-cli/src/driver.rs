@@ -1,19 +1,19 @@
-//! The method and its recorder together: one frame in, its results in the run folder.
+//! The method on one frame after the other, with all that needs its evidence: what comes out can be written elsewhere.
 
-use std::path::Path;
+use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, anyhow};
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
+use fingerpost_eval::FeatureIdentity;
+use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_map::Route;
-use fingerpost_report::{Scene, Setting, Thresholds};
+use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
-use indicatif::ProgressBar;
 
-use crate::output;
-use crate::record::{FrameTime, feature_identities};
-use crate::recorder::{Recorder, Subject, Wishes};
+use crate::record::{FrameTime, feature_identities, frame_record};
+use crate::recorder::{Pictures, Subject, Wishes};
 use crate::stage_clock::{FrameClock, stage_name};
 
 /// What a run is about.
@@ -27,74 +27,102 @@ pub(crate) struct RunSetting<'a> {
     pub(crate) route: Option<&'a Route>,
     /// Distance along the route at the first frame, metres.
     pub(crate) start_m: Option<f64>,
-    /// The run folder.
-    pub(crate) out: &'a Path,
 }
 
-impl RunSetting<'_> {
-    fn subject(&self, pipeline: &Pipeline) -> Result<Subject> {
-        Ok(Subject {
-            config_toml: toml::to_string(self.config)
-                .context("the configuration cannot be written as TOML")?,
-            thresholds: Thresholds {
-                detect: self.config.track.detect_threshold,
-                confirm: self.config.track.confirm_threshold,
-            },
-            route: self.route.cloned(),
-            features: feature_identities(pipeline.tracker().stops()),
-        })
-    }
+/// What came of a frame.
+#[derive(Debug)]
+pub(crate) struct FrameResult {
+    /// Which frame.
+    pub(crate) time: FrameTime,
+    /// Its record and pictures, or why it could not be used.
+    pub(crate) outcome: Result<Seen, String>,
+    /// Wall time of the work outside the method, milliseconds.
+    pub(crate) stage_ms: BTreeMap<String, f64>,
 }
 
-/// A run in hand.
+/// What is kept of a frame that was processed.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    /// The line of `frames.jsonl`.
+    pub(crate) record: FrameRecord,
+    /// Its pictures for the report, where it is one of the key frames.
+    pub(crate) key_frame: Option<DrawnFrame>,
+    /// All panels in one picture, where that is wanted.
+    pub(crate) annotated: Option<RgbImage>,
+}
+
+/// The method with what the results need of it.
 pub(crate) struct Driver {
     pipeline: Pipeline,
     drawing: Setting,
-    /// The results.
-    pub(crate) recorder: Recorder,
-    bar: ProgressBar,
+    features: Vec<FeatureIdentity>,
+    key_frames: KeyFrameChoice,
+    pictures: Pictures,
+    video: bool,
+    frames_used: u64,
 }
 
 impl Driver {
-    /// Sets the method up and makes the run folder, replacing earlier results in it. `bar` goes on with every frame.
-    pub(crate) fn new(setting: RunSetting<'_>, wishes: Wishes, bar: ProgressBar) -> Result<Self> {
+    /// Sets the method up for a run of about `frames` frames, where that is known.
+    pub(crate) fn new(setting: RunSetting<'_>, wishes: &Wishes, frames: Option<u64>) -> Result<Self> {
         let pipeline = Pipeline::new(setting.config, setting.camera, setting.route, setting.start_m)?;
-        let recorder = Recorder::create(setting.out, setting.subject(&pipeline)?, wishes)?;
-        Ok(Self { drawing: Setting::new(setting.camera, &pipeline), pipeline, recorder, bar })
+        Ok(Self {
+            drawing: Setting::new(setting.camera, &pipeline),
+            features: feature_identities(pipeline.tracker().stops()),
+            pipeline,
+            key_frames: KeyFrameChoice::new(frames),
+            pictures: wishes.pictures.clone(),
+            video: wishes.video_fps.is_some(),
+            frames_used: 0,
+        })
     }
 
-    /// The results, when there are no more frames.
-    pub(crate) fn into_recorder(self) -> Recorder {
-        self.bar.finish_and_clear();
-        self.recorder
+    /// What the results say about the run as a whole.
+    pub(crate) fn subject(&self, setting: RunSetting<'_>) -> Result<Subject> {
+        Ok(Subject {
+            config_toml: toml::to_string(setting.config)
+                .context("the configuration cannot be written as TOML")?,
+            thresholds: Thresholds {
+                detect: setting.config.track.detect_threshold,
+                confirm: setting.config.track.confirm_threshold,
+            },
+            route: setting.route.cloned(),
+            features: self.features.clone(),
+        })
     }
 
     /// Takes one frame in.
-    pub(crate) fn step(&mut self, time: FrameTime, picture: &RgbImage, sensors: Sensors) -> Result<()> {
-        self.bar.inc(1);
+    pub(crate) fn step(
+        &mut self,
+        time: FrameTime,
+        picture: &RgbImage,
+        sensors: Sensors,
+    ) -> Result<FrameResult> {
         let mut clock = FrameClock::start();
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
-        match done {
-            Ok((output, evidence)) => {
-                let FrameTime { frame, t_s } = time;
-                let (setting, output, evidence) = (&self.drawing, &output, &evidence);
-                let scene = Scene { setting, frame, t_s, picture, output, evidence };
-                self.recorder.add(&scene, &clock.stage_ms)
-            }
-            Err(PipelineError::GroundView(GroundViewError::Frame(_))) => self.misfit(time, picture),
-            Err(cause) => self.pass_over(time, &cause),
-        }
-    }
-
-    /// Records and reports a frame that cannot be used.
-    pub(crate) fn pass_over(&mut self, time: FrameTime, cause: &dyn std::error::Error) -> Result<()> {
-        self.bar.suspend(|| output::message(&format!("frame {} is passed over: {cause}", time.frame)));
-        self.recorder.add_broken(time, cause.to_string())
+        let (output, evidence) = match done {
+            Ok(done) => done,
+            Err(PipelineError::GroundView(GroundViewError::Frame(_))) => return self.misfit(time, picture),
+            Err(cause) => return Ok(pass_over(time, &cause)),
+        };
+        self.frames_used += 1;
+        let stage_ms = clock.stage_ms;
+        let sought = evidence.track.sought.as_ref();
+        let record = frame_record(time, &output, sought, &self.features, stage_ms);
+        let mut clock = FrameClock::start();
+        let FrameTime { frame, t_s } = time;
+        let scene =
+            Scene { setting: &self.drawing, frame, t_s, picture, output: &output, evidence: &evidence };
+        let key_frame = self.key_frames.consider(frame, &output, &evidence.track);
+        let key_frame = key_frame.map(|chosen| chosen.draw(&scene));
+        let annotated = (self.video || self.pictures.want(frame)).then(|| compose(&scene));
+        clock.finished("drawing");
+        Ok(FrameResult { time, outcome: Ok(Seen { record, key_frame, annotated }), stage_ms: clock.stage_ms })
     }
 
     /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no
     /// frame will fit; a later one is a broken frame.
-    fn misfit(&mut self, time: FrameTime, picture: &RgbImage) -> Result<()> {
+    fn misfit(&self, time: FrameTime, picture: &RgbImage) -> Result<FrameResult> {
         let (width, height) = (self.drawing.camera.width(), self.drawing.camera.height());
         let cause = anyhow!(
             "the picture has {} x {} pixels and the calibration is for {width} x {height}; give the calibration of this \
@@ -102,9 +130,14 @@ impl Driver {
             picture.width(),
             picture.height()
         );
-        if self.recorder.nothing_used() {
+        if self.frames_used == 0 {
             return Err(cause.context(format!("frame {}", time.frame)));
         }
-        self.pass_over(time, cause.as_ref())
+        Ok(pass_over(time, cause.as_ref()))
     }
+}
+
+/// What comes of a frame that cannot be used.
+pub(crate) fn pass_over(time: FrameTime, cause: &dyn std::error::Error) -> FrameResult {
+    FrameResult { time, outcome: Err(cause.to_string()), stage_ms: BTreeMap::new() }
 }

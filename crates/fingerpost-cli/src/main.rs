@@ -11,6 +11,7 @@ mod gps;
 mod inputs;
 mod interrupt;
 mod output;
+mod overlap;
 mod record;
 mod recorder;
 mod route;

@@ -54,7 +54,7 @@ pub(crate) fn frame_record(
     output: &FrameOutput,
     sought: Option<&Sought>,
     features: &[FeatureIdentity],
-    stage_ms: &BTreeMap<String, f64>,
+    stage_ms: BTreeMap<String, f64>,
 ) -> FrameRecord {
     let followed = output.track.followed.as_ref();
     FrameRecord {
@@ -74,7 +74,7 @@ pub(crate) fn frame_record(
         lanes: None,
         fix: None,
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
-        stage_ms: stage_ms.clone(),
+        stage_ms,
         why: output.why.clone(),
         error: None,
     }

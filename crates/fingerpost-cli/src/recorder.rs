@@ -11,11 +11,14 @@ use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
 use fingerpost_report::{
-    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Scene, Thresholds, compose, report_html,
+    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, report_html,
 };
+use indicatif::ProgressBar;
 
 use crate::arguments::FrameRange;
-use crate::record::{FrameTime, broken_record, frame_record};
+use crate::driver::{FrameResult, Seen};
+use crate::output;
+use crate::record::{FrameTime, broken_record};
 use crate::stage_clock::{FrameClock, StageTimes};
 
 /// How a run came to its end.
@@ -39,7 +42,7 @@ pub(crate) enum Pictures {
 }
 
 impl Pictures {
-    fn want(&self, frame: u64) -> bool {
+    pub(crate) fn want(&self, frame: u64) -> bool {
         match self {
             Self::None => false,
             Self::Frames(FrameRange(frames)) => frames.contains(&frame),
@@ -84,11 +87,12 @@ pub(crate) struct Recorder {
     times: StageTimes,
     broken_frames: u64,
     started: Instant,
+    bar: ProgressBar,
 }
 
 impl Recorder {
-    /// Makes the run folder, replacing earlier results in it, and writes the configuration.
-    pub(crate) fn create(out: &Path, subject: Subject, wishes: Wishes) -> Result<Self> {
+    /// Makes the run folder, replacing earlier results in it, and writes the configuration. `bar` goes on with every frame.
+    pub(crate) fn create(out: &Path, subject: Subject, wishes: Wishes, bar: ProgressBar) -> Result<Self> {
         let folder = RunFolder::create(out)?;
         folder.write_config(&subject.config_toml)?;
         let size = (COMPOSED_WIDTH_PX, COMPOSED_HEIGHT_PX);
@@ -101,11 +105,12 @@ impl Recorder {
             subject,
             wishes,
             video,
-            key_frames: KeyFrames::new(),
+            key_frames: KeyFrames::default(),
             records: Vec::new(),
             times: StageTimes::default(),
             broken_frames: 0,
             started: Instant::now(),
+            bar,
         })
     }
 
@@ -119,43 +124,40 @@ impl Recorder {
         self.broken_frames == self.records.len() as u64
     }
 
-    /// Adds a frame that was processed.
-    pub(crate) fn add(&mut self, scene: &Scene<'_>, stage_ms: &BTreeMap<String, f64>) -> Result<()> {
-        let mut clock = FrameClock::start();
-        let time = FrameTime { frame: scene.frame, t_s: scene.t_s };
-        self.keep(frame_record(
-            time,
-            scene.output,
-            scene.evidence.track.sought.as_ref(),
-            &self.subject.features,
-            stage_ms,
-        ))?;
-        let reason = self.key_frames.consider(scene.frame, scene.output, &scene.evidence.track);
-        if let Some(reason) = reason {
-            self.key_frames.add(reason, scene)?;
+    /// Adds a frame.
+    pub(crate) fn add(&mut self, result: FrameResult) -> Result<()> {
+        self.bar.inc(1);
+        let FrameResult { time, outcome, stage_ms } = result;
+        self.times.add(&stage_ms);
+        match outcome {
+            Ok(seen) => self.add_seen(time, seen),
+            Err(error) => self.add_broken(time, error),
         }
-        let as_picture = self.wishes.pictures.want(scene.frame);
-        if as_picture || self.video.is_some() {
-            let annotated = compose(scene);
-            if as_picture {
-                self.folder.write_picture(&format!("frame_{:06}", scene.frame), &annotated)?;
+    }
+
+    fn add_seen(&mut self, time: FrameTime, seen: Seen) -> Result<()> {
+        let mut clock = FrameClock::start();
+        let Seen { record, key_frame, annotated } = seen;
+        self.keep(record)?;
+        if let Some(key_frame) = key_frame {
+            self.key_frames.add(key_frame)?;
+        }
+        if let Some(annotated) = annotated {
+            if self.wishes.pictures.want(time.frame) {
+                self.folder.write_picture(&format!("frame_{:06}", time.frame), &annotated)?;
             }
             if let Some(video) = &mut self.video {
                 video.write(&annotated)?;
             }
         }
         clock.finished("results");
-        self.add_times(&clock.stage_ms);
+        self.times.add(&clock.stage_ms);
         Ok(())
     }
 
-    /// Adds the times of work outside the method, milliseconds.
-    pub(crate) fn add_times(&mut self, stage_ms: &BTreeMap<String, f64>) {
-        self.times.add(stage_ms);
-    }
-
-    /// Adds a frame that could not be used.
-    pub(crate) fn add_broken(&mut self, time: FrameTime, error: String) -> Result<()> {
+    /// Reports a frame that could not be used.
+    fn add_broken(&mut self, time: FrameTime, error: String) -> Result<()> {
+        self.bar.suspend(|| output::message(&format!("frame {} is passed over: {error}", time.frame)));
         self.broken_frames += 1;
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
         let record = broken_record(time, self.records.last(), at_first, error);
@@ -179,6 +181,7 @@ impl Recorder {
     /// it.
     pub(crate) fn finish(mut self, end: RunEnd, truth: Option<&[TruthRecord]>) -> Result<Summary> {
         let elapsed_s = self.started.elapsed().as_secs_f64();
+        self.bar.finish_and_clear();
         let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
         let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
         let truth = truth.filter(|_| !self.records.is_empty());

@@ -1,21 +1,24 @@
 //! `fingerpost run`: the method on a recorded or live drive.
 
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::Args;
 use fingerpost::Sensors;
 use fingerpost_format::TruthRecord;
-use fingerpost_io::{FrameError, FrameSource, SourceOptions, read_camera, read_truth};
+use fingerpost_io::{Frame, FrameError, FrameSource, SourceOptions, read_camera, read_truth};
 use fingerpost_map::Route;
+use fingerpost_vision::simd::{CodePath, InstructionSet};
 
-use crate::arguments::FrameRange;
-use crate::driver::{Driver, RunSetting};
+use crate::arguments::{FrameRange, InstructionSetName};
+use crate::driver::{Driver, FrameResult, RunSetting, pass_over};
 use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
+use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, RunEnd, Wishes};
-use crate::stage_clock::FrameClock;
+use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+use crate::stage_clock::milliseconds;
 use crate::{inputs, output};
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
@@ -58,6 +61,14 @@ pub(crate) struct RunArgs {
     /// Folder to write; results of an earlier run in it are replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Threads that decode, ffmpeg's with them; with 1, decoding, method and writing also take turns in one thread instead
+    /// of going on at the same time. As many as the machine has by default. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Instructions of the processor that are used at the most, to compare speeds; the best it has by default. Results do
+    /// not depend on it.
+    #[arg(long, value_name = "NAME")]
+    instruction_set: Option<InstructionSetName>,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
@@ -66,30 +77,41 @@ pub(crate) struct RunArgs {
 /// Runs the method.
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_out(Path::new(&args.input), &args.out)?;
+    limit_instruction_set(args.instruction_set)?;
     let config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     check_start(args.start_m, route.as_ref())?;
     let gps = args.gps.as_deref().map(GpsTrack::read).transpose()?.unwrap_or_default();
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
-    let source =
-        FrameSource::open(&args.input, &SourceOptions { fps: args.fps, ..SourceOptions::default() })?;
-    let setting = RunSetting {
-        config: &config,
-        camera: &camera,
-        route: route.as_ref(),
-        start_m: args.start_m,
-        out: &args.out,
-    };
+    let options = SourceOptions { fps: args.fps, threads: args.threads, ..SourceOptions::default() };
+    let source = FrameSource::open(&args.input, &options)?;
+    let setting =
+        RunSetting { config: &config, camera: &camera, route: route.as_ref(), start_m: args.start_m };
     let wishes = Wishes {
         title: args.input.clone(),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video_fps: args.video.then(|| source.fps()),
     };
     let most = args.frames.unwrap_or(u64::MAX);
-    let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
-    let driver = Driver::new(setting, wishes, bar)?;
-    RecordedDrive { driver, source, gps, most }.run(args, truth.as_deref())
+    let frames = source.length().map(|length| length.min(most)).or(args.frames);
+    let driver = Driver::new(setting, &wishes, frames)?;
+    let bar = output::progress(frames, "frames");
+    let recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
+    let interrupt = Interrupt::listen()?;
+    let drive = RecordedDrive { driver, source, gps, left: most, interrupt };
+    drive.run(recorder, args, truth.as_deref())
+}
+
+/// Keeps the kernels to an instruction set that this processor has.
+fn limit_instruction_set(most: Option<InstructionSetName>) -> Result<()> {
+    let Some(most) = most else { return Ok(()) };
+    let set = InstructionSet::from(most);
+    if CodePath::with(set).is_none() {
+        bail!("this processor does not have the instruction set {set:?}; leave --instruction-set out");
+    }
+    CodePath::limit(set);
+    Ok(())
 }
 
 /// An input that stands where the results go would be replaced by them.
@@ -122,26 +144,18 @@ struct RecordedDrive {
     driver: Driver,
     source: FrameSource,
     gps: GpsTrack,
-    most: u64,
+    /// Frames still wanted.
+    left: u64,
+    interrupt: Interrupt,
 }
 
 impl RecordedDrive {
-    fn run(mut self, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
-        let interrupt = Interrupt::listen()?;
-        let mut failure = None;
-        while !interrupt.wanted() && (self.driver.recorder.frames() as u64) < self.most {
-            match self.next_frame() {
-                Ok(Step::Done) => {}
-                Ok(Step::AtEnd) => break,
-                Err(error) => {
-                    failure = Some(error);
-                    break;
-                }
-            }
-        }
-        let recorder = self.driver.into_recorder();
+    fn run(mut self, mut recorder: Recorder, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
+        let overlap = if args.threads == Some(NonZeroUsize::MIN) { Overlap::None } else { Overlap::Writing };
+        let failure = overlap::each(overlap, self.by_ref(), |result| recorder.add(result)).err();
+        let interrupted = self.interrupt.wanted();
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
-        let stopped = interrupt.wanted() || failure.is_some();
+        let stopped = interrupted || failure.is_some();
         let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
         if let (true, Err(error)) = (stopped || unused, &summary) {
             output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
@@ -152,7 +166,7 @@ impl RecordedDrive {
                 args.out.display()
             )));
         }
-        if interrupt.wanted() {
+        if interrupted {
             bail!("interrupted after {frames} frames; results so far are in {}", args.out.display());
         }
         if unused {
@@ -163,27 +177,34 @@ impl RecordedDrive {
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }
 
-    fn next_frame(&mut self) -> Result<Step> {
-        let mut clock = FrameClock::start();
-        let Some(frame) = self.source.next() else { return Ok(Step::AtEnd) };
-        clock.finished("decode");
-        self.driver.recorder.add_times(&clock.stage_ms);
+    /// Runs the method on a frame.
+    fn result(&mut self, frame: Frame) -> Result<FrameResult> {
         let time = FrameTime { frame: frame.index, t_s: frame.t_s };
-        match frame.picture {
+        let mut result = match frame.picture {
             Ok(picture) => {
                 let sensors = Sensors { gps: self.gps.at(time.t_s) };
-                self.driver.step(time, &picture, sensors)?;
+                let result = self.driver.step(time, &picture, sensors)?;
                 self.source.recycle(picture);
+                result
             }
-            Err(FrameError::Picture(cause)) => self.driver.pass_over(time, &cause)?,
+            Err(FrameError::Picture(cause)) => pass_over(time, &cause),
             Err(cause @ FrameError::Video(_)) => return Err(cause.into()),
-        }
-        Ok(Step::Done)
+        };
+        result.stage_ms.insert("decode".to_owned(), milliseconds(frame.decoding));
+        Ok(result)
     }
 }
 
-/// What came of asking for the next frame.
-enum Step {
-    Done,
-    AtEnd,
+/// The results of frame after frame.
+impl Iterator for RecordedDrive {
+    type Item = Result<FrameResult>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.interrupt.wanted() {
+            return None;
+        }
+        self.left = self.left.checked_sub(1)?;
+        let frame = self.source.next()?;
+        Some(self.result(frame))
+    }
 }

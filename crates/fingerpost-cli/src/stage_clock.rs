@@ -1,7 +1,11 @@
 //! Wall time of every stage, frame by frame.
+//!
+//! A stage's time is what it took in its own thread. Stages of different threads go on at the same time, so that a frame
+//! takes less than their sum: `decode` (waiting for ffmpeg with it) ahead of the method's own stages, `drawing` (of frames
+//! that are shown) behind them, and `results` (compressing pictures and writing) later still.
 
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use fingerpost::Stage;
 use fingerpost_eval::stage_time;
@@ -35,11 +39,14 @@ impl FrameClock {
     /// Takes the time of a stage that has just ended.
     pub(crate) fn finished(&mut self, name: &str) {
         let now = Instant::now();
-        // A microsecond is finer than any stage's repeatability.
-        let ms = (now.duration_since(self.last).as_secs_f64() * 1e6).round() / 1e3;
-        self.stage_ms.insert(name.to_owned(), ms);
+        self.stage_ms.insert(name.to_owned(), milliseconds(now.duration_since(self.last)));
         self.last = now;
     }
+}
+
+/// Milliseconds, to the microsecond: finer than any stage's repeatability.
+pub(crate) fn milliseconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e3
 }
 
 /// Times of all frames, by stage.

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use fingerpost::ground_view::{GroundPicture, GroundView, GroundViewConfig};
+use fingerpost::ground_view::{GroundView, GroundViewConfig};
+use fingerpost::road_surface::BackprojectionConfig;
 use fingerpost_format::{FrameRecord, Summary, from_json_lines};
 use fingerpost_geometry::GroundPixel;
 use fingerpost_io::{FrameSource, SourceOptions, read_camera, read_picture};
@@ -101,8 +102,9 @@ fn a_motorway_video() {
     assert!(run.join("pictures/frame_000005.png").exists());
 
     let first = FrameSource::open(text(&video), &SourceOptions::default()).unwrap().next().unwrap();
-    let view = GroundView::new(&GroundViewConfig::default(), &read_camera(&camera).unwrap()).unwrap();
-    let mut ground = GroundPicture::default();
+    let bins = BackprojectionConfig::default().bins();
+    let view = GroundView::new(&GroundViewConfig::default(), bins, &read_camera(&camera).unwrap()).unwrap();
+    let mut ground = view.black_picture();
     view.render(&first.picture.unwrap(), &mut ground).unwrap();
     let line = yellow_line(&ground.colour, &view);
     assert!(line.len() > 150, "{} rows of the ground view show the line", line.len());

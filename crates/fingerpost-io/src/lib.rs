@@ -4,6 +4,7 @@
 //! [`DriveFolder`] and [`VideoWriter`]. Every error names the file, the cause and what to do next. Nothing is printed.
 
 mod camera;
+mod decoders;
 mod drive_folder;
 mod ffmpeg;
 mod file;

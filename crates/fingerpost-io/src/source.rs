@@ -1,11 +1,16 @@
 //! The frames of a drive, one after the other, wherever they come from.
 
-use std::path::{Path, PathBuf};
+use std::{
+    num::NonZeroUsize,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
 use crate::{
+    decoders::{Decode, Decoded, Decoders, threads_of_machine},
     ffmpeg::{FfmpegPrograms, VideoError},
     picture_file::{PictureFileError, read_picture_into},
     picture_folder::{PictureFolder, PictureFolderError},
@@ -20,6 +25,9 @@ pub const DEFAULT_PICTURE_FPS: f64 = 10.0;
 pub struct SourceOptions {
     /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`] or the video's own rate; a `times.txt` goes before it.
     pub fps: Option<f64>,
+    /// Threads that decode, ffmpeg's with them. With one, pictures are decoded when they are asked for; with more, ahead.
+    /// None: as many as the machine runs at once. Pictures do not depend on it.
+    pub threads: Option<NonZeroUsize>,
     /// The programs that decode video.
     pub programs: FfmpegPrograms,
 }
@@ -67,6 +75,8 @@ pub struct Frame {
     pub index: u64,
     /// Seconds since the first frame.
     pub t_s: f64,
+    /// Wall time that decoding took in its own thread, waiting for ffmpeg with it.
+    pub decoding: Duration,
     /// The picture, or why there is none.
     pub picture: Result<RgbImage, FrameError>,
 }
@@ -80,13 +90,24 @@ pub struct FrameSource {
     input: Input,
     fps: f64,
     next_index: u64,
-    spare: Vec<u8>,
 }
 
 #[derive(Debug)]
 enum Input {
-    Pictures { paths: std::vec::IntoIter<PathBuf>, count: u64, times_s: Option<Vec<f64>> },
+    Pictures { pictures: Decoders<PictureFiles>, count: u64, times_s: Option<Vec<f64>> },
     Video(Box<VideoReader>),
+}
+
+/// Some of the pictures of a folder.
+#[derive(Debug)]
+struct PictureFiles(std::vec::IntoIter<PathBuf>);
+
+impl Decode for PictureFiles {
+    type Picture = Result<RgbImage, PictureFileError>;
+
+    fn decode(&mut self, buffer: Vec<u8>) -> Option<Self::Picture> {
+        self.0.next().map(|path| read_picture_into(&path, buffer))
+    }
 }
 
 impl FrameSource {
@@ -103,12 +124,13 @@ impl FrameSource {
         if path.is_dir() {
             let PictureFolder { paths, times_s } = PictureFolder::open(path)?;
             let fps = times_s.as_deref().and_then(mean_rate).or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
-            let input = Input::Pictures { count: paths.len() as u64, paths: paths.into_iter(), times_s };
-            Ok(Self { input, fps, next_index: 0, spare: Vec::new() })
+            let count = paths.len() as u64;
+            let pictures = decoders(&paths, options.threads.unwrap_or_else(threads_of_machine));
+            Ok(Self { input: Input::Pictures { pictures, count, times_s }, fps, next_index: 0 })
         } else if path.exists() || input.contains("://") {
-            let video = VideoReader::open(input, &options.programs)?;
+            let video = VideoReader::open(input, &options.programs, options.threads)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
-            Ok(Self { input: Input::Video(Box::new(video)), fps, next_index: 0, spare: Vec::new() })
+            Ok(Self { input: Input::Video(Box::new(video)), fps, next_index: 0 })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }
@@ -129,7 +151,10 @@ impl FrameSource {
 
     /// Takes back a picture that is no longer needed; its memory serves a later frame.
     pub fn recycle(&mut self, picture: RgbImage) {
-        self.spare = picture.into_vec();
+        match &mut self.input {
+            Input::Pictures { pictures, .. } => pictures.recycle(picture.into_vec()),
+            Input::Video(video) => video.recycle(picture.into_vec()),
+        }
     }
 }
 
@@ -138,19 +163,32 @@ impl Iterator for FrameSource {
 
     fn next(&mut self) -> Option<Frame> {
         let index = self.next_index;
-        let buffer = std::mem::take(&mut self.spare);
         let mut t_s = index as f64 / self.fps;
-        let picture = match &mut self.input {
-            Input::Pictures { paths, times_s, .. } => {
-                let path = paths.next()?;
+        let (decoding, picture) = match &mut self.input {
+            Input::Pictures { pictures, times_s, .. } => {
+                let Decoded { picture, decoding } = pictures.next()?;
                 let time_s = times_s.as_ref().and_then(|times_s| times_s.get(usize::try_from(index).ok()?));
                 t_s = time_s.copied().unwrap_or(t_s);
-                read_picture_into(&path, buffer).map_err(FrameError::from)
+                (decoding, picture.map_err(FrameError::from))
             }
-            Input::Video(video) => video.next_picture(buffer)?.map_err(FrameError::from),
+            Input::Video(video) => {
+                let Decoded { picture, decoding } = video.next_picture()?;
+                (decoding, picture.map_err(FrameError::from))
+            }
         };
         self.next_index += 1;
-        Some(Frame { index, t_s, picture })
+        Some(Frame { index, t_s, decoding, picture })
+    }
+}
+
+/// Decoders of pictures that may use `threads` threads.
+fn decoders(paths: &[PathBuf], threads: NonZeroUsize) -> Decoders<PictureFiles> {
+    let count = threads.get().min(paths.len()).max(1);
+    let every_nth = |first| paths.iter().skip(first).step_by(count).cloned().collect::<Vec<_>>();
+    let mut files = (0..count).map(|first| PictureFiles(every_nth(first).into_iter()));
+    match files.next() {
+        Some(all) if threads == NonZeroUsize::MIN => Decoders::on_demand(all),
+        first => Decoders::ahead(first.into_iter().chain(files)),
     }
 }
 

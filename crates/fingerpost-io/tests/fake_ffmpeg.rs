@@ -44,7 +44,7 @@ impl Machine {
     }
 
     fn open(&self) -> Result<FrameSource, SourceError> {
-        let options = SourceOptions { fps: None, programs: self.programs.clone() };
+        let options = SourceOptions { programs: self.programs.clone(), ..SourceOptions::default() };
         FrameSource::open(self.path("drive.mp4").to_str().unwrap(), &options)
     }
 }

@@ -76,7 +76,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
                     (tables::stage_times(input.summary))
                 }
                 h2 { "Key frames" }
-                (key_frames::key_frames(input.key_frames))
+                (key_frames::key_frames(input))
                 h2 { "Configuration" }
                 details {
                     summary { "The effective configuration of the run" }

@@ -1,20 +1,21 @@
 //! The frames of a run that a person wants to see afterwards.
 //!
-//! [`KeyFrames::consider`] says from a frame's output and evidence alone whether the frame is wanted, so that nothing
-//! is drawn in vain; [`KeyFrames::add`] draws it and keeps the pictures as JPEG. What is kept is bounded: of each
-//! feature three frames, of losses the first few, and of the time in which nothing is followed an even spread that is
-//! thinned as the run goes on.
+//! [`KeyFrameChoice::consider`] says from a frame's output and evidence alone whether the frame is wanted, so that nothing
+//! is drawn in vain; [`ChosenFrame::draw`] draws it while its evidence is there, and [`KeyFrames::add`] keeps the pictures
+//! as JPEG, later and elsewhere if need be. What is kept is bounded: of each feature three frames, of losses the first
+//! few, and of the time in which nothing is followed an even spread that is thinned as the run goes on.
+
+mod choice;
 
 use std::collections::BTreeMap;
 
-use fingerpost::FrameOutput;
-use fingerpost::track::{Decision, State, TrackEvidence};
-use fingerpost_vision::picture::RgbImage;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use crate::ReportError;
-use crate::panel::{StagePictures, compose};
+use crate::panel::{StagePicture, StagePictures, compose};
 use crate::scene::Scene;
+
+pub use choice::{ChosenFrame, KeyFrameChoice};
 
 /// Why a frame is kept; in this order where one frame has several reasons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -75,91 +76,24 @@ pub struct KeyFrame {
     pub pictures: Vec<KeyPicture>,
 }
 
-/// The key frames of a run.
-#[derive(Debug, Clone)]
-pub struct KeyFrames {
-    kept: BTreeMap<(KeyReason, u64), KeyFrame>,
-    lowest_p: BTreeMap<usize, f64>,
-    losses: usize,
+/// A wanted frame with its pictures, not yet made small enough to be kept.
+#[derive(Debug)]
+pub struct DrawnFrame {
+    key: KeyFrame,
     spread_stride: u64,
-    any_detection: bool,
-    started: bool,
+    drawn: Vec<StagePicture>,
 }
 
-impl Default for KeyFrames {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Losses whose pictures are kept; more of them look alike, and the page counts them all.
-const MAX_LOSSES: usize = 12;
-/// Spread frames that are kept while nothing has been detected: then they are all that the page can show.
-const MAX_SPREAD: usize = 24;
-/// Spread frames that are kept beside detections.
-const MAX_SPREAD_WITH_DETECTIONS: usize = 6;
-/// How much lower P(F) must be to count as weaker: smaller steps look the same and would be drawn frame after frame.
-const WEAKER_BY: f64 = 0.02;
-/// JPEG quality of the pictures, 1 to 100: lettering stays clean and a key frame takes about 250 kB.
-const JPEG_QUALITY: u8 = 82;
-
-impl KeyFrames {
-    /// No frames yet.
-    pub fn new() -> Self {
-        Self {
-            kept: BTreeMap::new(),
-            lowest_p: BTreeMap::new(),
-            losses: 0,
-            spread_stride: 1,
-            any_detection: false,
-            started: false,
-        }
-    }
-
-    /// Why the frame is wanted, if it is. To be asked once for every frame, in order.
-    pub fn consider(
-        &mut self,
-        frame: u64,
-        output: &FrameOutput,
-        evidence: &TrackEvidence,
-    ) -> Option<KeyReason> {
-        let followed = output.track.followed.as_ref();
-        let first = !std::mem::replace(&mut self.started, true);
-        let reason = match (&evidence.decision, followed) {
-            (Decision::Detected, Some(followed)) => {
-                self.once(KeyReason::Detection { feature: followed.index })
-            }
-            (Decision::Arrived, Some(followed)) => self.once(KeyReason::Arrival { feature: followed.index }),
-            (Decision::Lost { index }, _) => self.loss(*index),
-            _ => None,
-        };
-        // What is detected is also the first match to be weaker than.
-        let weaker = followed.filter(|_| output.track.state == State::Tracking).and_then(|followed| {
-            let p = followed.matched.p?;
-            let lowest = self.lowest_p.entry(followed.index).or_insert(f64::INFINITY);
-            let weaker = p < *lowest - WEAKER_BY;
-            *lowest = if weaker { p } else { *lowest };
-            weaker.then_some(KeyReason::WeakestMatch { feature: followed.index })
-        });
-        self.any_detection |= matches!(reason, Some(KeyReason::Detection { .. }));
-        let spread =
-            (followed.is_none() && frame.is_multiple_of(self.spread_stride)).then_some(KeyReason::Spread);
-        reason.or(weaker).or(first.then_some(KeyReason::FirstFrame)).or(spread)
-    }
-
-    /// Draws a wanted frame and keeps it; it takes the place of one that is no longer wanted.
-    ///
-    /// # Errors
-    /// [`ReportError::Encode`] when a picture cannot be stored.
-    pub fn add(&mut self, reason: KeyReason, scene: &Scene<'_>) -> Result<(), ReportError> {
-        let mut pictures = vec![encoded(
-            "composed",
-            "All stages of the frame with the numbers that decided it.",
-            &compose(scene),
-        )?];
-        for picture in StagePictures::draw(scene).pictures {
-            pictures.push(encoded(picture.stage, picture.legend, &picture.picture)?);
-        }
+impl ChosenFrame {
+    /// Draws the frame.
+    pub fn draw(self, scene: &Scene<'_>) -> DrawnFrame {
+        let Self { reason, spread_stride } = self;
+        let mut drawn = vec![StagePicture {
+            stage: "composed",
+            legend: "All stages of the frame with the numbers that decided it.",
+            picture: compose(scene),
+        }];
+        drawn.extend(StagePictures::draw(scene).pictures);
         let feature = match reason {
             KeyReason::Detection { feature }
             | KeyReason::Arrival { feature }
@@ -171,7 +105,29 @@ impl KeyFrames {
             format!("{} {} {}", crate::palette::kind(model.kind), model.id, model.name).trim_end().to_owned()
         });
         let (frame, t_s, why) = (scene.frame, scene.t_s, scene.output.why.clone());
-        self.keep(KeyFrame { frame, t_s, reason, feature, why, pictures });
+        let key = KeyFrame { frame, t_s, reason, feature, why, pictures: Vec::new() };
+        DrawnFrame { key, spread_stride, drawn }
+    }
+}
+
+/// The key frames of a run.
+#[derive(Debug, Clone, Default)]
+pub struct KeyFrames {
+    kept: BTreeMap<(KeyReason, u64), KeyFrame>,
+}
+
+/// JPEG quality of the pictures, 1 to 100: lettering stays clean and a key frame takes about 250 kB.
+const JPEG_QUALITY: u8 = 82;
+
+impl KeyFrames {
+    /// Keeps a frame; it takes the place of those that are no longer wanted. To be given in the order of the run.
+    ///
+    /// # Errors
+    /// [`ReportError::Encode`] when a picture cannot be stored.
+    pub fn add(&mut self, frame: DrawnFrame) -> Result<(), ReportError> {
+        let DrawnFrame { mut key, spread_stride, drawn } = frame;
+        key.pictures = drawn.iter().map(encoded).collect::<Result<_, _>>()?;
+        self.keep(key, spread_stride);
         Ok(())
     }
 
@@ -182,40 +138,18 @@ impl KeyFrames {
         frames
     }
 
-    /// Losses in the run whose pictures are not kept.
-    pub const fn losses_not_kept(&self) -> usize {
-        self.losses.saturating_sub(MAX_LOSSES)
-    }
-
-    fn keep(&mut self, key: KeyFrame) {
+    fn keep(&mut self, key: KeyFrame, spread_stride: u64) {
         if let KeyReason::WeakestMatch { .. } = key.reason {
             self.kept.retain(|(reason, _), _| *reason != key.reason);
         }
         self.kept.insert((key.reason, key.frame), key);
-        self.thin_spread();
-    }
-
-    fn once(&self, reason: KeyReason) -> Option<KeyReason> {
-        (!self.kept.keys().any(|(kept, _)| *kept == reason)).then_some(reason)
-    }
-
-    fn loss(&mut self, feature: usize) -> Option<KeyReason> {
-        self.losses += 1;
-        (self.losses <= MAX_LOSSES).then_some(KeyReason::Loss { feature })
-    }
-
-    fn thin_spread(&mut self) {
-        let limit = if self.any_detection { MAX_SPREAD_WITH_DETECTIONS } else { MAX_SPREAD };
-        while self.kept.keys().filter(|(reason, _)| *reason == KeyReason::Spread).count() > limit {
-            self.spread_stride *= 2;
-            let stride = self.spread_stride;
-            self.kept
-                .retain(|&(reason, frame), _| reason != KeyReason::Spread || frame.is_multiple_of(stride));
-        }
+        self.kept
+            .retain(|&(reason, frame), _| reason != KeyReason::Spread || frame.is_multiple_of(spread_stride));
     }
 }
 
-fn encoded(stage: &'static str, legend: &'static str, picture: &RgbImage) -> Result<KeyPicture, ReportError> {
+fn encoded(drawn: &StagePicture) -> Result<KeyPicture, ReportError> {
+    let StagePicture { stage, legend, ref picture } = *drawn;
     let size_px = picture.size();
     let side = |px: usize| u16::try_from(px).unwrap_or(0);
     let mut jpeg = Vec::new();
@@ -226,93 +160,4 @@ fn encoded(stage: &'static str, legend: &'static str, picture: &RgbImage) -> Res
         .encode(picture.as_slice(), side(size_px.0), side(size_px.1), ColorType::Rgb)
         .map_err(|cause| ReportError::Encode { stage, cause })?;
     Ok(KeyPicture { stage, legend, jpeg, size_px })
-}
-
-#[cfg(test)]
-mod tests {
-    use fingerpost::matching::Match;
-    use fingerpost::track::{Followed, TrackOutput};
-    use nalgebra::{Isometry2, Matrix3};
-
-    use super::*;
-
-    fn output(state: State, p: Option<f64>) -> FrameOutput {
-        let pose = Isometry2::translation(12.0, 0.0);
-        let matched = |p| Match { vehicle_from_feature: pose, subs: Vec::new(), p: Some(p), weakest: None };
-        let followed = p.map(|p| Followed {
-            index: 2,
-            vehicle_from_feature: pose,
-            covariance: Matrix3::identity(),
-            matched: matched(p),
-        });
-        FrameOutput {
-            track: TrackOutput { state, followed, route_m: None },
-            motion: None,
-            driving_line: Vec::new(),
-            driving_line_curvature_per_m: Vec::new(),
-            why: String::new(),
-        }
-    }
-
-    fn evidence(decision: Decision) -> TrackEvidence {
-        let (predicted, predicted_p, sought) = (None, None, None);
-        TrackEvidence { decision, predicted, predicted_p, tried: 0, sought, sections: Vec::new(), gps: None }
-    }
-
-    /// Considers a frame and keeps it without pictures where it is wanted.
-    fn see(
-        frames: &mut KeyFrames,
-        frame: u64,
-        decision: Decision,
-        state: State,
-        p: Option<f64>,
-    ) -> Option<KeyReason> {
-        let reason = frames.consider(frame, &output(state, p), &evidence(decision))?;
-        let (feature, why, pictures) = (String::new(), String::new(), Vec::new());
-        frames.keep(KeyFrame { frame, t_s: frame as f64, reason, feature, why, pictures });
-        Some(reason)
-    }
-
-    #[test]
-    fn a_feature_is_kept_when_detected_when_weakest_and_on_arrival() {
-        let mut frames = KeyFrames::new();
-        let not_found = || Decision::NotFound { index: 2 };
-        assert_eq!(see(&mut frames, 0, not_found(), State::Searching, None), Some(KeyReason::FirstFrame));
-        let tracking = [
-            (Decision::Detected, 0.90, Some(KeyReason::Detection { feature: 2 })),
-            (Decision::Confirmed, 0.95, None),
-            (Decision::Confirmed, 0.80, Some(KeyReason::WeakestMatch { feature: 2 })),
-            (Decision::Confirmed, 0.79, None),
-            (Decision::Confirmed, 0.70, Some(KeyReason::WeakestMatch { feature: 2 })),
-        ];
-        for (frame, (decision, p, wanted)) in (1..).zip(tracking) {
-            assert_eq!(see(&mut frames, frame, decision, State::Tracking, Some(p)), wanted, "frame {frame}");
-        }
-        let arrival = see(&mut frames, 6, Decision::Arrived, State::Arrived, Some(0.5));
-        assert_eq!(arrival, Some(KeyReason::Arrival { feature: 2 }));
-        let kept: Vec<u64> = frames.frames().iter().map(|key| key.frame).collect();
-        assert_eq!(kept, [0, 1, 5, 6], "the weaker match took the place of the weak one");
-    }
-
-    #[test]
-    fn a_run_without_detections_keeps_an_even_spread() {
-        let mut frames = KeyFrames::new();
-        for frame in 0..30_000 {
-            see(&mut frames, frame, Decision::NotFound { index: 0 }, State::Searching, None);
-        }
-        let kept: Vec<u64> = frames.frames().iter().map(|key| key.frame).collect();
-        assert!((MAX_SPREAD / 2..=MAX_SPREAD + 1).contains(&kept.len()), "{kept:?}");
-        assert!(kept.windows(2).all(|w| w[1] - w[0] == kept[1] - kept[0]), "{kept:?}");
-        assert!(kept.last().is_some_and(|&last| last > 27_000), "{kept:?}");
-    }
-
-    #[test]
-    fn losses_are_kept_up_to_a_limit_and_the_rest_is_counted() {
-        let mut frames = KeyFrames::new();
-        let wanted = (0..20)
-            .map(|frame| see(&mut frames, frame, Decision::Lost { index: 1 }, State::Lost, None))
-            .filter(|reason| *reason == Some(KeyReason::Loss { feature: 1 }))
-            .count();
-        assert_eq!((wanted, frames.losses_not_kept()), (MAX_LOSSES, 20 - MAX_LOSSES));
-    }
 }

@@ -15,7 +15,7 @@ mod scene;
 mod series;
 
 pub use html::{ReportInput, Thresholds, report_html};
-pub use key_frames::{KeyFrame, KeyFrames, KeyPicture, KeyReason};
+pub use key_frames::{ChosenFrame, DrawnFrame, KeyFrame, KeyFrameChoice, KeyFrames, KeyPicture, KeyReason};
 pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose};
 pub use scene::{Scene, Setting};
 

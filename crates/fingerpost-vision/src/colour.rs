@@ -2,39 +2,34 @@
 //!
 //! Grey is the luma of ITU-R BT.601 (the former CCIR 601). Hue and saturation are those of the hexcone model (A. R.
 //! Smith, "Color gamut transform pairs", SIGGRAPH 1978) in the ranges that are usual for 8-bit pictures: hue in half
-//! degrees, 0 to 179 with red at 0, and saturation 0 to 255. Divisions are table look-ups.
+//! degrees, 0 to 179 with red at 0, and saturation 0 to 255.
+
+mod kernel;
+mod lanes;
+#[cfg(test)]
+mod tests;
+mod yuv;
+
+pub(crate) use kernel::grey_and_bins_of_all;
+pub use yuv::{Yuv420, YuvCoding, YuvMatrix, YuvRange, rgb_from_yuv420};
 
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, RgbImage};
-use crate::simd::{CodePath, simd_kernel};
+use crate::simd::CodePath;
 
 /// Number of hues: half degrees of the colour circle.
 pub const HUES: u16 = 180;
 /// Number of saturations.
 pub const SATURATIONS: u16 = 256;
 
-/// Bits behind the point of the luma weights; 16 is the most that keeps the sum in 32 bits with room to round.
-const LUMA_BITS: u32 = 16;
-/// Luma weights 0.299, 0.587 and 0.114 of red, green and blue, times 2^16; they sum to 2^16, so white stays 255.
-const LUMA: [u32; 3] = [19_595, 38_470, 7_471];
+/// Bits behind the point of the luma weights: with 15 the weights and half a step still fit 16 bits with their sign, so that
+/// vectors can multiply and add them in pairs.
+const LUMA_BITS: u32 = 15;
+/// Luma weights 0.299, 0.587 and 0.114 of red, green and blue, times 2^15; they sum to 2^15, so white stays 255.
+const LUMA: [i32; 3] = [9_798, 19_235, 3_735];
 
-/// Bits behind the point of the reciprocals; with these the rounded quotient is the exact one or its neighbour.
-const RECIPROCAL_BITS: u32 = 16;
-/// `255 * 2^16 / v`, rounded: makes saturation of the spread of the channels under the largest channel `v`.
-const SATURATION_FACTOR: [i32; 256] = rounded_reciprocals(255);
-/// `30 * 2^16 / d`, rounded: makes an offset in half degrees, one sixth of the circle at most, of a channel difference
-/// under the spread `d`.
-const HUE_FACTOR: [i32; 256] = rounded_reciprocals(30);
-
-const fn rounded_reciprocals(numerator: i32) -> [i32; 256] {
-    let mut table = [0; 256];
-    let mut divisor = 1;
-    while divisor < 256 {
-        table[divisor as usize] = ((numerator << RECIPROCAL_BITS) + divisor / 2) / divisor;
-        divisor += 1;
-    }
-    table
-}
+/// Largest quotient of [`rounded_quotient`] is below this power of two, from which on the whole numbers are the `f32`s.
+const WHOLE: f32 = 8_388_608.0;
 
 /// Luma of one colour, 0 to 255.
 ///
@@ -44,13 +39,14 @@ const fn rounded_reciprocals(numerator: i32) -> [i32; 256] {
 /// assert_eq!(grey_of([255, 0, 0]), 76); // 0.299 * 255 = 76.2
 /// ```
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn grey_of(rgb: [u8; 3]) -> u8 {
-    let [r, g, b] = rgb.map(u32::from);
+    let [r, g, b] = rgb.map(i32::from);
     ((r * LUMA[0] + g * LUMA[1] + b * LUMA[2] + (1 << (LUMA_BITS - 1))) >> LUMA_BITS) as u8
 }
 
-/// Hue in half degrees, 0 to 179, and saturation, 0 to 255, of one colour; both are 0 for greys.
+/// Hue in half degrees, 0 to 179, and saturation, 0 to 255, of one colour, rounded, ties to the even number; both are 0
+/// for greys.
 ///
 /// ```
 /// use fingerpost_vision::colour::hue_saturation_of;
@@ -58,24 +54,35 @@ pub fn grey_of(rgb: [u8; 3]) -> u8 {
 /// assert_eq!(hue_saturation_of([90, 90, 90]), (0, 0));
 /// ```
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn hue_saturation_of(rgb: [u8; 3]) -> (u8, u8) {
     let [r, g, b] = rgb.map(i32::from);
     let value = r.max(g).max(b);
     let spread = value - r.min(g).min(b);
-    let half = 1 << (RECIPROCAL_BITS - 1);
-    let saturation = (spread * SATURATION_FACTOR[value as usize] + half) >> RECIPROCAL_BITS;
-    // Which channel is largest names the third of the circle; the other two say how far from its middle.
+    let saturation = rounded_quotient(255 * spread, value.max(1));
+    // Which channel is largest names the third of the circle; the other two say how far from its middle, a sixth of the
+    // circle at most. A whole circle more keeps the quotient positive.
     let (middle, difference) = if value == r {
-        (0, g - b)
+        (180, g - b)
     } else if value == g {
-        (60, b - r)
+        (240, b - r)
     } else {
-        (120, r - g)
+        (300, r - g)
     };
-    let hue = middle + ((difference * HUE_FACTOR[spread as usize] + half) >> RECIPROCAL_BITS);
-    let hue = if hue < 0 { hue + i32::from(HUES) } else { hue };
+    let hue = rounded_quotient(30 * difference + middle * spread, spread.max(1));
+    let hue = if hue >= i32::from(HUES) { hue - i32::from(HUES) } else { hue };
     (hue as u8, saturation as u8)
+}
+
+/// The whole number nearest to `numerator / divisor`, ties to the even one.
+///
+/// Numerators here are below 2^17 and divisors below 2^8, so both are exact in `f32`. A quotient that is no tie is at least
+/// 1/510 from one, and `f32` rounds a quotient below 2^9 by 2^-16 at most, so none is rounded to or beyond a tie; a tie is
+/// exact. Adding 2^23 then leaves the nearest whole number in the lowest bits.
+#[inline(always)]
+fn rounded_quotient(numerator: i32, divisor: i32) -> i32 {
+    let quotient = numerator as f32 / divisor as f32;
+    ((quotient + WHOLE).to_bits() & 0x3ff) as i32
 }
 
 /// A division of hue and saturation into bins of equal width.
@@ -102,9 +109,6 @@ pub enum ColourError {
         /// Bins over saturation asked for.
         saturation: u16,
     },
-    /// Pictures whose sizes do not fit.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
 }
 
 impl HueSaturationBins {
@@ -137,23 +141,63 @@ impl HueSaturationBins {
     }
 }
 
+/// A checked [`HueSaturationBins`], ready to number the bins of whole pictures.
+///
+/// ```
+/// use fingerpost_vision::colour::{BinDivision, HueSaturationBins};
+/// let division = BinDivision::new(HueSaturationBins { hue: 6, saturation: 4 })?;
+/// assert_eq!(division.bin_of(60, 255), 2 * 4 + 3);
+/// # Ok::<(), fingerpost_vision::colour::ColourError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BinDivision {
+    bins: HueSaturationBins,
+    /// Hue bins a hue, times 2^[`HUE_BIN_BITS`], rounded up.
+    hue_factor: u32,
+}
+
+/// Bits behind the point of a factor that makes hue bins of hues. A factor is less than 2^-15 too large, so that the
+/// largest hue's bin is less than 179/32768 too large before it is cut: less than the 1/180 by which a quotient of a whole
+/// number by 180 can fall short of the next whole number.
+const HUE_BIN_BITS: u32 = 15;
+
+impl BinDivision {
+    /// Checks the numbers of bins.
+    ///
+    /// # Errors
+    /// [`ColourError::Bins`] as [`HueSaturationBins::check`].
+    pub fn new(bins: HueSaturationBins) -> Result<Self, ColourError> {
+        bins.check()?;
+        let hue_factor = (u32::from(bins.hue) << HUE_BIN_BITS).div_ceil(u32::from(HUES));
+        Ok(Self { bins, hue_factor })
+    }
+
+    /// The division into bins.
+    #[must_use]
+    pub const fn bins(&self) -> HueSaturationBins {
+        self.bins
+    }
+
+    /// Bin index of a hue in half degrees, 0 to 179, and a saturation: that of [`HueSaturationBins::bin_of`].
+    #[must_use]
+    #[inline(always)]
+    pub fn bin_of(&self, hue: u8, saturation: u8) -> u16 {
+        let hue_bin = (u32::from(hue) * self.hue_factor) >> HUE_BIN_BITS;
+        let saturations = u32::from(self.bins.saturation);
+        let saturation_bin = (u32::from(saturation) * saturations) / u32::from(SATURATIONS);
+        // At most 180 * 256 bins, so an index fits 16 bits.
+        (hue_bin * saturations + saturation_bin) as u16
+    }
+}
+
 /// Fills `grey` with the luma of `image`.
 ///
 /// # Errors
 /// [`PictureError::SizeMismatch`] when the two differ in size.
 pub fn grey(image: &RgbImage, grey: &mut Plane<u8>) -> Result<(), PictureError> {
     check_size("grey picture", image.size(), grey.size())?;
-    grey_row(CodePath::fastest(), image.as_slice(), grey.as_mut_slice());
+    kernel::grey_of_all(CodePath::fastest(), image.pixels(), grey.as_mut_slice());
     Ok(())
-}
-
-simd_kernel! {
-    fn grey_row(rgb: &[u8], grey: &mut [u8]) {
-        let (pixels, _) = rgb.as_chunks::<3>();
-        for (out, &rgb) in grey.iter_mut().zip(pixels) {
-            *out = grey_of(rgb);
-        }
-    }
 }
 
 /// Fills `hue` (half degrees, 0 to 179) and `saturation` (0 to 255) with those of `image`.
@@ -167,36 +211,24 @@ pub fn hue_saturation(
 ) -> Result<(), PictureError> {
     check_size("hue picture", image.size(), hue.size())?;
     check_size("saturation picture", image.size(), saturation.size())?;
-    let (pixels, _) = image.as_slice().as_chunks::<3>();
-    let outs = hue.as_mut_slice().iter_mut().zip(saturation.as_mut_slice());
-    for ((hue, saturation), &rgb) in outs.zip(pixels) {
-        (*hue, *saturation) = hue_saturation_of(rgb);
-    }
+    let (hue, saturation) = (hue.as_mut_slice(), saturation.as_mut_slice());
+    kernel::hue_saturation_of_all(CodePath::fastest(), image.pixels(), hue, saturation);
     Ok(())
 }
 
 /// Fills `grey` with the luma and `bin` with the hue-saturation bin index of each pixel of `image`, in one pass.
 ///
 /// # Errors
-/// [`ColourError`] when the bins cannot be made or the pictures differ in size.
+/// [`PictureError::SizeMismatch`] when the pictures differ in size.
 pub fn grey_and_bins(
     image: &RgbImage,
-    bins: HueSaturationBins,
+    division: &BinDivision,
     grey: &mut Plane<u8>,
     bin: &mut Plane<u16>,
-) -> Result<(), ColourError> {
-    bins.check()?;
+) -> Result<(), PictureError> {
     check_size("grey picture", image.size(), grey.size())?;
     check_size("bin picture", image.size(), bin.size())?;
-    // At most 180 * 256 bins, so an index fits 16 bits. A byte can index either table without a bounds check.
-    let hue_part: [u16; 256] = std::array::from_fn(|hue| bins.bin_of(hue as u8, 0) as u16);
-    let saturation_part: [u16; 256] =
-        std::array::from_fn(|saturation| bins.bin_of(0, saturation as u8) as u16);
-    let (pixels, _) = image.as_slice().as_chunks::<3>();
-    for ((grey, bin), &rgb) in grey.as_mut_slice().iter_mut().zip(bin.as_mut_slice()).zip(pixels) {
-        *grey = grey_of(rgb);
-        let (hue, saturation) = hue_saturation_of(rgb);
-        *bin = hue_part[usize::from(hue)] + saturation_part[usize::from(saturation)];
-    }
+    let (grey, bin) = (grey.as_mut_slice(), bin.as_mut_slice());
+    grey_and_bins_of_all(CodePath::fastest(), image.pixels(), division, grey, bin);
     Ok(())
 }

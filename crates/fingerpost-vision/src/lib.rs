@@ -13,6 +13,10 @@
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
+//! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
+//! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
+//! | [`morphology`] | dilation | Serra 1982 |
+//! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
@@ -21,13 +25,23 @@
 
 pub mod alignment;
 pub mod backprojection;
+mod bit_plane;
+mod blocks;
+mod border;
+pub mod canny;
 pub mod colour;
+pub mod components;
 pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod histogram;
+pub mod morphology;
 pub mod picture;
 pub mod pyramid;
 pub mod simd;
+pub mod smoothing;
+pub mod sobel;
 pub mod span;
+#[cfg(test)]
+mod test_pictures;
 pub mod warp;

@@ -139,7 +139,12 @@ impl<T: Copy> Plane<T> {
     }
 }
 
-fn check_length(width: usize, height: usize, channels: usize, found: usize) -> Result<(), PictureError> {
+pub(crate) fn check_length(
+    width: usize,
+    height: usize,
+    channels: usize,
+    found: usize,
+) -> Result<(), PictureError> {
     let expected = width.saturating_mul(height).saturating_mul(channels);
     if expected == found {
         Ok(())

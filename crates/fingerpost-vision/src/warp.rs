@@ -5,26 +5,25 @@
 //! every machine. A target pixel whose place lies outside the source is *unseen*: 0 in the validity mask and in every
 //! warped picture.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod resample;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use crate::colour::{BinDivision, grey_and_bins_of_all};
 use crate::error::{PictureError, check_size};
-use crate::picture::{Plane, RgbImage};
+use crate::picture::{Plane, RgbImage, ValidityMask};
+use crate::simd::CodePath;
+use resample::{Neighbours, Taps, Weights, resample, resample_rgb};
 
 /// Steps a pixel in which a place in the source is kept: fine enough that rounding costs at most 1/64 pixel, and the
 /// weights of the four neighbours are exact integers.
-const STEPS_PER_PX: u32 = 32;
-/// Sum of the four neighbours' weights, `STEPS_PER_PX` squared, as a power of two.
-const WEIGHT_BITS: u32 = 10;
-const HALF: u32 = 1 << (WEIGHT_BITS - 1);
-
-/// Where one target pixel looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Tap {
-    /// Index of the upper left of the four source pixels.
-    index: u32,
-    /// Weight of the right column, steps.
-    right: u8,
-    /// Weight of the lower row, steps.
-    below: u8,
-}
+const STEPS_PER_PX: u8 = 32;
 
 /// A resampling from pictures of one size to pictures of another.
 ///
@@ -36,15 +35,18 @@ struct Tap {
 /// let mut target = Plane::new(3, 1, 0);
 /// table.warp_grey(&source, &mut target)?;
 /// assert_eq!(target.as_slice(), &[15, 30, 0]);
-/// assert_eq!(table.validity().as_slice(), &[1, 1, 0]);
+/// assert_eq!(table.validity().plane().as_slice(), &[1, 1, 0]);
 /// # Ok::<(), fingerpost_vision::error::PictureError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WarpTable {
     source_width: usize,
     source_height: usize,
-    taps: Vec<Tap>,
-    validity: Plane<u8>,
+    validity: ValidityMask,
+    /// For each seen pixel, run by run, the index of the upper left of the four source pixels.
+    indices: Vec<u32>,
+    /// For each seen pixel, run by run, the weights of the four source pixels.
+    weights: Vec<Weights>,
 }
 
 impl WarpTable {
@@ -72,27 +74,32 @@ impl WarpTable {
                 limit,
             });
         }
-        let unseen = Tap { index: 0, right: 0, below: 0 };
-        let mut taps = vec![unseen; target_width * target_height];
         let mut validity = Plane::new(target_width, target_height, 0_u8);
+        let (mut indices, mut weights) = (Vec::new(), Vec::new());
         for row in 0..target_height {
             for col in 0..target_width {
                 let place = source_from_target(col, row)
                     .and_then(|[u, v]| Some((split(u, source_width)?, split(v, source_height)?)));
                 if let Some(((x, right), (y, below))) = place {
                     // The check above keeps every source index within 32 bits.
-                    taps[row * target_width + col] =
-                        Tap { index: (y * source_width + x) as u32, right, below };
+                    indices.push((y * source_width + x) as u32);
+                    weights.push([STEPS_PER_PX - below, below, STEPS_PER_PX - right, right]);
                     validity.row_mut(row)[col] = 1;
                 }
             }
         }
-        Ok(Self { source_width, source_height, taps, validity })
+        Ok(Self {
+            source_width,
+            source_height,
+            validity: ValidityMask::from_plane(validity),
+            indices,
+            weights,
+        })
     }
 
-    /// 1 where a target pixel shows the source, 0 where it shows nothing.
+    /// Which target pixels show the source.
     #[must_use]
-    pub fn validity(&self) -> &Plane<u8> {
+    pub fn validity(&self) -> &ValidityMask {
         &self.validity
     }
 
@@ -113,9 +120,21 @@ impl WarpTable {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when either picture has not the table's size.
     pub fn warp_rgb(&self, source: &RgbImage, target: &mut RgbImage) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())?;
-        check_size("warp target", self.target_size(), target.size())?;
-        self.resample::<3>(source.as_slice(), target.as_mut_slice());
+        self.warp_rgb_on(CodePath::fastest(), source, target)
+    }
+
+    fn warp_rgb_on(
+        &self,
+        path: CodePath,
+        source: &RgbImage,
+        target: &mut RgbImage,
+    ) -> Result<(), PictureError> {
+        self.check(source.size(), target.size())?;
+        let (source, target) = (source.pixels(), target.pixels_mut());
+        for Part { gap, run, taps } in self.parts() {
+            target[gap].fill([0; 3]);
+            resample_rgb(path, source, self.neighbours(), taps, &mut target[run]);
+        }
         Ok(())
     }
 
@@ -124,36 +143,91 @@ impl WarpTable {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when either picture has not the table's size.
     pub fn warp_grey(&self, source: &Plane<u8>, target: &mut Plane<u8>) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())?;
-        check_size("warp target", self.target_size(), target.size())?;
-        self.resample::<1>(source.as_slice(), target.as_mut_slice());
+        self.check(source.size(), target.size())?;
+        let ((source, _), (target, _)) =
+            (source.as_slice().as_chunks::<1>(), target.as_mut_slice().as_chunks_mut::<1>());
+        for Part { gap, run, taps } in self.parts() {
+            target[gap].fill([0]);
+            resample(source, self.neighbours(), taps, &mut target[run]);
+        }
         Ok(())
     }
 
-    fn resample<const CHANNELS: usize>(&self, source: &[u8], target: &mut [u8]) {
-        // A source one pixel wide or high has no neighbour on that side; the weight there is 0.
-        let right = usize::from(self.source_width > 1);
-        let below = if self.source_height > 1 { self.source_width } else { 0 };
-        let (source, _) = source.as_chunks::<CHANNELS>();
-        let (target, _) = target.as_chunks_mut::<CHANNELS>();
-        for ((out, tap), &seen) in target.iter_mut().zip(&self.taps).zip(self.validity.as_slice()) {
-            if seen == 0 {
-                *out = [0; CHANNELS];
-                continue;
-            }
-            let index = tap.index as usize;
-            let upper = [&source[index], &source[index + right]];
-            let lower = [&source[index + below], &source[index + below + right]];
-            let (w_right, w_below) = (u32::from(tap.right), u32::from(tap.below));
-            let (w_left, w_above) = (STEPS_PER_PX - w_right, STEPS_PER_PX - w_below);
-            for (channel, value) in out.iter_mut().enumerate() {
-                let above = u32::from(upper[0][channel]) * w_left + u32::from(upper[1][channel]) * w_right;
-                let beneath = u32::from(lower[0][channel]) * w_left + u32::from(lower[1][channel]) * w_right;
-                // At most 255 * 1024 before the shift, so the result fits 8 bits.
-                *value = ((above * w_above + beneath * w_below + HALF) >> WEIGHT_BITS) as u8;
-            }
+    /// Resamples a colour picture into `colour`, and its luma into `grey` and the indices of its hue-saturation bins into
+    /// `bin`, in one pass; unseen pixels become 0 in all three.
+    ///
+    /// # Errors
+    /// [`PictureError::SizeMismatch`] when a picture has not the table's size.
+    pub fn warp_ground(
+        &self,
+        source: &RgbImage,
+        division: &BinDivision,
+        colour: &mut RgbImage,
+        grey: &mut Plane<u8>,
+        bin: &mut Plane<u16>,
+    ) -> Result<(), PictureError> {
+        self.warp_ground_on(CodePath::fastest(), source, division, (colour, grey, bin))
+    }
+
+    fn warp_ground_on(
+        &self,
+        path: CodePath,
+        source: &RgbImage,
+        division: &BinDivision,
+        (colour, grey, bin): (&mut RgbImage, &mut Plane<u8>, &mut Plane<u16>),
+    ) -> Result<(), PictureError> {
+        self.check(source.size(), colour.size())?;
+        check_size("grey picture", self.target_size(), grey.size())?;
+        check_size("bin picture", self.target_size(), bin.size())?;
+        let (source, colour) = (source.pixels(), colour.pixels_mut());
+        let (grey, bin) = (grey.as_mut_slice(), bin.as_mut_slice());
+        for Part { gap, run, taps } in self.parts() {
+            colour[gap.clone()].fill([0; 3]);
+            grey[gap.clone()].fill(0);
+            bin[gap].fill(0);
+            // The colours of a run are still in the first cache when they are looked at again.
+            resample_rgb(path, source, self.neighbours(), taps, &mut colour[run.clone()]);
+            grey_and_bins_of_all(path, &colour[run.clone()], division, &mut grey[run.clone()], &mut bin[run]);
+        }
+        Ok(())
+    }
+
+    fn check(&self, source: (usize, usize), target: (usize, usize)) -> Result<(), PictureError> {
+        check_size("warp source", self.source_size(), source)?;
+        check_size("warp target", self.target_size(), target)
+    }
+
+    fn neighbours(&self) -> Neighbours {
+        Neighbours {
+            right: usize::from(self.source_width > 1),
+            below: if self.source_height > 1 { self.source_width } else { 0 },
         }
     }
+
+    /// The whole target, as gaps and the runs that follow them; the run after the last gap is empty.
+    fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        let (width, height) = self.target_size();
+        let runs = (0..height).flat_map(move |row| {
+            self.validity.runs(row).iter().map(move |run| row * width + run.start..row * width + run.end)
+        });
+        let end = width * height;
+        let mut filled = 0;
+        let mut taps = Taps { indices: &self.indices, weights: &self.weights };
+        runs.chain(std::iter::once(end..end)).map(move |run| {
+            let gap = filled..run.start;
+            filled = run.end;
+            let (here, rest) = taps.split_at(run.len());
+            taps = rest;
+            Part { gap, run, taps: here }
+        })
+    }
+}
+
+/// A run of seen pixels and the unseen ones before it, as indices of the target's pixels.
+struct Part<'a> {
+    gap: Range<usize>,
+    run: Range<usize>,
+    taps: Taps<'a>,
 }
 
 /// Splits a coordinate into the lower of its two pixels and the upper one's weight in steps; `None` when it lies outside
@@ -165,10 +239,10 @@ fn split(coordinate_px: f64, length: usize) -> Option<(usize, u8)> {
         return None;
     }
     let steps = (coordinate_px * f64::from(STEPS_PER_PX)).round_ties_even() as usize;
-    let (pixel, step) = (steps / STEPS_PER_PX as usize, steps % STEPS_PER_PX as usize);
+    let (pixel, step) = (steps / usize::from(STEPS_PER_PX), steps % usize::from(STEPS_PER_PX));
     if pixel == last && last > 0 {
         // The last pixel is the upper one of the last pair, so that the pair stays inside.
-        return Some((pixel - 1, STEPS_PER_PX as u8));
+        return Some((pixel - 1, STEPS_PER_PX));
     }
     Some((pixel, step as u8))
 }

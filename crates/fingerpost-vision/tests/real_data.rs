@@ -59,7 +59,7 @@ fn ground_view(frame: u32) -> Plane<u8> {
     })
     .unwrap();
     assert!(
-        table.validity().as_slice().iter().all(|&valid| valid == 1),
+        table.validity().plane().as_slice().iter().all(|&valid| valid == 1),
         "the whole view lies in the picture"
     );
     let mut view = Plane::new(WIDTH, HEIGHT, 0);

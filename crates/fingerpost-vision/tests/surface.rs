@@ -5,7 +5,7 @@
 use fingerpost_vision::backprojection::{
     BackProjectionError, BackProjector, MAX_DISC_RADIUS_PX, ratio_lookup,
 };
-use fingerpost_vision::colour::{self, HueSaturationBins, grey_of, hue_saturation_of};
+use fingerpost_vision::colour::{self, BinDivision, HueSaturationBins, grey_of, hue_saturation_of};
 use fingerpost_vision::histogram::Histogram;
 use fingerpost_vision::picture::{Plane, Rect, RgbImage};
 use fingerpost_vision::span::SpanMask;
@@ -38,7 +38,7 @@ proptest! {
         let mut target = Plane::new(1, 1, 77);
         table.warp_grey(&source, &mut target).unwrap();
         let inside = (0.0..=(width - 1) as f64).contains(&place[0]) && (0.0..=(height - 1) as f64).contains(&place[1]);
-        prop_assert_eq!(table.validity().get(0, 0), Some(u8::from(inside)));
+        prop_assert_eq!(table.validity().plane().get(0, 0), Some(u8::from(inside)));
         let expected = if inside {
             let [u, v] = place.map(|coordinate| (coordinate * 32.0).round_ties_even() / 32.0);
             let (x, y) = (u as usize, v as usize);
@@ -112,7 +112,7 @@ fn places_that_are_not_numbers_are_unseen_and_an_empty_source_shows_nothing() {
     let table =
         WarpTable::new(2, 1, 5, 5, |col, _| Some(if col == 0 { [f64::NAN, 1.0] } else { [1.0, 4.0] }))
             .unwrap();
-    assert_eq!(table.validity().as_slice(), &[0, 1]);
+    assert_eq!(table.validity().plane().as_slice(), &[0, 1]);
     let table = WarpTable::new(2, 2, 0, 5, |_, _| Some([0.0, 0.0])).unwrap();
     let mut target = Plane::new(2, 2, 5);
     table.warp_grey(&Plane::new(0, 5, 0), &mut target).unwrap();
@@ -166,7 +166,8 @@ fn one_pass_gives_what_the_separate_ones_give() {
     let image = RgbImage::from_vec(30, 20, bytes).unwrap();
     let bins = HueSaturationBins { hue: 32, saturation: 17 };
     let (mut grey, mut bin) = (Plane::new(30, 20, 0), Plane::new(30, 20, 0));
-    colour::grey_and_bins(&image, bins, &mut grey, &mut bin).unwrap();
+    let division = BinDivision::new(bins).unwrap();
+    colour::grey_and_bins(&image, &division, &mut grey, &mut bin).unwrap();
     let (mut plain_grey, mut hue, mut saturation) = (grey.clone(), grey.clone(), grey.clone());
     colour::grey(&image, &mut plain_grey).unwrap();
     colour::hue_saturation(&image, &mut hue, &mut saturation).unwrap();
@@ -178,8 +179,8 @@ fn one_pass_gives_what_the_separate_ones_give() {
         assert!(usize::from(bin) < bins.count());
     }
     let too_many = HueSaturationBins { hue: 32, saturation: 257 };
-    assert!(colour::grey_and_bins(&image, too_many, &mut grey, &mut bin).is_err());
-    assert!(colour::grey_and_bins(&image, bins, &mut Plane::new(20, 30, 0), &mut bin).is_err());
+    assert!(BinDivision::new(too_many).is_err());
+    assert!(colour::grey_and_bins(&image, &division, &mut Plane::new(20, 30, 0), &mut bin).is_err());
 }
 
 #[test]

@@ -5,9 +5,9 @@
 //! camera.
 
 use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel, View};
-use fingerpost_vision::colour::grey;
+use fingerpost_vision::colour::{BinDivision, ColourError, HueSaturationBins};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
 use fingerpost_vision::warp::WarpTable;
 use nalgebra::Point2;
 use schemars::JsonSchema;
@@ -53,6 +53,9 @@ pub enum GroundViewError {
         /// Upper edge, metres.
         far_m: f64,
     },
+    /// The numbers of histogram bins cannot be used.
+    #[error("the ground view's colours cannot be told apart: {0}")]
+    Bins(#[from] ColourError),
     /// A frame does not have the camera's size.
     #[error("the frame cannot be warped: {0}")]
     Frame(#[from] PictureError),
@@ -63,18 +66,35 @@ pub enum GroundViewError {
 pub struct GroundView {
     grid: GroundGrid,
     table: WarpTable,
+    division: BinDivision,
     nearest_seen_m: f64,
     camera_foot: Point2<f64>,
     camera_height_m: f64,
 }
 
 /// The ground view of one frame.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct GroundPicture {
     /// Colour, black where unseen.
     pub colour: RgbImage,
     /// Grey (CCIR 601), black where unseen.
     pub grey: Plane<u8>,
+    /// Index of each pixel's bin in `bins`, 0 where unseen.
+    pub bin: Plane<u16>,
+    /// The division of hue and saturation into bins.
+    pub bins: HueSaturationBins,
+}
+
+impl GroundPicture {
+    /// A black picture of `columns` x `rows` pixels.
+    pub fn new(columns: usize, rows: usize, bins: HueSaturationBins) -> Self {
+        Self {
+            colour: RgbImage::new(columns, rows),
+            grey: Plane::new(columns, rows, 0),
+            bin: Plane::new(columns, rows, 0),
+            bins,
+        }
+    }
 }
 
 /// Share of the ground view that must be inside the picture, percent; with less no arm could be seen whole.
@@ -85,12 +105,17 @@ const CAR_CAMERA_HEIGHT_M: f64 = 1.4;
 const CORRIDOR_HALF_WIDTH_M: f64 = 0.9;
 
 impl GroundView {
-    /// Builds the table for `camera`.
+    /// Builds the table for `camera`; `bins` is the division of hue and saturation that pictures are to have.
     ///
     /// # Errors
-    /// [`GroundViewError::Grid`] for limits that make no picture, [`GroundViewError::NothingSeen`] when the camera
-    /// looks elsewhere.
-    pub fn new(config: &GroundViewConfig, camera: &Camera) -> Result<Self, GroundViewError> {
+    /// [`GroundViewError::Grid`] for limits that make no picture, [`GroundViewError::Bins`] for numbers of bins that
+    /// cannot be used, [`GroundViewError::NothingSeen`] when the camera looks elsewhere.
+    pub fn new(
+        config: &GroundViewConfig,
+        bins: HueSaturationBins,
+        camera: &Camera,
+    ) -> Result<Self, GroundViewError> {
+        let division = BinDivision::new(bins)?;
         let grid =
             GroundGrid::new(config.near_m, config.far_m, config.half_width_m, config.metres_per_pixel)?;
         let table =
@@ -99,19 +124,18 @@ impl GroundView {
                 camera.pixel_of_ground(grid.vehicle_from_ground(pixel)).map(|p| [p.u, p.v])
             })?;
         let validity = table.validity();
-        let seen = validity.as_slice().iter().filter(|&&v| v != 0).count();
-        let seen_percent = 100.0 * seen as f64 / validity.as_slice().len() as f64;
+        let seen_percent = 100.0 * validity.seen() as f64 / validity.plane().as_slice().len() as f64;
         let nothing_seen =
             GroundViewError::NothingSeen { seen_percent, near_m: config.near_m, far_m: config.far_m };
         if seen_percent < MIN_SEEN_PERCENT {
             return Err(nothing_seen);
         }
-        let Some(nearest_seen_m) = nearest_seen_m(&grid, validity) else { return Err(nothing_seen) };
+        let Some(nearest_seen_m) = nearest_seen_m(&grid, validity.plane()) else { return Err(nothing_seen) };
         let (camera_foot, camera_height_m) = match camera.view() {
             View::Calibrated { mount, .. } => (Point2::new(mount.x_m, mount.y_m), mount.height_m),
             View::RoadPlane(_) => (Point2::origin(), CAR_CAMERA_HEIGHT_M),
         };
-        Ok(Self { grid, table, nearest_seen_m, camera_foot, camera_height_m })
+        Ok(Self { grid, table, division, nearest_seen_m, camera_foot, camera_height_m })
     }
 
     /// The raster of the ground view.
@@ -119,8 +143,8 @@ impl GroundView {
         &self.grid
     }
 
-    /// The validity mask (the papers' "IPM mask"): 1 where the picture shows the road plane, 0 where it does not.
-    pub fn validity(&self) -> &Plane<u8> {
+    /// The validity mask (the papers' "IPM mask"): where the picture shows the road plane.
+    pub fn validity(&self) -> &ValidityMask {
         self.table.validity()
     }
 
@@ -139,19 +163,21 @@ impl GroundView {
         self.camera_height_m
     }
 
+    /// A picture for [`GroundView::render`] to fill.
+    pub fn black_picture(&self) -> GroundPicture {
+        GroundPicture::new(self.grid.columns(), self.grid.rows(), self.division.bins())
+    }
+
     /// Warps `frame` into `picture`, whose memory is reused.
     ///
     /// # Errors
     /// [`GroundViewError::Frame`] when the frame's size is not the camera's.
     pub fn render(&self, frame: &RgbImage, picture: &mut GroundPicture) -> Result<(), GroundViewError> {
-        let (columns, rows) = (self.grid.columns(), self.grid.rows());
-        if picture.colour.size() != (columns, rows) {
-            picture.colour = RgbImage::new(columns, rows);
-            picture.grey = Plane::new(columns, rows, 0);
+        if picture.colour.size() != self.table.target_size() || picture.bins != self.division.bins() {
+            *picture = self.black_picture();
         }
-        self.table.warp_rgb(frame, &mut picture.colour)?;
-        grey(&picture.colour, &mut picture.grey)?;
-        Ok(())
+        let GroundPicture { colour, grey, bin, .. } = picture;
+        Ok(self.table.warp_ground(frame, &self.division, colour, grey, bin)?)
     }
 }
 

@@ -8,7 +8,7 @@
 
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::Plane;
+use fingerpost_vision::picture::{Plane, ValidityMask};
 use fingerpost_vision::span::{Cover, RowSums, SpanError};
 use nalgebra::Isometry2;
 use schemars::JsonSchema;
@@ -120,7 +120,7 @@ impl Matcher {
     pub fn laid<'a>(
         &'a mut self,
         surface: &'a RoadSurface,
-        validity: &Plane<u8>,
+        validity: &ValidityMask,
     ) -> Result<LaidSurface<'a>, PictureError> {
         let sums = match self.config.surface {
             MatchedSurface::Probability => &surface.sums,
@@ -132,7 +132,7 @@ impl Matcher {
                 for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
                     *out = if f64::from(p) >= threshold { 255 } else { 0 };
                 }
-                self.binary_sums.rebuild(self.binary.view(), validity.view())?;
+                self.binary_sums.rebuild(self.binary.view(), validity.plane().view())?;
                 &self.binary_sums
             }
         };

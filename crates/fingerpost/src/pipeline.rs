@@ -124,7 +124,7 @@ impl Pipeline {
         start_m: Option<f64>,
     ) -> Result<Self, PipelineError> {
         config.check()?;
-        let view = GroundView::new(&config.ground_view, camera)?;
+        let view = GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), camera)?;
         let setting = TrackerSetting {
             track: &config.track,
             masks: &config.feature_mask,
@@ -142,7 +142,7 @@ impl Pipeline {
             tracker: Tracker::new(setting, route, start_m)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             config: config.clone(),
-            ground: GroundPicture::default(),
+            ground: view.black_picture(),
             surface: RoadSurface::default(),
             view,
         })
@@ -162,7 +162,8 @@ impl Pipeline {
         finished(Stage::GroundView);
 
         let sample = self.config.road_surface.sample_region(&self.view);
-        let input = RoadInput { colour: &self.ground.colour, validity: self.view.validity(), sample };
+        let (ground, validity) = (&self.ground, self.view.validity());
+        let input = RoadInput { colour: &ground.colour, bin: &ground.bin, validity, sample };
         let road = self.detector.detect(input, &mut self.surface)?;
         finished(Stage::Road);
 
@@ -187,7 +188,7 @@ impl Pipeline {
         let output = FrameOutput { track, motion, driving_line, driving_line_curvature_per_m, why };
         let evidence = FrameEvidence {
             ground: &self.ground,
-            validity: self.view.validity(),
+            validity: self.view.validity().plane(),
             surface: &self.surface,
             road,
             motion: motion_evidence,

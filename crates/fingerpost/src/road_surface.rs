@@ -9,7 +9,7 @@ use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::histogram::HistogramError;
-use fingerpost_vision::picture::{Plane, Rect, RgbImage};
+use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
 use fingerpost_vision::span::RowSums;
 use nalgebra::Point2;
 use schemars::JsonSchema;
@@ -59,8 +59,10 @@ impl RoadSurfaceConfig {
 pub struct RoadInput<'a> {
     /// Ground view (or camera picture).
     pub colour: &'a RgbImage,
-    /// 1 where `colour` shows something, 0 where it does not; the same size.
-    pub validity: &'a Plane<u8>,
+    /// Index of each pixel's hue-saturation bin; the same size.
+    pub bin: &'a Plane<u16>,
+    /// Where `colour` shows something; the same size.
+    pub validity: &'a ValidityMask,
     /// The region in front of the vehicle that is assumed to be road, pixels.
     pub sample: Rect,
 }

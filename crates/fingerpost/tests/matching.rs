@@ -10,7 +10,7 @@ use fingerpost::road_surface::RoadSurface;
 use fingerpost::vehicle::VehicleConfig;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_map::{FeatureKind, TangentPlane};
-use fingerpost_vision::picture::Plane;
+use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::{Isometry2, Point2, Vector2};
 use painted::{Junction, Place, route};
 
@@ -39,7 +39,7 @@ fn crossroads() -> (FeatureModel, MaskCache) {
 }
 
 /// A surface whose probability is `p` of the place in the vehicle frame, unseen where `p` is none.
-fn surface(p: impl Fn(Point2<f64>) -> Option<u8>) -> (RoadSurface, Plane<u8>) {
+fn surface(p: impl Fn(Point2<f64>) -> Option<u8>) -> (RoadSurface, ValidityMask) {
     let grid = grid();
     let mut surface =
         RoadSurface { probability: Plane::new(grid.columns(), grid.rows(), 0), ..Default::default() };
@@ -54,7 +54,7 @@ fn surface(p: impl Fn(Point2<f64>) -> Option<u8>) -> (RoadSurface, Plane<u8>) {
         }
     }
     surface.sums.rebuild(surface.probability.view(), validity.view()).unwrap();
-    (surface, validity)
+    (surface, ValidityMask::from_plane(validity))
 }
 
 fn pose(forward: f64, left: f64, heading: f64) -> Isometry2<f64> {

@@ -4,19 +4,23 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
+use super::ReportInput;
 use super::chart::number;
-use crate::key_frames::{KeyFrame, KeyFrames, KeyPicture, KeyReason};
+use super::tables::losses_begun;
+use crate::key_frames::{KeyFrame, KeyPicture, KeyReason};
 
 /// The key frames in the order of the run; frames in which nothing was followed apart, where others tell more.
-pub(crate) fn key_frames(key_frames: &KeyFrames) -> Markup {
-    let frames = key_frames.frames();
+pub(crate) fn key_frames(input: &ReportInput<'_>) -> Markup {
+    let frames = input.key_frames.frames();
+    let losses = frames.iter().filter(|key| matches!(key.reason, KeyReason::Loss { .. })).count();
+    let losses_not_shown = losses_begun(input.records).count().saturating_sub(losses);
     let (spread, telling): (Vec<&KeyFrame>, Vec<&KeyFrame>) =
         frames.into_iter().partition(|key| key.reason == KeyReason::Spread);
     let anything = telling.iter().any(|key| key.reason != KeyReason::FirstFrame);
     html! {
         @for key in &telling { (key_frame(key)) }
-        @if key_frames.losses_not_kept() > 0 {
-            p { (key_frames.losses_not_kept()) " more losses are not shown." }
+        @if losses_not_shown > 0 {
+            p { (losses_not_shown) " more losses are not shown." }
         }
         @if !spread.is_empty() && anything {
             details {

@@ -97,19 +97,18 @@ pub(crate) fn stage_times(summary: &Summary) -> Markup {
     }
 }
 
+/// The frames in which a feature was lost.
+pub(crate) fn losses_begun(records: &[FrameRecord]) -> impl Iterator<Item = &FrameRecord> {
+    let mut before = false;
+    records.iter().filter(move |record| {
+        let lost = record.state == TrackState::Lost;
+        !std::mem::replace(&mut before, lost) && lost
+    })
+}
+
 /// Every loss with its reason, and every frame that could not be used.
 pub(crate) fn losses(input: &ReportInput<'_>) -> Markup {
-    let lost = |record: &FrameRecord| record.state == TrackState::Lost;
-    let mut before = false;
-    let losses: Vec<&FrameRecord> = input
-        .records
-        .iter()
-        .filter(|record| {
-            let begins = lost(record) && !before;
-            before = lost(record);
-            begins
-        })
-        .collect();
+    let losses: Vec<&FrameRecord> = losses_begun(input.records).collect();
     let broken: Vec<&FrameRecord> = input.records.iter().filter(|record| record.error.is_some()).collect();
     html! {
         @if losses.is_empty() { p { "No feature was lost." } } @else {

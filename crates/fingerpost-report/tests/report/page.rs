@@ -95,7 +95,7 @@ fn losses_are_listed_with_their_reasons_once_each() {
         route: None,
         thresholds: THRESHOLDS,
         config_toml: "",
-        key_frames: &KeyFrames::new(),
+        key_frames: &KeyFrames::default(),
     });
     assert!(page.contains("reason 0.") && page.contains("reason 10.") && page.contains("reason 390."));
     assert!(!page.contains("reason 1.") && !page.contains("reason 400."));
@@ -140,7 +140,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
             route: None,
             thresholds: THRESHOLDS,
             config_toml: "",
-            key_frames: &KeyFrames::new(),
+            key_frames: &KeyFrames::default(),
         })
     };
     let long = page(&records, Some(&truth));

@@ -17,7 +17,7 @@ use fingerpost_format::{
 };
 use fingerpost_geometry::Camera;
 use fingerpost_map::{FeatureKind, Route};
-use fingerpost_report::{KeyFrames, Scene, Setting};
+use fingerpost_report::{KeyFrameChoice, KeyFrames, Scene, Setting};
 use nalgebra::{Isometry2, Point2, Vector2};
 use painted::{Junction, Place, World, route};
 
@@ -65,8 +65,9 @@ pub fn painted_run(camera: &Camera, name: &str, see: &mut dyn FnMut(&Scene<'_>))
         truth: Vec::new(),
         summary: Summary::default(),
         route,
-        key_frames: KeyFrames::new(),
+        key_frames: KeyFrames::default(),
     };
+    let mut choice = KeyFrameChoice::new(None);
     for frame in 0..36 {
         let y = -28.0 + 0.6 * frame as f64;
         let place_from_vehicle = Isometry2::new(Vector2::new(0.0, y), FRAC_PI_2);
@@ -82,8 +83,8 @@ pub fn painted_run(camera: &Camera, name: &str, see: &mut dyn FnMut(&Scene<'_>))
             evidence: &evidence,
         };
         see(&scene);
-        if let Some(reason) = run.key_frames.consider(frame, &output, &evidence.track) {
-            run.key_frames.add(reason, &scene).unwrap();
+        if let Some(chosen) = choice.consider(frame, &output, &evidence.track) {
+            run.key_frames.add(chosen.draw(&scene)).unwrap();
         }
         run.records.push(record(frame, t_s, &output));
         let node = place_from_vehicle.inverse() * Point2::origin();

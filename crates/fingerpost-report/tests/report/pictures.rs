@@ -7,6 +7,7 @@ use fingerpost::track::{Decision, State, TrackEvidence, TrackOutput};
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_geometry::{Camera, GroundGrid, Pixel};
 use fingerpost_report::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, Scene, Setting, StagePictures, compose};
+use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::picture::{Plane, Rect, RgbImage};
 use nalgebra::Point2;
 
@@ -22,7 +23,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
         confirm_threshold: 0.65,
     };
     let (columns, rows) = (grid.columns(), grid.rows());
-    let ground = GroundPicture { colour: RgbImage::new(columns, rows), grey: Plane::new(columns, rows, 0) };
+    let ground = GroundPicture::new(columns, rows, HueSaturationBins { hue: 32, saturation: 32 });
     let mut surface = RoadSurface { probability: Plane::new(columns, rows, 0), ..RoadSurface::default() };
     surface.probability.row_mut(10).fill(255);
     // The left half is seen.

@@ -96,6 +96,16 @@ impl RgbImage {
         &mut self.data
     }
 
+    /// All pixels, row by row from the top.
+    pub(crate) fn pixels(&self) -> &[[u8; 3]] {
+        self.data.as_chunks().0
+    }
+
+    /// All pixels, row by row from the top, to be changed.
+    pub(crate) fn pixels_mut(&mut self) -> &mut [[u8; 3]] {
+        self.data.as_chunks_mut().0
+    }
+
     /// The bytes themselves, three a pixel, row by row from the top.
     #[must_use]
     pub fn into_vec(self) -> Vec<u8> {

@@ -152,7 +152,7 @@ impl FarnebackMotion {
                 let from = grid.ground_from_vehicle(previous);
                 let seen = from.column >= 0.0
                     && from.row >= 0.0
-                    && view.validity().get(from.column as usize, from.row as usize) == Some(1);
+                    && view.validity().plane().get(from.column as usize, from.row as usize) == Some(1);
                 if !seen {
                     continue;
                 }
@@ -170,12 +170,12 @@ impl FarnebackMotion {
         region: Rect,
     ) -> (FlowStart, Isometry2<f64>) {
         let difference = |motion: &Isometry2<f64>| {
-            coarse::difference(view.grid(), pictures, view.validity(), region, motion)
+            coarse::difference(view.grid(), pictures, view.validity().plane(), region, motion)
                 .unwrap_or(f64::INFINITY)
         };
         let (standing, same) = (difference(&Isometry2::identity()), difference(&self.last));
         if standing.min(same) > GOOD_START * self.last_difference {
-            (FlowStart::CoarseSearch, coarse::search(view.grid(), pictures, view.validity(), region))
+            (FlowStart::CoarseSearch, coarse::search(view.grid(), pictures, view.validity().plane(), region))
         } else if standing <= same {
             (FlowStart::Standing, Isometry2::identity())
         } else {
@@ -227,8 +227,9 @@ impl FarnebackMotion {
             fitted = again;
         }
         motion = fitted.current_from_previous;
-        let difference =
-            |motion: &Isometry2<f64>| coarse::difference(&grid, pictures, view.validity(), region, motion);
+        let difference = |motion: &Isometry2<f64>| {
+            coarse::difference(&grid, pictures, view.validity().plane(), region, motion)
+        };
         let left_over = difference(&motion).unwrap_or(f64::INFINITY);
         let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M]
             .map(|shift| difference(&(Isometry2::translation(shift, 0.0) * motion)).unwrap_or(0.0));
@@ -316,7 +317,7 @@ fn move_patch(
 
 /// The largest region ahead, at most as large as configured, that is seen whole; the nearer of equals.
 fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
-    let (grid, validity) = (view.grid(), view.validity());
+    let (grid, validity) = (view.grid(), view.validity().plane());
     let middle = grid.columns() / 2;
     let half_limit = (0.5 * config.region_width_m / grid.metres_per_pixel()) as usize;
     let length = ((config.region_length_m / grid.metres_per_pixel()) as usize).min(grid.rows());

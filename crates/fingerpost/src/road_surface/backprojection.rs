@@ -14,9 +14,9 @@
 use std::collections::VecDeque;
 
 use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
-use fingerpost_vision::colour::{HueSaturationBins, grey_and_bins};
+use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::histogram::Histogram;
-use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::picture::Rect;
 use fingerpost_vision::span::SpanMask;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,6 +60,13 @@ impl Default for BackprojectionConfig {
     }
 }
 
+impl BackprojectionConfig {
+    /// The division of hue and saturation into bins.
+    pub const fn bins(&self) -> HueSaturationBins {
+        HueSaturationBins { hue: self.hue_bins, saturation: self.saturation_bins }
+    }
+}
+
 /// The papers' road detector and what it has learned.
 #[derive(Debug)]
 pub struct Backprojection {
@@ -68,8 +75,6 @@ pub struct Backprojection {
     projector: BackProjector,
     recent: VecDeque<Histogram>,
     left_out: usize,
-    grey_plane: Plane<u8>,
-    bin_plane: Plane<u16>,
     lookup: Vec<u8>,
 }
 
@@ -79,7 +84,7 @@ impl Backprojection {
     /// # Errors
     /// [`RoadError`] when the numbers of bins or the disc's radius cannot be used.
     pub fn new(config: &BackprojectionConfig) -> Result<Self, RoadError> {
-        let bins = HueSaturationBins { hue: config.hue_bins, saturation: config.saturation_bins };
+        let bins = config.bins();
         bins.check()?;
         Ok(Self {
             config: config.clone(),
@@ -87,16 +92,14 @@ impl Backprojection {
             projector: BackProjector::new(config.disc_radius_px)?,
             recent: VecDeque::new(),
             left_out: 0,
-            grey_plane: Plane::default(),
-            bin_plane: Plane::default(),
             lookup: Vec::new(),
         })
     }
 
     /// The smoothed histogram of a region, mass 1; none where nothing of it is seen.
-    fn histogram(&self, validity: &Plane<u8>, region: Rect) -> Result<Option<Histogram>, RoadError> {
+    fn histogram(&self, input: &RoadInput<'_>, region: Rect) -> Result<Option<Histogram>, RoadError> {
         let mut histogram = Histogram::new(self.bins)?;
-        histogram.count(self.bin_plane.view(), validity.view(), &SpanMask::from_rect(region))?;
+        histogram.count(input.bin.view(), input.validity.plane().view(), &SpanMask::from_rect(region))?;
         histogram.smooth(self.config.smoothing_bins, self.config.smoothing_bins)?;
         histogram.normalise();
         Ok((histogram.total() > 0.0).then_some(histogram))
@@ -145,15 +148,10 @@ impl Backprojection {
 impl RoadDetector for Backprojection {
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
         let (width, height) = input.colour.size();
-        if self.bin_plane.size() != (width, height) {
-            self.grey_plane.reset(width, height, 0);
-            self.bin_plane.reset(width, height, 0);
-        }
-        grey_and_bins(input.colour, self.bins, &mut self.grey_plane, &mut self.bin_plane)?;
         self.lookup.resize(self.bins.count(), 0);
         let whole = Rect { x: 0, y: 0, width, height };
-        let picture = self.histogram(input.validity, whole)?;
-        let sample = self.histogram(input.validity, input.sample)?;
+        let picture = self.histogram(&input, whole)?;
+        let sample = self.histogram(&input, input.sample)?;
         let mut sample_use = SampleUse::Unseen;
         let mut sample_probability = 0.0;
         if let Some(picture) = &picture {
@@ -167,8 +165,9 @@ impl RoadDetector for Backprojection {
         if surface.probability.size() != (width, height) {
             surface.probability.reset(width, height, 0);
         }
-        self.projector.project(&self.bin_plane, input.validity, &self.lookup, &mut surface.probability)?;
-        surface.sums.rebuild(surface.probability.view(), input.validity.view())?;
+        let seen = input.validity.plane();
+        self.projector.project(input.bin, seen, &self.lookup, &mut surface.probability)?;
+        surface.sums.rebuild(surface.probability.view(), seen.view())?;
         Ok(RoadEvidence {
             detector: "backprojection",
             sample: input.sample,

@@ -1,0 +1,90 @@
+//! Fingerpost beside its peers: one command measures kernels, the whole loop, motion estimates, candidate poses and whole
+//! runs, interleaved in one run on the same frames, after it has checked that the results agree.
+
+mod footage;
+mod growth;
+
+mod kernels;
+mod machine;
+mod measure;
+mod peer;
+mod recording;
+mod results;
+mod trapezium;
+mod whole_loop;
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::Parser;
+
+use footage::Footage;
+use kernels::Bench;
+use machine::Machine;
+use measure::Effort;
+use peer::OpenCv;
+use results::{Results, Section};
+
+/// Measures Fingerpost beside OpenCV, Rust crates and ffmpeg: the command `bench/run` prepares what this needs.
+#[derive(Debug, Parser)]
+struct Arguments {
+    /// Recording to measure on; without it a drive is simulated, 960 x 540.
+    #[arg(long, value_name = "FILE")]
+    recording: Option<PathBuf>,
+    /// Python with opencv-python and numpy.
+    #[arg(long, value_name = "FILE", default_value = "python3")]
+    python: PathBuf,
+    /// The program `fingerpost`; without it whole runs are left out.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Times that every contestant has its turn.
+    #[arg(long, value_name = "N", default_value_t = 15)]
+    rounds: usize,
+    /// Compare results only; nothing is timed.
+    #[arg(long, conflicts_with = "rounds")]
+    check: bool,
+    /// Only sections whose title has this in it.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    only: String,
+    /// Print JSON instead of the table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How long a contestant's turn lasts, milliseconds: long against a switch of tasks, short against a change of load.
+const TURN_MS: f64 = 10.0;
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peer/opencv_peer.py");
+    let mut opencv = OpenCv::start(&arguments.python, &script)?;
+    let footage = Footage::open(arguments.recording.as_deref())?;
+    let effort = Effort { rounds: if arguments.check { 0 } else { arguments.rounds }, turn_ms: TURN_MS };
+    let mut sections: Vec<Section> = Vec::new();
+    let wanted = |title: &str| title.contains(&arguments.only.to_lowercase());
+    let timed = |title: &str| wanted(title) && !arguments.check;
+    if wanted("kernels") {
+        let mut bench = Bench { opencv: &mut opencv, effort, frames: &footage.frames };
+        sections.push(kernels::kernels(&mut bench)?);
+    }
+    if timed("whole loop") {
+        sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
+    if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
+        sections.push(recording::recording(effort, &footage, program)?);
+    }
+    if timed("growth") {
+        sections.push(growth::growth(effort, &footage)?);
+    }
+    let machine = Machine::this(opencv.version.clone());
+    let results = Results { machine, footage: footage.description.clone(), sections };
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&results)?);
+    } else {
+        println!("{}", results.table());
+    }
+    if !results.sections.iter().all(Section::holds) {
+        bail!("not everything that is promised holds; see above");
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! What was measured, as a table and as JSON.
+
+use serde::Serialize;
+
+use crate::machine::Machine;
+use crate::measure::Measured;
+
+/// How well results agree with a peer's.
+#[derive(Debug, Clone, Serialize)]
+pub struct Agreement {
+    pub found: String,
+    pub holds: bool,
+}
+
+/// One comparison; the first contestant is Fingerpost, the second the peer that it must beat.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    pub what: String,
+    pub size: String,
+    pub contestants: Vec<Measured>,
+    /// The peer's time over Fingerpost's.
+    pub ratio: f64,
+    /// Ratio that is promised, where one is.
+    pub promised_ratio: Option<f64>,
+    pub agreement: Option<Agreement>,
+}
+
+impl Row {
+    pub fn new(what: &str, size: &str, contestants: Vec<Measured>, promised_ratio: Option<f64>) -> Self {
+        let ms = |index: usize| contestants.get(index).map_or(f64::NAN, |measured| measured.median_ms);
+        let ratio = ms(1) / ms(0);
+        let (what, size) = (what.to_owned(), size.to_owned());
+        Self { what, size, contestants, ratio, promised_ratio, agreement: None }
+    }
+
+    /// Whether everything promised of it holds.
+    pub fn holds(&self) -> bool {
+        self.promised_ratio.is_none_or(|promised| self.ratio >= promised)
+            && self.agreement.as_ref().is_none_or(|agreement| agreement.holds)
+    }
+}
+
+/// A single figure.
+#[derive(Debug, Clone, Serialize)]
+pub struct Figure {
+    pub what: String,
+    pub value: f64,
+    pub unit: &'static str,
+    /// Least value that is promised, where one is.
+    pub promised: Option<f64>,
+}
+
+impl Figure {
+    pub fn holds(&self) -> bool {
+        self.promised.is_none_or(|promised| self.value >= promised)
+    }
+}
+
+/// A part of the benchmark.
+#[derive(Debug, Clone, Serialize)]
+pub struct Section {
+    pub title: String,
+    /// How it was measured.
+    pub note: String,
+    pub rows: Vec<Row>,
+    pub figures: Vec<Figure>,
+}
+
+impl Section {
+    pub fn new(title: &str, note: &str) -> Self {
+        Self { title: title.to_owned(), note: note.to_owned(), rows: Vec::new(), figures: Vec::new() }
+    }
+
+    pub fn holds(&self) -> bool {
+        self.rows.iter().all(Row::holds) && self.figures.iter().all(Figure::holds)
+    }
+}
+
+/// Everything.
+#[derive(Debug, Serialize)]
+pub struct Results {
+    pub machine: Machine,
+    pub footage: String,
+    pub sections: Vec<Section>,
+}
+
+impl Results {
+    /// The table for people.
+    pub fn table(&self) -> String {
+        let mut text = format!("{}\nfootage: {}\n", self.machine.sentence(), self.footage);
+        for section in &self.sections {
+            text += &format!("\n{}\n{}\n", section.title, section.note);
+            for row in &section.rows {
+                text += &row_line(row);
+            }
+            for figure in &section.figures {
+                text += &figure_line(figure);
+            }
+        }
+        text
+    }
+}
+
+fn verdict(holds: bool, promised: bool) -> &'static str {
+    match (holds, promised) {
+        (true, true) => "holds",
+        (true, false) => "",
+        (false, _) => "FALLS SHORT",
+    }
+}
+
+fn row_line(row: &Row) -> String {
+    let ms = |measured: &Measured| format!("{} {}", measured.name, milliseconds(measured.median_ms));
+    let contestants: Vec<String> = row.contestants.iter().map(ms).collect();
+    let ratio = if row.ratio.is_finite() { format!("{:.2}x", row.ratio) } else { String::new() };
+    let promised = row.promised_ratio.map_or(String::new(), |promised| format!("of {promised}x"));
+    let agreement = row.agreement.as_ref().map_or("", |agreement| agreement.found.as_str());
+    let says = verdict(row.holds(), row.promised_ratio.is_some() || row.agreement.is_some());
+    let line = format!(
+        "  {:<44} {:<18} {ratio:>8} {promised:<8} {says:<12} {}  {agreement}",
+        row.what,
+        row.size,
+        contestants.join(", ")
+    );
+    format!("{}\n", line.trim_end())
+}
+
+fn figure_line(figure: &Figure) -> String {
+    let promised = figure.promised.map_or(String::new(), |promised| format!("of {promised}"));
+    let says = verdict(figure.holds(), figure.promised.is_some());
+    let line = format!(
+        "  {:<63} {:>12} {:<12} {promised:<10} {says}",
+        figure.what,
+        number(figure.value),
+        figure.unit
+    );
+    format!("{}\n", line.trim_end())
+}
+
+fn milliseconds(ms: f64) -> String {
+    if ms < 0.1 { format!("{:.4} ms", ms) } else { format!("{ms:.3} ms") }
+}
+
+fn number(value: f64) -> String {
+    match value.abs() {
+        large if large >= 1000.0 => format!("{value:.0}"),
+        middling if middling >= 10.0 => format!("{value:.1}"),
+        _ => format!("{value:.3}"),
+    }
+}

@@ -1,0 +1,10 @@
+//! Dilation of pictures by rectangles, crosses and ellipses.
+//!
+//! J. Serra, "Image analysis and mathematical morphology", 1982. A pixel becomes the largest of those that the structuring
+//! element covers when its middle lies on it; pixels outside the picture do not count. Elements have OpenCV's shapes.
+
+mod dilation;
+mod element;
+
+pub use dilation::Dilation;
+pub use element::{ElementError, MAX_SIZE_PX, StructuringElement};
