@@ -6,9 +6,9 @@
 //! cell, because the rest of a road says little. A warp and the directions in which it may change are polynomials of second
 //! degree in the place ([`QuadraticField`]), enough for a plane that moves in itself and a camera that sways a little.
 //!
-//! Residuals are weighted as by S. Geman and D. McClure, "Statistical methods for tomographic image reconstruction", 1987,
-//! so that gross errors count for little; their scale is that of Student's t distribution, as in C. Kerl et al., "Robust
-//! odometry estimation for RGB-D cameras", 2013, which needs no sorting.
+//! Residuals are weighted much as in P. Holland and R. Welsch, "Robust regression using iteratively reweighted
+//! least-squares", 1977, so that gross errors have no say; their scale is that of Student's t distribution, as in C. Kerl et
+//! al., "Robust odometry estimation for RGB-D cameras", 2013, which needs no sorting.
 //!
 //! Grey 0 stands for "unseen"; seen pixels are 1 to 255. A template point beside unseen pixels does not exist, and one that
 //! is led between pixels of which one is unseen takes no part.

@@ -1,7 +1,7 @@
 //! Ego-motion: how the vehicle moved since the frame before, from the ground view.
 //!
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
-//! ground view a frame; other ways take the place of the papers' behind the trait.
+//! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way.
 
 mod coarse;
 mod direct;
@@ -13,12 +13,51 @@ use fingerpost_vision::error::PictureError;
 use fingerpost_vision::farneback::FarnebackError;
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Matrix3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
 use crate::ground_view::{GroundPicture, GroundView};
+
+/// Settings of the ego-motion.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MotionConfig {
+    /// "direct": the road ahead aligned with that of the frame before; "farneback": dense flow, as in the papers; default
+    /// "direct".
+    pub estimator: MotionMethod,
+    /// Settings of "direct".
+    pub direct: DirectMotionConfig,
+    /// Settings of "farneback".
+    pub farneback: FarnebackMotionConfig,
+}
+
+/// Ways to find the ego-motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionMethod {
+    /// [`DirectMotion`].
+    #[default]
+    Direct,
+    /// [`FarnebackMotion`].
+    Farneback,
+}
+
+impl MotionConfig {
+    /// The estimator of these settings; it has seen no frame yet.
+    ///
+    /// # Errors
+    /// [`MotionError::Flow`] when the flow's parameters are out of range.
+    pub fn estimator(&self) -> Result<Box<dyn MotionEstimator>, MotionError> {
+        Ok(match self.estimator {
+            MotionMethod::Direct => Box::new(DirectMotion::new(&self.direct)),
+            MotionMethod::Farneback => Box::new(FarnebackMotion::new(&self.farneback)?),
+        })
+    }
+}
 
 /// The vehicle's motion between two frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,9 +117,9 @@ pub enum MotionError {
     /// Pictures do not fit together.
     #[error("motion: {0}")]
     Picture(#[from] PictureError),
-    /// No part of the ground view is seen whole.
+    /// Too little of the ground view is seen.
     #[error(
-        "motion: no rectangle of the ground view is seen whole; widen motion.region_width_m or mount the camera lower"
+        "motion: too little road is seen straight ahead; enlarge the motion's region in the configuration or mount the camera lower"
     )]
     NoRegion,
 }

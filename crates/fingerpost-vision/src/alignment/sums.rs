@@ -4,11 +4,24 @@ use super::{LANES, Lanes, QuadraticField, Target, Template, UNKNOWNS};
 use crate::simd::{CodePath, simd_kernel};
 
 /// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
-/// have (Kerl et al. 2013). The square root of it is also where the weights have fallen to a quarter, in standard
-/// deviations.
+/// have (Kerl et al. 2013). With x the residual in standard deviations, a weight is 1 / (1 + x^2 / 5)^4: close to Welsch's
+/// exp(-4 x^2 / 5), and the same to the bit everywhere.
 const FREEDOM: f32 = 5.0;
 /// Entries of a symmetric matrix of the unknowns.
 const PRODUCTS: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
+/// Rows and columns of those entries.
+const ENTRIES: [(usize, usize); PRODUCTS] = {
+    let (mut entries, mut next, mut row) = ([(0, 0); PRODUCTS], 0, 0);
+    while row < UNKNOWNS {
+        let mut column = row;
+        while column < UNKNOWNS {
+            entries[next] = (row, column);
+            (next, column) = (next + 1, column + 1);
+        }
+        row += 1;
+    }
+    entries
+};
 
 /// How the newer picture's grey follows from the older one's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +39,7 @@ impl Default for Brightness {
 }
 
 /// What a warp leaves of each point, and the sums of it that need no derivatives.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Residuals {
     residual: Vec<Lanes>,
     weight: Vec<Lanes>,
@@ -83,8 +96,7 @@ impl Residuals {
         self.residual.resize(template.u.len(), [0.0; LANES]);
         self.weight.resize(template.u.len(), [0.0; LANES]);
         let points = [&template.u[..], &template.v, &template.grey];
-        let (cells, width, height) =
-            (target.cells.as_slice(), target.cells.width(), target.cells.height());
+        let (cells, width, height) = (target.cells.as_slice(), target.cells.width(), target.cells.height());
         let sums = sample(
             path,
             points,
@@ -117,13 +129,9 @@ impl Residuals {
         let descent = template.descent.each_ref().map(Vec::as_slice);
         let (products, gradient, unweighted) = accumulate(path, descent, &self.residual, &self.weight);
         let mut hessian = [[0.0; UNKNOWNS]; UNKNOWNS];
-        let mut next = products.into_iter();
-        for row in 0..UNKNOWNS {
-            for column in row..UNKNOWNS {
-                let product = next.next().unwrap_or_default();
-                hessian[row][column] = product;
-                hessian[column][row] = product;
-            }
+        for ((row, column), product) in ENTRIES.into_iter().zip(products) {
+            hessian[row][column] = product;
+            hessian[column][row] = product;
         }
         Sums { hessian, gradient, unweighted }
     }
@@ -208,14 +216,17 @@ simd_kernel! {
                 let upper = a + (b - a) * share_u[lane];
                 let lower = c + (d - c) * share_u[lane];
                 let sampled = upper + (lower - upper) * share_v[lane];
-                let seen = if a.min(b).min(c.min(d)) > 0.0 { 1.0 } else { 0.0 };
-                let residual = seen * (sampled - (brightness.gain * grey[lane] + brightness.offset));
+                let visible = a.min(b).min(c.min(d)) > 0.0;
+                let seen = if visible { 1.0 } else { 0.0 };
+                let expected = brightness.gain * grey[lane] + brightness.offset;
+                let residual = if visible { sampled - expected } else { 0.0 };
                 let square = residual * residual;
                 let share = FREEDOM / (FREEDOM + square * inverse_variance);
-                let weight = seen * (share * share);
+                let square_share = share * share;
+                let weight = seen * (square_share * square_share);
                 let weighted = weight * residual;
                 residual_out[lane] = residual;
-                weight_out[lane] = weight * weight;
+                weight_out[lane] = weight;
                 sums[0][lane] += seen;
                 sums[1][lane] += weight;
                 sums[2][lane] += ((FREEDOM + 1.0) / FREEDOM) * (share * square);
@@ -241,21 +252,21 @@ simd_kernel! {
         let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
         let mut unweighted = [[0.0_f32; LANES]; UNKNOWNS];
         for group in 0..groups {
-            let mut entry = 0;
+            let (weights, residuals) = (&weights[group], &residuals[group]);
+            let mut weighted = [[0.0_f32; LANES]; UNKNOWNS];
             for i in 0..UNKNOWNS {
-                let mut weighted = [0.0; LANES];
                 for lane in 0..LANES {
                     let slope = descent[i][group][lane];
-                    weighted[lane] = weights[group][lane] * slope;
-                    gradient[i][lane] += weighted[lane] * residuals[group][lane];
-                    let seen = if weights[group][lane] > 0.0 { slope } else { 0.0 };
+                    weighted[i][lane] = weights[lane] * slope;
+                    gradient[i][lane] += weighted[i][lane] * residuals[lane];
+                    let seen = if weights[lane] > 0.0 { slope } else { 0.0 };
                     unweighted[i][lane] += seen * seen;
                 }
-                for j in i..UNKNOWNS {
-                    for lane in 0..LANES {
-                        products[entry][lane] += weighted[lane] * descent[j][group][lane];
-                    }
-                    entry += 1;
+            }
+            for (sum, (row, column)) in products.iter_mut().zip(ENTRIES) {
+                let slopes = &descent[column][group];
+                for lane in 0..LANES {
+                    sum[lane] += weighted[row][lane] * slopes[lane];
                 }
             }
         }

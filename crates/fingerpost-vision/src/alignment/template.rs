@@ -49,7 +49,8 @@ impl Template {
         self.orders.clear();
         self.orders.extend((0..width).map(|x| (MOST_ORDERS - 1 - x % cell) as u32));
         self.keys.resize(width, 0);
-        for row in 0..bottom.saturating_sub(top) / cell {
+        let rows = if columns > 0 { bottom.saturating_sub(top) / cell } else { 0 };
+        for row in 0..rows {
             let y = top + row * cell;
             self.keys.fill(0);
             for dy in 0..cell {
@@ -59,7 +60,15 @@ impl Template {
                 let (above, below) = (span(y - 1, left), span(y + 1, left));
                 let later = (dy * cell) as u32;
                 strongest(
-                    path, span(y, left), left_of, right_of, above, below, &self.orders, later, &mut self.keys,
+                    path,
+                    span(y, left),
+                    left_of,
+                    right_of,
+                    above,
+                    below,
+                    &self.orders,
+                    later,
+                    &mut self.keys,
                 );
             }
             for column in 0..columns {

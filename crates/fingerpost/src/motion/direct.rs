@@ -26,7 +26,9 @@ use self::gauss_newton::{Estimate, Prior, align};
 use self::patch::Patch;
 use self::plane_warp::Displacement;
 use self::start::{cost, start};
-use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart};
+use super::{
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
+};
 use crate::ground_view::{GroundPicture, GroundView};
 
 /// Settings of the motion by direct alignment.
@@ -59,6 +61,8 @@ const TELL_SHIFT_M: f64 = 0.3;
 const BEARABLE: f64 = 2.0;
 /// Least cost that is taken to be left, grey levels squared: the camera's noise at the coarsest level.
 const COST_FLOOR: f64 = 0.5;
+/// Quality below which the picture is not believed: the motion goes on as before, ever less surely.
+const BELIEVED: f64 = 0.1;
 /// A vehicle that moved less stands: several times what the camera's noise makes of a standing one, metres and radians.
 const STANDING_M: f64 = 0.005;
 const STANDING_RAD: f64 = 0.0005;
@@ -120,12 +124,12 @@ impl DirectMotion {
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
         let (start, motion) = start(coarsest, residuals, last.current_from_previous, last.bearable);
-        let before = match (start, last.covariance) {
-            (FlowStart::CoarseSearch, _) | (_, None) => diagonal(UNKNOWN_SIGMA),
-            (_, Some(covariance)) => covariance + diagonal(CHANGE_SIGMA),
+        let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
+        // A search is for what was not expected.
+        let prior = match start {
+            FlowStart::CoarseSearch => Prior::new(motion, diagonal(UNKNOWN_SIGMA))?,
+            _ => Prior::new(last.current_from_previous, expected)?,
         };
-        let expected = if start == FlowStart::CoarseSearch { motion } else { last.current_from_previous };
-        let prior = Prior { current_from_previous: expected, information: before.try_inverse()? };
         let mut estimate = Estimate::at(motion);
         for level in patch.levels[patch.finest..].iter_mut().rev() {
             estimate = align(level, residuals, &prior, self.config.iterations, estimate)?;
@@ -142,6 +146,11 @@ impl DirectMotion {
         });
         let shifted = shifted[0].min(shifted[1]);
         let quality = quality(&estimate, told_apart(left_over, shifted));
+        if quality < BELIEVED {
+            estimate.displacement = Displacement::of(last.current_from_previous);
+            estimate.covariance = expected;
+        }
+        let displacement = estimate.displacement;
         let mut previous_from_current = displacement.current_from_previous.inverse();
         let covariance = covariance(&previous_from_current, &estimate.covariance);
         let stands = previous_from_current.translation.vector.norm() < STANDING_M

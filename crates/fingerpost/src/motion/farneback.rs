@@ -16,7 +16,10 @@ use serde::{Deserialize, Serialize};
 
 use super::rigid_fit::{Pair, RigidFit, fit};
 use super::sway::Viewpoint;
-use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse, mean_flow, told_apart};
+use super::{
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse, mean_flow,
+    told_apart,
+};
 use crate::ground_view::{GroundPicture, GroundView};
 
 /// Settings of the motion from Farneback's flow.

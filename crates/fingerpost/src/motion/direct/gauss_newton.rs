@@ -19,6 +19,13 @@ pub(super) struct Prior {
     pub(super) information: Matrix3<f64>,
 }
 
+impl Prior {
+    /// `None` for a covariance that has no inverse.
+    pub(super) fn new(current_from_previous: Isometry2<f64>, covariance: Matrix3<f64>) -> Option<Self> {
+        Some(Self { current_from_previous, information: covariance.try_inverse()? })
+    }
+}
+
 /// What is carried from iteration to iteration and from level to level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Estimate {

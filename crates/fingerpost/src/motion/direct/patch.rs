@@ -3,7 +3,7 @@
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::alignment::{Target, Template, mark_unseen};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::picture::{Plane, Rect, ValidityMask};
 use fingerpost_vision::pyramid::halve;
 
 use super::DirectMotionConfig;
@@ -45,7 +45,7 @@ pub(super) struct Level {
 #[derive(Debug)]
 pub(super) struct Patch {
     pub(super) grid: GroundGrid,
-    mask: Plane<u8>,
+    mask: ValidityMask,
     /// Part of the ground view that is looked at: the region and a margin.
     area: Rect,
     /// Part of the ground view in which template points are chosen.
@@ -77,12 +77,12 @@ impl Patch {
         let (margin, step) = (pixels(MARGIN_M), 1 << coarsest);
         let down = |at: usize| at.saturating_sub(margin) / step * step;
         let (x, y) = (down(left), down(top));
-        let area =
-            Rect { x, y, width: (right + margin).min(grid.columns()) - x, height: bottom - y };
-        let mut patch = Self { grid, mask: view.validity().clone(), area, region, levels: Vec::new(), finest };
+        let area = Rect { x, y, width: (right + margin).min(grid.columns()) - x, height: bottom - y };
+        let mut patch =
+            Self { grid, mask: view.validity().clone(), area, region, levels: Vec::new(), finest };
         for level in 0..=coarsest {
             let seen = match patch.levels.last() {
-                None => cut(view.validity(), area),
+                None => cut(view.validity().plane(), area),
                 Some(below) => halved_mask(&below.seen),
             };
             let (width, height) = seen.size();
@@ -110,7 +110,8 @@ impl Patch {
 
     /// Whether this is a patch of `view`.
     pub(super) fn fits(&self, view: &GroundView) -> bool {
-        self.grid == *view.grid() && self.mask == *view.validity()
+        let same_runs = |y: usize| self.mask.runs(y) == view.validity().runs(y);
+        self.grid == *view.grid() && (0..self.grid.rows()).all(same_runs)
     }
 
     /// Takes in the newer frame.

@@ -55,9 +55,7 @@ impl Raster {
         let [x, y]: [Quadratic; 2] = std::array::from_fn(|axis| {
             let motion = widen(after[axis]);
             std::array::from_fn(|i| {
-                motion[i]
-                    + pitch * by_pitch[axis][i]
-                    + (roll + standing) * by_roll[axis][i]
+                motion[i] + pitch * by_pitch[axis][i] + (roll + standing) * by_roll[axis][i]
                     - standing * by_roll_before[axis][i]
             })
         });
