@@ -108,12 +108,11 @@ impl Driver {
         self.frames_used += 1;
         let stage_ms = clock.stage_ms;
         let sought = evidence.track.sought.as_ref();
-        let record = frame_record(time, &output, sought, &self.features, stage_ms);
+        let record = frame_record(time, output, sought, &self.features, stage_ms);
         let mut clock = FrameClock::start();
         let FrameTime { frame, t_s } = time;
-        let scene =
-            Scene { setting: &self.drawing, frame, t_s, picture, output: &output, evidence: &evidence };
-        let key_frame = self.key_frames.consider(frame, &output, &evidence.track);
+        let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
+        let key_frame = self.key_frames.consider(frame, output, evidence.track);
         let key_frame = key_frame.map(|chosen| chosen.draw(&scene));
         let annotated = (self.video || self.pictures.want(frame)).then(|| compose(&scene));
         clock.finished("drawing");

@@ -146,7 +146,7 @@ fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
 /// P(F_sub) of the sub-masks that take part.
 fn sub_probabilities(matched: &Match) -> BTreeMap<String, f64> {
     let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
-    taking_part.filter_map(|sub| Some((sub.label.clone(), rounded(sub.p?, DIGITS)))).collect()
+    taking_part.filter_map(|sub| Some((sub.label.to_string(), rounded(sub.p?, DIGITS)))).collect()
 }
 
 fn motion_record(motion: &Motion) -> MotionRecord {

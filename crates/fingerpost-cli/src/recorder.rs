@@ -167,13 +167,7 @@ impl Recorder {
     fn keep(&mut self, record: FrameRecord) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
-        // The lists are in the file; nothing at the end of a run reads them, and a long run has many.
-        self.records.push(FrameRecord {
-            driving_line_m: Vec::new(),
-            driving_line_curvature_per_m: Vec::new(),
-            stage_ms: BTreeMap::new(),
-            ..record
-        });
+        self.records.push(essence(record));
         Ok(())
     }
 
@@ -213,5 +207,28 @@ impl Recorder {
         evaluation?;
         video?;
         Ok(summary)
+    }
+}
+
+/// What the end of a run reads of a record. All of it is in the file, and a long run has many: what is kept of a frame
+/// decides how the memory grows.
+fn essence(mut record: FrameRecord) -> FrameRecord {
+    if record.state != TrackState::Lost {
+        // Sentences are listed for losses alone.
+        record.why = String::new();
+    }
+    if let Some(sought) = &mut record.sought {
+        sought.sub.clear();
+    }
+    if let Some(feature) = &mut record.feature {
+        // The curves show P(F) and which arm it is that of.
+        let weakest = feature.sub.values().copied().min_by(f64::total_cmp);
+        feature.sub.retain(|_, p| weakest.is_some_and(|weakest| p.total_cmp(&weakest).is_eq()));
+    }
+    FrameRecord {
+        driving_line_m: Vec::new(),
+        driving_line_curvature_per_m: Vec::new(),
+        stage_ms: BTreeMap::new(),
+        ..record
     }
 }

@@ -88,16 +88,32 @@ impl Polyline {
 
     /// The place on the line nearest to `point`.
     pub fn nearest(&self, point: Point2<f64>) -> Footpoint {
+        self.nearest_within(point, 0.0, self.length_m())
+    }
+
+    /// The place nearest to `point` on the part from `from_m` to `to_m` along the line (metres), clamped to the line's
+    /// ends; none when nothing of the line lies between.
+    pub fn nearest_on_part(&self, point: Point2<f64>, from_m: f64, to_m: f64) -> Option<Footpoint> {
+        let (from_m, to_m) = (from_m.max(0.0), to_m.min(self.length_m()));
+        (from_m < to_m).then(|| self.nearest_within(point, from_m, to_m))
+    }
+
+    fn nearest_within(&self, point: Point2<f64>, from_m: f64, to_m: f64) -> Footpoint {
         let mut best = Footpoint { along_m: 0.0, left_m: f64::INFINITY, point };
         for (i, ends) in self.points.windows(2).enumerate() {
+            let (start, end) = (self.along_m[i], self.along_m[i + 1]);
+            if end < from_m || start > to_m {
+                continue;
+            }
             let (piece, to_point) = (ends[1] - ends[0], point - ends[0]);
-            let length = self.along_m[i + 1] - self.along_m[i];
-            let along = (to_point.dot(&piece) / length).clamp(0.0, length);
+            let length = end - start;
+            let (nearest, farthest) = ((from_m - start).max(0.0), (to_m - start).min(length));
+            let along = (to_point.dot(&piece) / length).clamp(nearest, farthest);
             let foot = ends[0] + piece * (along / length);
             let distance = (point - foot).norm();
             if distance < best.left_m.abs() {
                 let side = if piece.perp(&to_point) < 0.0 { -1.0 } else { 1.0 };
-                best = Footpoint { along_m: self.along_m[i] + along, left_m: side * distance, point: foot };
+                best = Footpoint { along_m: start + along, left_m: side * distance, point: foot };
             }
         }
         best
@@ -181,6 +197,18 @@ mod tests {
         assert!((right.left_m + 2.0).abs() < 1e-12 && (right.along_m - 13.0).abs() < 1e-12);
         let parallel = line.offset(1.0).unwrap();
         assert!((parallel.points()[1] - Point2::new(9.0, 1.0)).norm() < 1e-12, "inside of a left corner");
+    }
+
+    #[test]
+    fn the_nearest_place_on_a_part_leaves_the_rest_of_the_line_out() {
+        let line = corner();
+        let along_m = |from_m, to_m| {
+            line.nearest_on_part(Point2::new(12.0, 3.0), from_m, to_m).map(|foot| foot.along_m)
+        };
+        assert_eq!(along_m(0.0, 11.0), Some(11.0));
+        assert_eq!(along_m(2.0, 14.0), Some(13.0));
+        assert_eq!(along_m(14.0, 99.0), Some(14.0));
+        assert_eq!((along_m(-9.0, -4.0), along_m(20.0, 30.0)), (None, None));
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Frames of anything ffmpeg reads: video files, network streams, cameras.
 //!
-//! ffprobe says the frame rate and, for files, the number of frames; ffmpeg then writes every decoded frame as a PPM
-//! picture into a pipe. PPM, rather than bare bytes, because each picture states its own size: what rotation marks and
-//! codecs make of the size in the container's header does not matter.
+//! ffprobe says the frame rate, the way of coding pixels and, for files, the number of frames. ffmpeg then writes every
+//! decoded frame into a pipe: pixels of the commonest way (8 bits, 4:2:0) as they are, in YUV4MPEG2, all others turned into
+//! red, green and blue by ffmpeg, as PPM. Both, rather than bare bytes, because they state their size: what rotation marks
+//! and codecs make of the size in the container's header does not matter.
 //!
 //! A video has broken off when ffmpeg fails, when its last picture is cut, or when it complained and delivered fewer
 //! frames than the container promised; where the container promises nothing, any complaint counts.
@@ -12,6 +13,7 @@
 
 mod ppm;
 mod probe;
+mod y4m;
 
 use std::{
     io::{self, BufReader, ErrorKind},
@@ -26,14 +28,18 @@ use fingerpost_vision::picture::RgbImage;
 use self::{
     ppm::read_ppm,
     probe::{Rate, Stream},
+    y4m::Y4mReader,
 };
 use crate::{
     decoders::{Decode, Decoded, Decoders},
     ffmpeg::{FfmpegPrograms, Messages, VideoError, spawn, start_error},
 };
 
-/// Bytes read from the pipe at once: a frame of a common camera in a few calls.
-const PIPE_BUFFER_BYTES: usize = 1 << 20;
+/// Bytes that a pipe is to hold: the most that Linux allows everyone, and a frame of 960 x 540 pixels.
+#[cfg(target_os = "linux")]
+const PIPE_BYTES: usize = 1 << 20;
+/// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
+const LINE_BUFFER_BYTES: usize = 256;
 
 /// A video being read.
 #[derive(Debug)]
@@ -50,13 +56,27 @@ pub(crate) struct VideoReader {
 
 /// The pictures that ffmpeg writes.
 #[derive(Debug)]
-pub(crate) struct PictureStream(BufReader<ChildStdout>);
+pub(crate) struct PictureStream {
+    pipe: BufReader<ChildStdout>,
+    format: Format,
+}
+
+/// How ffmpeg writes them.
+#[derive(Debug)]
+enum Format {
+    Ppm,
+    Y4m(Y4mReader),
+}
 
 impl Decode for PictureStream {
     type Picture = io::Result<RgbImage>;
 
     fn decode(&mut self, buffer: Vec<u8>) -> Option<Self::Picture> {
-        read_ppm(&mut self.0, buffer).transpose()
+        match &mut self.format {
+            Format::Ppm => read_ppm(&mut self.pipe, buffer),
+            Format::Y4m(reader) => reader.read(&mut self.pipe, buffer),
+        }
+        .transpose()
     }
 }
 
@@ -71,13 +91,27 @@ impl VideoReader {
         let argument = ffmpeg_argument(input);
         let stream = Stream::probe(input, &argument, programs)?;
         let (rate, length) = (stream.rate(), stream.length());
-        let mut child = spawn(&mut decode_command(&argument, rate, programs, threads), Stdio::null())?;
+        let coding = stream.yuv420_coding();
+        let mut command = decode_command(&argument, rate, programs, threads);
+        let format = match coding {
+            Some((pixels, coding)) => {
+                command.args(["-pix_fmt", pixels, "-f", "yuv4mpegpipe", "-"]);
+                Format::Y4m(Y4mReader::new(coding))
+            }
+            None => {
+                command.args(["-pix_fmt", "rgb24", "-f", "image2pipe", "-c:v", "ppm", "-"]);
+                Format::Ppm
+            }
+        };
+        let mut child = spawn(&mut command, Stdio::null())?;
         let messages = Messages::listen(child.stderr.take());
         let Some(stdout) = child.stdout.take() else {
             let cause = io::Error::from(ErrorKind::BrokenPipe);
             return Err(start_error(&Command::new(&programs.ffmpeg), cause));
         };
-        let stream = PictureStream(BufReader::with_capacity(PIPE_BUFFER_BYTES, stdout));
+        enlarge(&stdout);
+        let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, stdout);
+        let stream = PictureStream { pipe, format };
         let pictures = if threads == Some(NonZeroUsize::MIN) {
             Decoders::on_demand(stream)
         } else {
@@ -152,6 +186,16 @@ impl Drop for VideoReader {
     }
 }
 
+/// Lets a pipe hold more than the usual 64 kB, so that ffmpeg decodes on while a frame waits to be read.
+#[cfg(target_os = "linux")]
+fn enlarge(pipe: &ChildStdout) {
+    // Where the system does not allow it, the pipe stays as it is.
+    let _ = rustix::pipe::fcntl_setpipe_size(pipe, PIPE_BYTES);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn enlarge(_pipe: &ChildStdout) {}
+
 /// Ends a child and takes its exit status; one that has ended already is left in peace.
 fn stop(child: &mut Child) {
     // Both fail only where the child is gone, which is what is wanted.
@@ -164,6 +208,7 @@ fn ffmpeg_argument(input: &str) -> String {
     if Path::new(input).is_file() { format!("file:{input}") } else { input.to_owned() }
 }
 
+/// The decoding of `argument`, without the format of the pictures.
 fn decode_command(
     argument: &str,
     rate: Rate,
@@ -183,7 +228,6 @@ fn decode_command(
         .arg("-vf")
         .arg(format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB"))
         .arg("-r")
-        .arg(format!("{frames}/{seconds}"))
-        .args(["-f", "image2pipe", "-c:v", "ppm", "-"]);
+        .arg(format!("{frames}/{seconds}"));
     command
 }

@@ -5,6 +5,7 @@
 
 use std::{
     fs,
+    num::NonZeroUsize,
     os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
     time::{Duration, Instant},
@@ -76,6 +77,28 @@ fn frames_come_with_the_rate_and_length_that_ffprobe_says() {
     }
     assert!(source.next().is_none());
     assert!(source.next().is_none());
+}
+
+#[test]
+fn pixels_of_the_commonest_kind_are_taken_as_they_are() {
+    let probe =
+        r#"echo '{"streams": [{"avg_frame_rate": "10/1", "pix_fmt": "yuv420p", "color_range": "pc"}]}'"#;
+    let frame = r"printf 'FRAME\n\012\024\200\200'; ";
+    let play = format!(
+        "echo \"$@\" > \"$(dirname \"$0\")/arguments\"; printf 'YUV4MPEG2 W2 H1 C420mpeg2\\n'; {frame}{frame}"
+    );
+    let machine = Machine::new(probe, &play);
+    for threads in [1, 3] {
+        let threads = NonZeroUsize::new(threads);
+        let options =
+            SourceOptions { threads, programs: machine.programs.clone(), ..SourceOptions::default() };
+        let source = FrameSource::open(machine.path("drive.mp4").to_str().unwrap(), &options).unwrap();
+        let pictures: Vec<Vec<u8>> = source.map(|frame| frame.picture.unwrap().into_vec()).collect();
+        assert_eq!(pictures, [[10, 10, 10, 20, 20, 20]; 2]);
+        let arguments = fs::read_to_string(machine.path("arguments")).unwrap();
+        assert!(arguments.contains("-pix_fmt yuv420p -f yuv4mpegpipe"), "{arguments}");
+        assert!(arguments.contains(&format!("-threads {}", threads.unwrap())), "{arguments}");
+    }
 }
 
 #[test]

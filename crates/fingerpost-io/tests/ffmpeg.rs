@@ -67,6 +67,38 @@ fn what_is_written_reads_back_in_order_with_odd_sides_padded() {
 }
 
 #[test]
+fn colours_are_those_that_ffmpeg_finds_however_they_are_coded() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("source.mkv");
+    let pattern = ["-f", "lavfi", "-i", "testsrc2=size=164x98:rate=10:duration=0.3"];
+    let coding = ["-c:v", "ffv1", "-pix_fmt", "gbrp"];
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y"]).args(pattern).args(coding).arg(&source);
+    assert!(command.status().unwrap().success());
+    for (name, pixels, space, range) in [
+        ("limited 601", "yuv420p", "smpte170m", "tv"),
+        ("limited 709", "yuv420p", "bt709", "tv"),
+        ("full 601", "yuvj420p", "bt470bg", "pc"),
+        ("ten bits", "yuv420p10le", "smpte170m", "tv"),
+        ("colour in every row", "yuv422p", "smpte170m", "tv"),
+    ] {
+        let coded = folder.path().join(format!("{name}.mkv"));
+        let scale = format!("scale=out_color_matrix={space}:out_range={range},format={pixels}");
+        let arguments = ["-vf", scale.as_str(), "-colorspace", space, "-color_range", range, "-c:v", "ffv1"];
+        ffmpeg(&arguments, &source, &coded);
+        let raw = folder.path().join("expected.rgb");
+        ffmpeg(&["-f", "rawvideo", "-pix_fmt", "rgb24"], &coded, &raw);
+        let expected = fs::read(&raw).unwrap();
+        let found: Vec<u8> = open(&coded).flat_map(|frame| frame.picture.unwrap().into_vec()).collect();
+        assert_eq!(found.len(), expected.len(), "{name}");
+        let difference = found.iter().zip(&expected).map(|(a, b)| u64::from(a.abs_diff(*b)));
+        let (sum, most) = difference.fold((0, 0), |(sum, most), d| (sum + d, most.max(d)));
+        let mean = sum as f64 / found.len() as f64;
+        assert!(mean < 1.0 && most <= 6, "{name}: {mean:.3} on average, {most} at most");
+    }
+}
+
+#[test]
 fn a_rotated_video_stands_upright() {
     let folder = tempfile::tempdir().unwrap();
     let (plain, rotated) = (folder.path().join("plain.mp4"), folder.path().join("rotated.mp4"));

@@ -95,20 +95,24 @@ impl Canvas {
         if columns == 0 || rows == 0 {
             return;
         }
-        let quarter = |at: usize, half: usize, length: usize, source: usize| {
-            let share = (at as f64 + 0.25 + 0.5 * half as f64) / length as f64;
-            ((share * source as f64) as usize).min(source - 1)
+        // The two places in a pixel of the area, `length` pixels long, that are looked at along one axis.
+        let places = |at: usize, length: usize, source: usize| {
+            [0.25, 0.75].map(|quarter| {
+                let share = (at as f64 + quarter) / length as f64;
+                ((share * source as f64) as usize).min(source - 1)
+            })
         };
+        let columns: Vec<[usize; 2]> = (0..area.width).map(|at| places(at, area.width, columns)).collect();
         self.clipped(area, |canvas| {
             let clip = canvas.clip;
             for y in clip.y..clip.y + clip.height {
-                let rows = [0, 1].map(|half| quarter(y - area.y, half, area.height, rows));
+                let rows = places(y - area.y, area.height, rows);
                 let (pixels, _) = canvas.image.row_mut(y).as_chunks_mut::<3>();
-                for (x, pixel) in pixels.iter_mut().enumerate().skip(clip.x).take(clip.width) {
-                    let columns = [0, 1].map(|half| quarter(x - area.x, half, area.width, columns));
+                let pixels = pixels.iter_mut().skip(clip.x).take(clip.width);
+                for (pixel, columns) in pixels.zip(columns.iter().skip(clip.x - area.x)) {
                     let mut sum = [2_u16; 3];
                     for row in rows {
-                        for column in columns {
+                        for &column in columns {
                             let colour = colour_at(column, row);
                             sum.iter_mut().zip(colour).for_each(|(sum, c)| *sum += u16::from(c));
                         }

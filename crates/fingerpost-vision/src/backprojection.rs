@@ -5,17 +5,19 @@
 //! pixels under the disc that are seen, so that the edge of the ground view does not darken the road beside it. Everything
 //! after the look-up table is integer arithmetic.
 
+mod disc;
+mod lookup;
+
+use disc::DiscMean;
+use lookup::BinLookup;
+
 use crate::error::{PictureError, check_size};
 use crate::histogram::{Histogram, HistogramError};
-use crate::picture::Plane;
-use crate::span::RowSums;
+use crate::picture::{Plane, ValidityMask};
+use crate::simd::{CodePath, simd_kernel};
 
 /// Largest disc, pixels: 1.6 m at 0.05 m a pixel, wider than any road detail worth keeping.
 pub const MAX_DISC_RADIUS_PX: u16 = 32;
-
-/// Bits behind the point of the reciprocals of disc areas. With areas up to 3209 (radius 32) and numerators below
-/// `2 * 255 * 3209 + 3209` the quotient is exact from 34 bits on: numerator times divisor must stay below it.
-const RECIPROCAL_BITS: u32 = 36;
 
 /// A back-projection that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -67,20 +69,28 @@ pub fn ratio_lookup(
     if !(gain.is_finite() && gain > 0.0) {
         return Err(BackProjectionError::Gain { gain });
     }
-    lookup.clear();
-    lookup.extend(surface.masses().iter().zip(picture.masses()).map(|(&surface, &picture)| {
-        let ratio = if picture > 0.0 { (gain * surface / picture).min(1.0) } else { 0.0 };
-        (255.0 * ratio).round() as u8
-    }));
+    lookup.resize(surface.masses().len(), 0);
+    tabulate_ratios(CodePath::fastest(), surface.masses(), picture.masses(), gain, lookup);
     Ok(())
+}
+
+simd_kernel! {
+    fn tabulate_ratios(surface: &[f64], picture: &[f64], gain: f64, lookup: &mut [u8]) {
+        for ((out, &surface), &picture) in lookup.iter_mut().zip(surface).zip(picture) {
+            let ratio = if picture > 0.0 { (gain * surface / picture).min(1.0) } else { 0.0 };
+            *out = (255.0 * ratio).round() as u8;
+        }
+    }
 }
 
 /// Back-projection with a disc of one radius; keeps its buffers from picture to picture.
 ///
+/// What the validity mask alone decides is worked out when it is another than the last time.
+///
 /// ```
-/// use fingerpost_vision::{backprojection::BackProjector, picture::Plane};
+/// use fingerpost_vision::{backprojection::BackProjector, picture::{Plane, ValidityMask}};
 /// let bin = Plane::from_vec(3, 1, vec![0_u16, 1, 1])?;
-/// let validity = Plane::from_vec(3, 1, vec![1_u8, 1, 0])?;
+/// let validity = ValidityMask::from_plane(Plane::from_vec(3, 1, vec![1_u8, 1, 0])?);
 /// let mut probability = Plane::new(3, 1, 0);
 /// BackProjector::new(1)?.project(&bin, &validity, &[100, 51], &mut probability)?;
 /// // Means over the seen pixels under the disc, rounded: (100 + 51) / 2 twice; the last pixel is unseen.
@@ -89,14 +99,9 @@ pub fn ratio_lookup(
 /// ```
 #[derive(Debug, Clone)]
 pub struct BackProjector {
-    /// Half widths of the disc's rows, from the top one to the bottom one, pixels.
-    half_widths: Vec<usize>,
-    /// For each number of seen pixels the factor that divides by twice that number.
-    reciprocals: Vec<u64>,
-    looked_up: Plane<u8>,
-    row_sums: RowSums,
-    /// Sum and number of the seen pixels under the disc, for each pixel of a row.
-    under_disc: Vec<u32>,
+    validity: ValidityMask,
+    lookup: BinLookup,
+    disc_mean: DiscMean,
 }
 
 impl BackProjector {
@@ -108,24 +113,14 @@ impl BackProjector {
         if disc_radius_px > MAX_DISC_RADIUS_PX {
             return Err(BackProjectionError::Disc { radius_px: disc_radius_px });
         }
-        let radius = i32::from(disc_radius_px);
-        let half_widths: Vec<usize> = (-radius..=radius)
-            .map(|dy| (radius * radius - dy * dy).unsigned_abs().isqrt() as usize)
-            .collect();
-        let area: usize = half_widths.iter().map(|half| 2 * half + 1).sum();
-        let reciprocals =
-            (0..=area as u64).map(|seen| (1_u64 << RECIPROCAL_BITS).div_ceil(2 * seen.max(1))).collect();
-        Ok(Self {
-            half_widths,
-            reciprocals,
-            looked_up: Plane::default(),
-            row_sums: RowSums::default(),
-            under_disc: Vec::new(),
-        })
+        let mut disc_mean = DiscMean::new(usize::from(disc_radius_px));
+        let validity = ValidityMask::default();
+        disc_mean.prepare(&validity);
+        Ok(Self { validity, lookup: BinLookup::new(), disc_mean })
     }
 
-    /// Fills `probability` (255 is 1) from the bin index of each pixel and `lookup`, one probability a bin; pixels whose
-    /// `validity` is 0 are unseen: they become 0 and count in no mean.
+    /// Fills `probability` (255 is 1) from the bin index of each pixel and `lookup`, one probability a bin; pixels that
+    /// `validity` does not show are unseen: they become 0 and count in no mean.
     ///
     /// # Errors
     /// [`BackProjectionError::Picture`] when the pictures differ in size; [`BackProjectionError::BinOutside`] when a seen
@@ -133,57 +128,92 @@ impl BackProjector {
     pub fn project(
         &mut self,
         bin: &Plane<u16>,
-        validity: &Plane<u8>,
+        validity: &ValidityMask,
+        lookup: &[u8],
+        probability: &mut Plane<u8>,
+    ) -> Result<(), BackProjectionError> {
+        self.project_on(CodePath::fastest(), bin, validity, lookup, probability)
+    }
+
+    fn project_on(
+        &mut self,
+        path: CodePath,
+        bin: &Plane<u16>,
+        validity: &ValidityMask,
         lookup: &[u8],
         probability: &mut Plane<u8>,
     ) -> Result<(), BackProjectionError> {
         check_size("validity mask", bin.size(), validity.size())?;
         check_size("probability plane", bin.size(), probability.size())?;
-        let (width, height) = bin.size();
-        self.looked_up.reset(width, height, 0);
-        let pixels = bin.as_slice().iter().zip(validity.as_slice());
-        for (out, (&bin, &valid)) in self.looked_up.as_mut_slice().iter_mut().zip(pixels) {
-            if valid != 0 {
-                let count = lookup.len();
-                *out = *lookup.get(usize::from(bin)).ok_or(BackProjectionError::BinOutside { bin, count })?;
+        if self.validity != *validity {
+            self.disc_mean.prepare(validity);
+            self.validity = validity.clone();
+        }
+        self.lookup.set(lookup);
+        for y in 0..bin.height() {
+            let values = self.disc_mean.row_mut(y);
+            for run in validity.runs(y) {
+                let bins = &bin.row(y)[run.start..run.end];
+                self.lookup
+                    .apply(path, bins, &mut values[run.start..run.end])
+                    .map_err(|bin| BackProjectionError::BinOutside { bin, count: lookup.len() })?;
             }
         }
-        if self.half_widths.len() == 1 {
-            probability.as_mut_slice().copy_from_slice(self.looked_up.as_slice());
-            return Ok(());
-        }
-        self.row_sums.rebuild(self.looked_up.view(), validity.view())?;
-        for y in 0..height {
-            self.sum_under_disc(y);
-            let (sums, _) = self.under_disc.as_chunks::<2>();
-            let pixels = probability.row_mut(y).iter_mut().zip(validity.row(y));
-            for ((out, &valid), &[sum, seen]) in pixels.zip(sums) {
-                // Rounded mean: (2 sum + seen) / (2 seen); at most 255, since no probability is more.
-                let numerator = u64::from(2 * sum + seen);
-                let mean = (numerator * self.reciprocals[seen as usize]) >> RECIPROCAL_BITS;
-                *out = if valid == 0 { 0 } else { mean as u8 };
-            }
-        }
+        self.disc_mean.take(path, probability);
         Ok(())
     }
+}
 
-    fn sum_under_disc(&mut self, y: usize) {
-        let (width, height) = self.row_sums.size();
-        let radius = self.half_widths.len() / 2;
-        self.under_disc.clear();
-        self.under_disc.resize(2 * width, 0);
-        for (index, &half) in self.half_widths.iter().enumerate() {
-            let Some(row) = (y + index).checked_sub(radius).filter(|&row| row < height) else { continue };
-            let pairs = self.row_sums.row_pairs(row);
-            // Pixel x takes the prefix sums at min(x + half + 1, width) minus those at max(x - half, 0).
-            let ends = &pairs[2 * (half + 1).min(width)..];
-            let (inner, beyond) = self.under_disc.split_at_mut(ends.len().min(2 * width));
-            inner.iter_mut().zip(ends).for_each(|(sum, &end)| *sum += end);
-            let (total, _) = pairs[2 * width..].as_chunks::<2>();
-            let (beyond, _) = beyond.as_chunks_mut::<2>();
-            beyond.iter_mut().for_each(|sum| *sum = [sum[0] + total[0][0], sum[1] + total[0][1]]);
-            let behind = &mut self.under_disc[2 * half.min(width)..];
-            behind.iter_mut().zip(pairs).for_each(|(sum, &start)| *sum -= start);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values without a pattern.
+    fn noise(index: usize) -> usize {
+        (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23) as usize
+    }
+
+    #[test]
+    fn every_path_projects_alike() {
+        let (width, height) = (203, 37);
+        for count in [1, 130, 1024, 5000] {
+            let lookup: Vec<u8> = (0..count).map(|bin| noise(bin) as u8).collect();
+            let bins = (0..width * height).map(|index| (noise(index) % count) as u16).collect();
+            let bin = Plane::from_vec(width, height, bins).unwrap();
+            let mut seen = Plane::new(width, height, 1);
+            (0..height).for_each(|y| seen.row_mut(y)[100 - y..100 + 2 * y].fill(0));
+            let validity = ValidityMask::from_plane(seen);
+            for radius in [0, 1, 2, 9, 20] {
+                let projected = |path| {
+                    let mut probability = Plane::new(width, height, 7);
+                    let mut projector = BackProjector::new(radius).unwrap();
+                    projector.project_on(path, &bin, &validity, &lookup, &mut probability).unwrap();
+                    probability
+                };
+                let expected = projected(CodePath::PORTABLE);
+                for path in CodePath::available() {
+                    assert_eq!(projected(path), expected, "{path:?}, {count} bins, radius {radius}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bin_outside_is_found_wherever_it_is_and_only_where_it_is_seen() {
+        let mut validity = Plane::new(150, 2, 1);
+        validity.row_mut(1)[149] = 0;
+        let validity = ValidityMask::from_plane(validity);
+        let mut projector = BackProjector::new(2).unwrap();
+        let mut probability = Plane::new(150, 2, 0);
+        for path in CodePath::available() {
+            for place in 0..150 {
+                let mut bin = Plane::new(150, 2, 999_u16);
+                bin.row_mut(1)[place] = 1000;
+                let lookup = [1; 1000];
+                let result = projector.project_on(path, &bin, &validity, &lookup, &mut probability);
+                let expected = Err(BackProjectionError::BinOutside { bin: 1000, count: 1000 });
+                assert_eq!(result, if place == 149 { Ok(()) } else { expected }, "{path:?}, column {place}");
+            }
         }
     }
 }

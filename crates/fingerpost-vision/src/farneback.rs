@@ -10,107 +10,21 @@
 //!
 //! Limits: motion larger than about half the window at the coarsest level is not found; where the picture has no texture
 //! the flow tends to that of its surroundings or to nothing; there is no measure of confidence. Pixels of the last row and
-//! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a still picture): take
-//! means over an inner region.
+//! column have no full neighbourhood in the other picture, which bends the flow near the edges (by up to 0.14 px on a
+//! still picture): take means over an inner region.
 
 mod displacement;
 mod expansion;
+mod params;
+
+pub use params::{FarnebackError, FarnebackParams};
 
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
 use crate::pyramid::{PyramidLevel, Resizer, pyramid_levels};
+use crate::simd::CodePath;
 use displacement::DisplacementSolver;
-use expansion::{Expander, Expansion};
-
-/// Most reductions of the pyramid; with the mildest scale they already span a factor of ten.
-const MAX_LEVELS: usize = 32;
-/// Widest window, pixels.
-const MAX_WINDOW_PX: usize = 255;
-/// Most iterations a level; the flow settles in a few.
-const MAX_ITERATIONS: usize = 100;
-/// Largest neighbourhood for the expansion to either side, pixels.
-const MAX_POLY_N_PX: usize = 31;
-/// Range of the scale between levels: outside it levels would repeat, or skip what the window can follow.
-const SCALES: std::ops::RangeInclusive<f64> = 0.1..=0.95;
-
-/// Parameters of [`Farneback`]; the defaults suit ground views.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FarnebackParams {
-    /// Size of each level of the pyramid relative to the next finer one, 0.1 to 0.95.
-    pub pyramid_scale: f64,
-    /// Levels below the full size, 0 to 32; levels smaller than 32 pixels are left out.
-    pub levels: usize,
-    /// Side of the square window over which displacements are taken to be alike, pixels; odd, 1 to 255.
-    pub window_px: usize,
-    /// Iterations at each level, 1 to 100.
-    pub iterations: usize,
-    /// Pixels to either side of a pixel that its polynomial is fitted to, 1 to 31.
-    pub poly_n_px: usize,
-    /// Standard deviation of the Gaussian that weights them, pixels; above 0 and at most `poly_n_px`.
-    pub poly_sigma_px: f64,
-}
-
-impl Default for FarnebackParams {
-    fn default() -> Self {
-        Self { pyramid_scale: 0.5, levels: 3, window_px: 15, iterations: 3, poly_n_px: 5, poly_sigma_px: 1.2 }
-    }
-}
-
-/// A flow that cannot be computed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum FarnebackError {
-    /// A parameter outside its range.
-    #[error("the flow's parameter {name} cannot be {value}; {range}")]
-    Parameter {
-        /// Name of the parameter.
-        name: &'static str,
-        /// Value given.
-        value: f64,
-        /// What is allowed.
-        range: &'static str,
-    },
-    /// Pictures whose sizes do not fit.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
-    /// The initial flow holds a value that is not finite.
-    #[error("the initial flow at pixel ({x}, {y}) is not finite; leave the initial flow out or mend it")]
-    InitialFlow {
-        /// Column of the pixel.
-        x: usize,
-        /// Row of the pixel.
-        y: usize,
-    },
-}
-
-impl FarnebackParams {
-    /// Checks every parameter against its range.
-    ///
-    /// # Errors
-    /// [`FarnebackError::Parameter`] for the first one outside it.
-    pub fn check(&self) -> Result<(), FarnebackError> {
-        let refuse = |name, value, range| Err(FarnebackError::Parameter { name, value, range });
-        if !SCALES.contains(&self.pyramid_scale) {
-            return refuse("pyramid_scale", self.pyramid_scale, "give 0.1 to 0.95");
-        }
-        if self.levels > MAX_LEVELS {
-            return refuse("levels", self.levels as f64, "give 0 to 32");
-        }
-        if !(1..=MAX_WINDOW_PX).contains(&self.window_px) || self.window_px.is_multiple_of(2) {
-            return refuse("window_px", self.window_px as f64, "give an odd number from 1 to 255");
-        }
-        if !(1..=MAX_ITERATIONS).contains(&self.iterations) {
-            return refuse("iterations", self.iterations as f64, "give 1 to 100");
-        }
-        if !(1..=MAX_POLY_N_PX).contains(&self.poly_n_px) {
-            return refuse("poly_n_px", self.poly_n_px as f64, "give 1 to 31");
-        }
-        // Below a tenth of a pixel the neighbours' weights vanish and no polynomial can be fitted.
-        if !(0.1..=self.poly_n_px as f64).contains(&self.poly_sigma_px) {
-            return refuse("poly_sigma_px", self.poly_sigma_px, "give 0.1 to poly_n_px");
-        }
-        Ok(())
-    }
-}
+use expansion::{Expander, PixelExpansion, RowExpansion};
 
 /// A displacement for every pixel: `next(x + dx, y + dy)` shows what `previous(x, y)` shows.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -187,7 +101,8 @@ pub struct Farneback {
     pictures: [Plane<f32>; 2],
     smoothed: Plane<f32>,
     reduced: Plane<f32>,
-    expansions: [Expansion; 2],
+    from: RowExpansion,
+    to: PixelExpansion,
     flow: FlowField,
     coarser: FlowField,
 }
@@ -208,7 +123,8 @@ impl Farneback {
             pictures: Default::default(),
             smoothed: Plane::default(),
             reduced: Plane::default(),
-            expansions: [Expansion::default(), Expansion::default()],
+            from: RowExpansion::default(),
+            to: PixelExpansion::default(),
             flow: FlowField::default(),
             coarser: FlowField::default(),
         })
@@ -243,15 +159,21 @@ impl Farneback {
         }
         if self.levels.last().map(|level| (level.width, level.height)) != Some(size) {
             self.levels = pyramid_levels(size.0, size.1, self.params.pyramid_scale, self.params.levels);
+            // The two take turns from level to level; each must hold the largest, so that the next pair finds room.
+            self.flow.reset(size.0, size.1);
+            self.coarser.reset(size.0, size.1);
         }
+        let path = CodePath::fastest();
         copy_to_f32(previous, &mut self.pictures[0]);
         copy_to_f32(next, &mut self.pictures[1]);
         for index in 0..self.levels.len() {
             self.start_level(index, initial);
-            self.expand_pictures(index)?;
-            let [from, to] = &self.expansions;
+            self.reduce(index, 0)?;
+            self.expander.expand_rows(path, &self.reduced, &mut self.from);
+            self.reduce(index, 1)?;
+            self.expander.expand_pixels(path, &self.reduced, &mut self.to);
             for _ in 0..self.params.iterations {
-                self.solver.refine(from, to, &mut self.flow)?;
+                self.solver.refine(path, &self.from, &self.to, &mut self.flow);
             }
         }
         Ok(&self.flow)
@@ -271,21 +193,29 @@ impl Farneback {
         self.resizer.resize(&start.dy, &mut self.flow.dy, gain as f32);
     }
 
-    fn expand_pictures(&mut self, index: usize) -> Result<(), PictureError> {
-        let level = &mut self.levels[index];
-        for (picture, expansion) in self.pictures.iter().zip(&mut self.expansions) {
-            self.smoothed.reset(picture.width(), picture.height(), 0.0);
-            level.smoothing.apply(picture, &mut self.smoothed)?;
-            self.reduced.reset(level.width, level.height, 0.0);
-            self.resizer.resize(&self.smoothed, &mut self.reduced, 1.0);
-            self.expander.expand(&self.reduced, expansion);
+    /// Brings one of the pictures to the size of a level.
+    fn reduce(&mut self, index: usize, picture: usize) -> Result<(), PictureError> {
+        let (level, picture) = (&mut self.levels[index], &self.pictures[picture]);
+        resize(&mut self.reduced, level.width, level.height);
+        if picture.size() == self.reduced.size() {
+            return level.smoothing.apply(picture, &mut self.reduced);
         }
+        resize(&mut self.smoothed, picture.width(), picture.height());
+        level.smoothing.apply(picture, &mut self.smoothed)?;
+        self.resizer.resize(&self.smoothed, &mut self.reduced, 1.0);
         Ok(())
     }
 }
 
+/// Gives a plane another size; what it holds then does not matter.
+fn resize(plane: &mut Plane<f32>, width: usize, height: usize) {
+    if plane.size() != (width, height) {
+        plane.reset(width, height, 0.0);
+    }
+}
+
 fn copy_to_f32(source: PlaneView<'_, u8>, target: &mut Plane<f32>) {
-    target.reset(source.width(), source.height(), 0.0);
+    resize(target, source.width(), source.height());
     for y in 0..source.height() {
         target.row_mut(y).iter_mut().zip(source.row(y)).for_each(|(out, &value)| *out = f32::from(value));
     }

@@ -6,6 +6,7 @@ mod box_mean;
 mod separable;
 
 pub use box_mean::BoxMean;
+pub(crate) use box_mean::{ColumnSums, RowWindow};
 pub use separable::SeparableFilter;
 
 /// Weights of a Gaussian of the given standard deviation at `-radius..=radius`, summing to 1; a deviation of 0 or below
@@ -29,8 +30,11 @@ pub fn gaussian_taps(sigma: f64, radius: usize) -> Vec<f64> {
 
 /// Folds an index into `0..length` by mirrors through the first and the last element.
 pub(crate) fn mirror(index: isize, length: usize) -> usize {
-    if (0..length as isize).contains(&index) {
-        return index as usize;
+    let last = length as isize - 1;
+    // One mirror is enough but for kernels wider than the picture; more of them cost a division.
+    let once = if index < 0 { -index } else { index.min(2 * last - index) };
+    if (0..=last).contains(&once) {
+        return once as usize;
     }
     if length <= 1 {
         return 0;

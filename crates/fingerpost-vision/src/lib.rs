@@ -16,8 +16,9 @@
 //! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
 //! | [`morphology`] | dilation | Serra 1982 |
+//! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
-//! | [`filter`], [`pyramid`] | smoothing and resizing for the flow | |
+//! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
@@ -35,6 +36,7 @@ pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod histogram;
+pub mod hough;
 pub mod morphology;
 pub mod picture;
 pub mod pyramid;

@@ -9,6 +9,7 @@
 //! shapes that share an edge share no pixel.
 
 mod draw;
+mod prefix;
 mod sums;
 
 pub use sums::{Cover, RowSums};
@@ -70,20 +71,10 @@ pub struct SpanMask {
 impl SpanMask {
     /// The pixels of the given runs, in any order; runs that overlap or touch are merged, empty ones dropped.
     #[must_use]
-    pub fn from_spans(mut spans: Vec<Span>) -> Self {
-        spans.retain(|span| span.start < span.end);
-        spans.sort_unstable();
-        let mut merged: Vec<Span> = Vec::with_capacity(spans.len());
-        for span in spans {
-            match merged.last_mut() {
-                Some(last) if last.row == span.row && span.start <= last.end => {
-                    last.end = last.end.max(span.end)
-                }
-                _ => merged.push(span),
-            }
-        }
-        let area = merged.iter().map(|span| u64::from(span.end.abs_diff(span.start))).sum();
-        Self { spans: merged, area }
+    pub fn from_spans(spans: Vec<Span>) -> Self {
+        let mut mask = Self { spans, area: 0 };
+        mask.tidy();
+        mask
     }
 
     /// The pixels of a rectangle; what lies beyond the range of `i32` is left out.
@@ -118,14 +109,39 @@ impl SpanMask {
     /// [`SpanError::OutOfReach`] as for [`SpanMask::from_polygon`]; [`SpanError::Width`] when the width is not above 0
     /// or not finite.
     pub fn stroke(polyline_px: &[[f64; 2]], width_px: f64) -> Result<Self, SpanError> {
+        let mut mask = Self::default();
+        mask.redraw_stroke(polyline_px, width_px)?;
+        Ok(mask)
+    }
+
+    /// Draws [`SpanMask::stroke`] in place of what the mask was, reusing its memory.
+    ///
+    /// # Errors
+    /// [`SpanError`] as for [`SpanMask::stroke`]; the mask is then as before.
+    pub fn redraw_stroke(&mut self, polyline_px: &[[f64; 2]], width_px: f64) -> Result<(), SpanError> {
         check_points(polyline_px)?;
         // Written so that NaN is refused.
         if !(width_px > 0.0 && width_px <= MAX_REACH_PX) {
             return Err(SpanError::Width { width_px });
         }
-        let mut spans = Vec::new();
-        draw::stroke(polyline_px, width_px, &mut spans);
-        Ok(Self::from_spans(spans))
+        self.spans.clear();
+        draw::stroke(polyline_px, width_px, &mut self.spans);
+        self.tidy();
+        Ok(())
+    }
+
+    /// Sorts the runs, merges those that overlap or touch, drops empty ones and counts the pixels.
+    fn tidy(&mut self) {
+        self.spans.retain(|span| span.start < span.end);
+        self.spans.sort_unstable();
+        self.spans.dedup_by(|span, last| {
+            let joined = last.row == span.row && span.start <= last.end;
+            if joined {
+                last.end = last.end.max(span.end);
+            }
+            joined
+        });
+        self.area = self.spans.iter().map(|span| u64::from(span.end.abs_diff(span.start))).sum();
     }
 
     /// The runs, sorted by row and column.
@@ -254,6 +270,16 @@ mod tests {
         assert_eq!(mask.area(), u64::from(u32::MAX));
         assert!(mask.translated(0, 1).is_empty());
         assert_eq!(mask.translated(i32::MAX, 0).spans(), &[span(i32::MAX, -1, i32::MAX)]);
+    }
+
+    #[test]
+    fn a_stroke_drawn_again_is_as_drawn_anew() {
+        let mut mask = SpanMask::stroke(&[[0.0, 0.0], [40.0, 3.0], [10.0, 30.0]], 7.0).unwrap();
+        let anew = SpanMask::stroke(&[[-4.0, 2.0], [5.0, 9.0]], 3.0).unwrap();
+        assert!(mask.redraw_stroke(&[[0.0, 0.0], [f64::NAN, 0.0]], 3.0).is_err());
+        assert_ne!(mask, anew);
+        mask.redraw_stroke(&[[-4.0, 2.0], [5.0, 9.0]], 3.0).unwrap();
+        assert_eq!(mask, anew);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 use fingerpost_vision::farneback::{Farneback, FarnebackError, FarnebackParams, FlowField};
 use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 /// A smooth pattern without repetition in the picture, seen from a place moved by `shift` pixels.
 fn textured(width: usize, height: usize, shift: [f64; 2]) -> Plane<u8> {
@@ -89,6 +90,26 @@ fn a_region_gives_the_same_as_its_copy_and_used_buffers_the_same_as_new_ones() {
     let from_region = used.flow(previous, next, None).unwrap().clone();
     let mut fresh = farneback();
     assert_eq!(&from_region, fresh.flow(copy(previous).view(), copy(next).view(), None).unwrap());
+}
+
+#[test]
+fn every_path_gives_the_same_bytes() {
+    for (width, height, poly_n_px, window_px) in
+        [(128, 96, 5, 15), (67, 131, 7, 9), (90, 41, 3, 21), (33, 35, 9, 1)]
+    {
+        let (previous, next) = (textured(width, height, [0.0; 2]), textured(width, height, [2.3, -1.1]));
+        let mut farneback =
+            Farneback::new(FarnebackParams { poly_n_px, window_px, ..FarnebackParams::default() }).unwrap();
+        let guess = FlowField::uniform(width, height, [-200.0, 0.5]);
+        for initial in [None, Some(&guess)] {
+            let flows = InstructionSet::ALL.map(|set| {
+                CodePath::limit(set);
+                farneback.flow(previous.view(), next.view(), initial).unwrap().clone()
+            });
+            CodePath::limit(InstructionSet::Avx512);
+            assert!(flows.iter().all(|flow| flow == &flows[0]), "{width} x {height}");
+        }
+    }
 }
 
 #[test]

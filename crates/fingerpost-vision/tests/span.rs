@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::picture::{Plane, Rect, ValidityMask};
 use fingerpost_vision::span::{Cover, RowSums, Span, SpanMask};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -67,9 +67,9 @@ proptest! {
     ) {
         let mut sums = RowSums::default();
         // Sums of another picture first: a rebuild leaves nothing of them.
-        let earlier = Plane::new(31, 29, 200);
-        sums.rebuild(earlier.view(), earlier.view()).unwrap();
-        sums.rebuild(probability.view(), validity.view()).unwrap();
+        let earlier = Plane::new(probability.width(), 29, 200);
+        sums.rebuild(earlier.view(), &ValidityMask::from_plane(earlier.clone())).unwrap();
+        sums.rebuild(probability.view(), &ValidityMask::from_plane(validity.clone())).unwrap();
         let cover = sums.cover(&mask, shift[0], shift[1]);
         prop_assert_eq!(cover, plain_cover(&probability, &validity, &mask, shift));
         prop_assert_eq!(cover, sums.cover(&mask.translated(shift[0], shift[1]), 0, 0));
@@ -77,6 +77,38 @@ proptest! {
             x: 0, y: 0, width: probability.width(), height: probability.height(),
         });
         prop_assert_eq!(cover.in_view, inside.area());
+    }
+
+    #[test]
+    fn covers_are_those_of_the_places_one_by_one(
+        (width, height) in (0..700_usize, 1..5_usize),
+        seen_from in 0..150_usize,
+        gap in 0..400_usize,
+        spans in prop::collection::vec((-3..6_i32, -400..700_i32, 0..900_i32), 0..12),
+        shift in [-500..500_i32, -4..4_i32],
+        count in 0..150_usize,
+    ) {
+        let mut validity = Plane::new(width, height, 1_u8);
+        for y in 0..height {
+            let row = validity.row_mut(y);
+            row[..(seen_from * y).min(width)].fill(0);
+            row[gap.min(width)..(gap + 20 * y).min(width)].fill(0);
+        }
+        let values = (0..width * height).map(|index| 255 - (index * 31 % 67) as u8).collect();
+        let probability = Plane::from_vec(width, height, values).unwrap();
+        let mut sums = RowSums::default();
+        sums.rebuild(probability.view(), &ValidityMask::from_plane(validity.clone())).unwrap();
+        let spans = spans.iter().map(|&(row, start, length)| Span { row, start, end: start + length });
+        let mask = SpanMask::from_spans(spans.collect());
+        let mut covers = vec![Cover::default(); count];
+        sums.covers(&mask, shift[0], shift[1], &mut covers);
+        for (index, &cover) in covers.iter().enumerate() {
+            let d_col = shift[0] + index as i32;
+            prop_assert_eq!(cover, sums.cover(&mask, d_col, shift[1]), "{}", d_col);
+            if index % 16 == 0 {
+                prop_assert_eq!(cover, plain_cover(&probability, &validity, &mask, [d_col, shift[1]]));
+            }
+        }
     }
 
     #[test]
@@ -149,11 +181,14 @@ fn is_on_stroke(points: &[[f64; 2]], at: [f64; 2], half_px: f64) -> bool {
 fn a_mask_far_away_covers_nothing_and_has_no_probability() {
     let plane = Plane::new(9, 9, 255);
     let mut sums = RowSums::default();
-    sums.rebuild(plane.view(), plane.view()).unwrap();
+    sums.rebuild(plane.view(), &ValidityMask::all_seen(9, 9)).unwrap();
     let mask = SpanMask::from_rect(Rect { x: 0, y: 0, width: 3, height: 3 });
     for (d_col, d_row) in [(i32::MAX, 0), (i32::MIN, 0), (0, i32::MAX), (0, i32::MIN), (9, 0), (0, -3)] {
         let cover = sums.cover(&mask, d_col, d_row);
         assert_eq!(cover, Cover { area: 9, ..Cover::default() });
+        let mut covers = [Cover::default(); 1];
+        sums.covers(&mask, d_col, d_row, &mut covers);
+        assert_eq!(covers, [cover]);
         assert_eq!(cover.probability(), None);
     }
     assert_eq!(sums.cover(&mask, 7, 8).probability(), Some(1.0));
@@ -163,6 +198,10 @@ fn a_mask_far_away_covers_nothing_and_has_no_probability() {
 #[test]
 fn planes_of_different_sizes_are_an_error() {
     let mut sums = RowSums::default();
-    assert!(sums.rebuild(Plane::new(4, 3, 0).view(), Plane::new(3, 4, 0).view()).is_err());
+    assert!(sums.rebuild(Plane::new(4, 3, 0).view(), &ValidityMask::all_seen(3, 4)).is_err());
     assert_eq!(RowSums::default().cover(&SpanMask::default(), 0, 0), Cover::default());
+    let mask = SpanMask::from_rect(Rect { x: 0, y: 0, width: 1, height: 1 });
+    let mut covers = [Cover::default(); 2];
+    RowSums::default().covers(&mask, 0, 0, &mut covers);
+    assert_eq!(covers, [Cover { area: 1, ..Cover::default() }; 2]);
 }

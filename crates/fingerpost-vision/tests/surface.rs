@@ -6,8 +6,8 @@ use fingerpost_vision::backprojection::{
     BackProjectionError, BackProjector, MAX_DISC_RADIUS_PX, ratio_lookup,
 };
 use fingerpost_vision::colour::{self, BinDivision, HueSaturationBins, grey_of, hue_saturation_of};
-use fingerpost_vision::histogram::Histogram;
-use fingerpost_vision::picture::{Plane, Rect, RgbImage};
+use fingerpost_vision::histogram::{BinCounter, Histogram};
+use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
 use fingerpost_vision::span::SpanMask;
 use fingerpost_vision::warp::WarpTable;
 use proptest::prelude::*;
@@ -66,8 +66,12 @@ proptest! {
         let bin = Plane::from_vec(width, height, (0..width * height).map(|_| (next() % 16) as u16).collect()).unwrap();
         let seen = (0..width * height).map(|_| u8::from(next() % 4 > 0)).collect();
         let validity = Plane::from_vec(width, height, seen).unwrap();
+        let mask = ValidityMask::from_plane(validity.clone());
         let mut probability = Plane::new(width, height, 9);
-        BackProjector::new(radius).unwrap().project(&bin, &validity, &lookup, &mut probability).unwrap();
+        let mut projector = BackProjector::new(radius).unwrap();
+        // Another picture first: nothing of it stays.
+        projector.project(&bin, &ValidityMask::all_seen(width, height), &[255; 16], &mut probability).unwrap();
+        projector.project(&bin, &mask, &lookup, &mut probability).unwrap();
         let reach = i64::from(radius);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
             let (mut sum, mut count) = (0_u32, 0_u32);
@@ -88,10 +92,10 @@ proptest! {
 
 #[test]
 fn the_largest_disc_keeps_full_certainty_full() {
-    let plane = Plane::new(90, 80, 1);
+    let validity = ValidityMask::all_seen(90, 80);
     let mut probability = Plane::new(90, 80, 0);
     let mut projector = BackProjector::new(MAX_DISC_RADIUS_PX).unwrap();
-    projector.project(&Plane::new(90, 80, 0), &plane, &[255], &mut probability).unwrap();
+    projector.project(&Plane::new(90, 80, 0), &validity, &[255], &mut probability).unwrap();
     assert!(probability.as_slice().iter().all(|&value| value == 255));
 }
 
@@ -188,11 +192,12 @@ fn a_surface_stands_out_from_its_surroundings() {
     // The left half is the surface (bin 2), the right half something else (bin 1).
     let mut bin = Plane::new(8, 4, 1_u16);
     (0..4).for_each(|y| bin.row_mut(y)[..4].fill(2));
-    let validity = Plane::new(8, 4, 1_u8);
+    let all_seen = ValidityMask::all_seen(8, 4);
     let bins = HueSaturationBins { hue: 1, saturation: 4 };
     let histogram_of = |rect: Rect| {
         let mut histogram = Histogram::new(bins).unwrap();
-        histogram.count(bin.view(), validity.view(), &SpanMask::from_rect(rect)).unwrap();
+        let region = SpanMask::from_rect(rect);
+        BinCounter::default().count(bin.view(), &all_seen, &region, &mut histogram).unwrap();
         histogram.normalise();
         histogram
     };
@@ -207,9 +212,9 @@ fn a_surface_stands_out_from_its_surroundings() {
 
     let mut projector = BackProjector::new(0).unwrap();
     let mut probability = Plane::new(8, 4, 0);
-    projector.project(&bin, &validity, &lookup, &mut probability).unwrap();
+    projector.project(&bin, &all_seen, &lookup, &mut probability).unwrap();
     assert_eq!(probability.row(1), &[204, 204, 204, 204, 51, 51, 51, 51]);
-    let short = projector.project(&bin, &validity, &lookup[..2], &mut probability);
+    let short = projector.project(&bin, &all_seen, &lookup[..2], &mut probability);
     assert_eq!(short, Err(BackProjectionError::BinOutside { bin: 2, count: 2 }));
     for gain in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused = ratio_lookup(&surface, &picture, gain, &mut lookup);

@@ -6,6 +6,7 @@
 //! drawings are kept by heading.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use fingerpost_geometry::{GroundGrid, Polyline, wrap_angle};
 use fingerpost_map::ArmRole;
@@ -54,7 +55,7 @@ pub struct SubMask {
     /// What it stands for.
     pub kind: SubMaskKind,
     /// `approach`, `exit`, `side_1`, ..., `driving_line`.
-    pub label: String,
+    pub label: Arc<str>,
     /// The mask, pixels from the node's pixel.
     pub spans: SpanMask,
     /// Pixels of it that lie on the crossing roads rather than on the arm itself.
@@ -89,13 +90,14 @@ pub struct PlacedMasks<'a> {
 #[derive(Debug)]
 struct DrawnArm {
     kind: SubMaskKind,
-    label: String,
+    label: Arc<str>,
     course: Polyline,
     mouth_m: f64,
     leaves_the_line: bool,
 }
 
-/// The masks of one feature, drawn when first asked for and kept by heading.
+/// The masks of one feature, drawn when first asked for and kept by heading: at most one drawing for each of the
+/// [`FeatureMaskConfig::heading_step_deg`] of a full circle, of which a vehicle on the road ever asks for a few dozen.
 #[derive(Debug)]
 pub struct MaskCache {
     arms: Vec<DrawnArm>,
@@ -159,6 +161,11 @@ impl MaskCache {
         self.drawn.get(&self.key(heading_rad))
     }
 
+    /// Frees the drawings of a feature that lies behind.
+    pub(crate) fn clear(&mut self) {
+        self.drawn.clear();
+    }
+
     fn key(&self, heading_rad: f64) -> i64 {
         (wrap_angle(heading_rad) / self.heading_step_rad).round() as i64
     }
@@ -180,7 +187,7 @@ impl MaskCache {
             let width_px = self.line_width_m / self.metres_per_pixel;
             subs.push(SubMask {
                 kind: SubMaskKind::DrivingLine,
-                label: "driving_line".to_owned(),
+                label: "driving_line".into(),
                 spans: self.stroke(curve, heading_rad, width_px)?,
                 mouth_px: 0,
                 width_px,

@@ -4,6 +4,8 @@
 //! approach there, so that a vehicle that drives straight towards the feature sees it at heading zero (paper 2,
 //! section 4: the mask is rotated so that the approach is upright).
 
+use std::sync::Arc;
+
 use fingerpost_geometry::{GeometryError, Polyline, heading_of};
 use fingerpost_map::{ArmRole, FeatureKind, RouteFeature, TangentPlane};
 use nalgebra::{Isometry2, Point2};
@@ -14,7 +16,7 @@ pub struct ArmModel {
     /// What the route does with the arm.
     pub role: ArmRole,
     /// Name in records and pictures: `approach`, `exit`, `side_1`, ...
-    pub label: String,
+    pub label: Arc<str>,
     /// Its course from the node outwards, feature frame, metres.
     pub course: Polyline,
     /// Width of its road, metres.
@@ -79,11 +81,11 @@ impl FeatureModel {
             .map(|(role, course, width_m)| ArmModel {
                 role,
                 label: match role {
-                    ArmRole::Approach => "approach".to_owned(),
-                    ArmRole::Exit => "exit".to_owned(),
+                    ArmRole::Approach => "approach".into(),
+                    ArmRole::Exit => "exit".into(),
                     ArmRole::Side => {
                         sides += 1;
-                        format!("side_{sides}")
+                        format!("side_{sides}").into()
                     }
                 },
                 course: course.transformed(&feature_from_map),

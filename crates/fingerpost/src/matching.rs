@@ -6,6 +6,8 @@
 //! An arm of which too little is seen takes no part, and the evidence says so: nearly all of what is left would lie on
 //! the crossing roads, and would be road whether the arm exists or not.
 
+use std::sync::Arc;
+
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, ValidityMask};
@@ -14,7 +16,7 @@ use nalgebra::Isometry2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::feature_masks::{MaskCache, SubMask, SubMaskKind, node_pixel};
+use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, node_pixel};
 use crate::road_surface::RoadSurface;
 
 /// Settings of the match.
@@ -67,7 +69,7 @@ pub enum Participation {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubMatch {
     /// `approach`, `exit`, `side_1`, ..., `driving_line`.
-    pub label: String,
+    pub label: Arc<str>,
     /// What the sub-mask stands for.
     pub kind: SubMaskKind,
     /// P(F_sub), equation 1; none where nothing of it is seen.
@@ -81,7 +83,7 @@ pub struct SubMatch {
 }
 
 /// The match of a feature at one pose.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Match {
     /// The pose that was tried.
     pub vehicle_from_feature: Isometry2<f64>,
@@ -132,7 +134,7 @@ impl Matcher {
                 for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
                     *out = if f64::from(p) >= threshold { 255 } else { 0 };
                 }
-                self.binary_sums.rebuild(self.binary.view(), validity.plane().view())?;
+                self.binary_sums.rebuild(self.binary.view(), validity)?;
                 &self.binary_sums
             }
         };
@@ -159,46 +161,48 @@ impl LaidSurface<'_> {
         self.sums
     }
 
-    /// The match of a feature at one pose, with every sub-mask's part in it.
+    /// The match of a feature at one pose with every sub-mask's part in it, into `matched`, whose memory is reused.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
     pub fn explain(
         &self,
         masks: &mut MaskCache,
-        vehicle_from_feature: Isometry2<f64>,
-    ) -> Result<Match, SpanError> {
-        let (column, row) = node_pixel(self.grid, &vehicle_from_feature);
-        let masks = masks.at(vehicle_from_feature.rotation.angle())?;
-        let subs: Vec<SubMatch> = masks
-            .subs
-            .iter()
-            .map(|sub| {
-                let cover = self.sums.cover(&sub.spans, column, row);
-                SubMatch {
-                    label: sub.label.clone(),
-                    kind: sub.kind,
-                    p: cover.probability(),
-                    seen_share: if cover.in_view > 0 {
-                        cover.seen as f64 / cover.in_view as f64
-                    } else {
-                        0.0
-                    },
-                    participation: self.participation(sub, &cover),
-                    leaves_the_line: sub.leaves_the_line,
-                }
-            })
-            .collect();
+        vehicle_from_feature: &Isometry2<f64>,
+        matched: &mut Match,
+    ) -> Result<(), SpanError> {
+        let parts = self.parts(masks.at(vehicle_from_feature.rotation.angle())?, vehicle_from_feature);
+        matched.vehicle_from_feature = *vehicle_from_feature;
+        matched.subs.clear();
+        matched.subs.extend(parts.map(|(sub, cover, participation)| SubMatch {
+            label: Arc::clone(&sub.label),
+            kind: sub.kind,
+            p: cover.probability(),
+            seen_share: if cover.in_view > 0 { cover.seen as f64 / cover.in_view as f64 } else { 0.0 },
+            participation,
+            leaves_the_line: sub.leaves_the_line,
+        }));
         let taking_part =
-            subs.iter().enumerate().filter(|(_, sub)| sub.participation == Participation::TakesPart);
+            matched.subs.iter().enumerate().filter(|(_, sub)| sub.participation == Participation::TakesPart);
         let weakest =
             taking_part.filter_map(|(i, sub)| sub.p.map(|p| (i, p))).min_by(|a, b| a.1.total_cmp(&b.1));
-        Ok(Match {
-            vehicle_from_feature,
-            subs,
-            p: weakest.map(|(_, p)| p),
-            weakest: weakest.map(|(index, _)| index),
-        })
+        matched.p = weakest.map(|(_, p)| p);
+        matched.weakest = weakest.map(|(index, _)| index);
+        Ok(())
+    }
+
+    /// P(F) alone of [`LaidSurface::explain`].
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn probability(
+        &self,
+        masks: &mut MaskCache,
+        vehicle_from_feature: &Isometry2<f64>,
+    ) -> Result<Option<f64>, SpanError> {
+        let parts = self.parts(masks.at(vehicle_from_feature.rotation.angle())?, vehicle_from_feature);
+        let taking_part = parts.filter(|(.., participation)| *participation == Participation::TakesPart);
+        Ok(taking_part.filter_map(|(_, cover, _)| cover.probability()).min_by(f64::total_cmp))
     }
 
     /// P(F) at one pose, or none as soon as a sub-mask falls below `at_least`, or when no arm takes part that would
@@ -228,6 +232,19 @@ impl LaidSurface<'_> {
             }
         }
         Ok((told && least.is_finite()).then_some(least))
+    }
+
+    /// What each sub-mask covers at a pose, and whether it takes part.
+    fn parts<'m>(
+        &self,
+        masks: &'m FeatureMasks,
+        vehicle_from_feature: &Isometry2<f64>,
+    ) -> impl Iterator<Item = (&'m SubMask, Cover, Participation)> {
+        let (column, row) = node_pixel(self.grid, vehicle_from_feature);
+        masks.subs.iter().map(move |sub| {
+            let cover = self.sums.cover(&sub.spans, column, row);
+            (sub, cover, self.participation(sub, &cover))
+        })
     }
 
     fn participation(&self, sub: &SubMask, cover: &Cover) -> Participation {

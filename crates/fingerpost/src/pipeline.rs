@@ -14,8 +14,8 @@ use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::road_surface::{Backprojection, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{Followed, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
-use crate::why::why;
+use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::why::Why;
 
 /// What else is known when a frame is taken.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,7 +40,7 @@ pub enum Stage {
 }
 
 /// What the method says after a frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameOutput {
     /// State and followed feature.
     pub track: TrackOutput,
@@ -68,7 +68,7 @@ pub struct FrameEvidence<'a> {
     /// How the motion was found.
     pub motion: Option<&'a MotionEvidence>,
     /// How the tracker decided.
-    pub track: TrackEvidence,
+    pub track: &'a TrackEvidence,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
     pub masks: Option<PlacedMasks<'a>>,
 }
@@ -110,6 +110,8 @@ pub struct Pipeline {
     config: Config,
     ground: GroundPicture,
     surface: RoadSurface,
+    track_evidence: TrackEvidence,
+    output: FrameOutput,
 }
 
 impl Pipeline {
@@ -144,11 +146,14 @@ impl Pipeline {
             config: config.clone(),
             ground: view.black_picture(),
             surface: RoadSurface::default(),
+            track_evidence: TrackEvidence::default(),
+            output: FrameOutput::default(),
             view,
         })
     }
 
-    /// Takes one frame in. `finished` is told after each stage, so that the caller can time them.
+    /// Takes one frame in. `finished` is told after each stage, so that the caller can time them. Output and evidence
+    /// stay with the pipeline, which reuses their memory in the next frame.
     ///
     /// # Errors
     /// [`PipelineError`] when the frame does not fit the camera; the state is then as before the frame.
@@ -157,43 +162,39 @@ impl Pipeline {
         frame: &RgbImage,
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
-    ) -> Result<(FrameOutput, FrameEvidence<'_>), PipelineError> {
-        self.view.render(frame, &mut self.ground)?;
+    ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
+        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let validity = view.validity();
+        view.render(frame, ground)?;
         finished(Stage::GroundView);
 
-        let sample = self.config.road_surface.sample_region(&self.view);
-        let (ground, validity) = (&self.ground, self.view.validity());
+        let sample = config.road_surface.sample_region(view);
         let input = RoadInput { colour: &ground.colour, bin: &ground.bin, validity, sample };
-        let road = self.detector.detect(input, &mut self.surface)?;
+        let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
-        let (motion, motion_evidence) = self.motion.estimate(&self.view, &self.ground)?.unzip();
+        let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
         finished(Stage::Motion);
 
-        let laid = self.matcher.laid(&self.surface, self.view.validity())?;
+        let laid = self.matcher.laid(surface, validity)?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        let (track, track_evidence) = self.tracker.step(motion.as_ref(), &laid, gps_in_map)?;
+        tracker.step(motion.as_ref(), &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
-        let (driving_line, driving_line_curvature_per_m) =
-            driving_line(&self.tracker, track.followed.as_ref());
-        let why = why(&track, &track_evidence, self.tracker.stops(), &self.config.track);
+        output.motion = motion;
+        output.place_driving_line(tracker.stops());
+        Why { track: &output.track, evidence: track_evidence, stops: tracker.stops(), config: &config.track }
+            .write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
-        let followed = track.followed.as_ref().map(|followed| (followed.index, &followed.matched));
-        let sought = track_evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
-        let grid = self.view.grid();
-        let masks =
-            followed.or(sought).and_then(|(index, matched)| self.tracker.placed_masks(index, matched, grid));
-        let output = FrameOutput { track, motion, driving_line, driving_line_curvature_per_m, why };
         let evidence = FrameEvidence {
-            ground: &self.ground,
-            validity: self.view.validity().plane(),
-            surface: &self.surface,
+            ground,
+            validity: validity.plane(),
+            surface,
             road,
             motion: motion_evidence,
             track: track_evidence,
-            masks,
+            masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))
     }
@@ -214,17 +215,19 @@ impl Pipeline {
     }
 }
 
-/// The driving line ahead of the vehicle through the followed feature.
-fn driving_line(tracker: &Tracker, followed: Option<&Followed>) -> (Vec<Point2<f64>>, Vec<f64>) {
-    let Some((followed, line)) =
-        followed.and_then(|followed| Some((followed, tracker.stops().get(followed.index)?.line.as_ref()?)))
-    else {
-        return (Vec::new(), Vec::new());
-    };
-    line.points
-        .iter()
-        .map(|&p_in_feature| followed.vehicle_from_feature * p_in_feature)
-        .zip(line.curvature_per_m.iter().copied())
-        .skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0)
-        .unzip()
+impl FrameOutput {
+    /// Lays the followed feature's driving line where the feature is; the part behind the vehicle is left out.
+    fn place_driving_line(&mut self, stops: &[RouteStop]) {
+        self.driving_line.clear();
+        self.driving_line_curvature_per_m.clear();
+        let Some(followed) = &self.track.followed else { return };
+        let Some(line) = stops.get(followed.index).and_then(|stop| stop.line.as_ref()) else { return };
+        let in_vehicle = line.points.iter().map(|p_in_feature| followed.vehicle_from_feature * p_in_feature);
+        let points =
+            in_vehicle.zip(&line.curvature_per_m).skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0);
+        for (p_in_vehicle, curvature_per_m) in points {
+            self.driving_line.push(p_in_vehicle);
+            self.driving_line_curvature_per_m.push(*curvature_per_m);
+        }
+    }
 }

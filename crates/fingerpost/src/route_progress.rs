@@ -102,14 +102,9 @@ impl RouteProgress {
             // Where the route passes the same place twice, the pass that is believed counts.
             Some(known) => {
                 let reach = 3.0 * known.variance.sqrt() + self.config.gps_gate_m;
-                let low = (known.mean_m - reach).max(0.0);
-                route.part(low, known.mean_m + reach).map_or_else(
-                    |_| route.nearest(p_in_map),
-                    |part| {
-                        let foot = part.nearest(p_in_map);
-                        fingerpost_geometry::Footpoint { along_m: foot.along_m + low, ..foot }
-                    },
-                )
+                route
+                    .nearest_on_part(p_in_map, known.mean_m - reach, known.mean_m + reach)
+                    .unwrap_or_else(|| route.nearest(p_in_map))
             }
             None => route.nearest(p_in_map),
         };

@@ -75,9 +75,10 @@ impl Default for TrackConfig {
 }
 
 /// Where the search stands after a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum State {
     /// No route was given.
+    #[default]
     NoRoute,
     /// The next feature has not been found yet.
     Searching,
@@ -105,7 +106,7 @@ pub struct Followed {
 }
 
 /// What the tracker says after a frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackOutput {
     /// Where the search stands.
     pub state: State,
@@ -125,9 +126,10 @@ pub struct Sought {
 }
 
 /// What decided a frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub enum Decision {
     /// There is no route.
+    #[default]
     NoRoute,
     /// The next feature is not in reach of the view yet.
     NotInReach {
@@ -196,7 +198,7 @@ pub enum Decision {
 }
 
 /// How the tracker came to its output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackEvidence {
     /// What decided the frame.
     pub decision: Decision,
@@ -212,4 +214,13 @@ pub struct TrackEvidence {
     pub sections: Vec<CrossSection>,
     /// What became of the GPS position, where there was one.
     pub gps: Option<GpsUse>,
+}
+
+impl TrackEvidence {
+    /// Makes it that of a frame of which nothing is known yet, keeping its memory.
+    fn clear(&mut self) {
+        let mut sections = std::mem::take(&mut self.sections);
+        sections.clear();
+        *self = Self { sections, ..Self::default() };
+    }
 }

@@ -1,7 +1,10 @@
 //! The sentence that says what was decided in a frame and what decided it.
 
+use std::fmt::{self, Display, Formatter, Write};
+
 use fingerpost_map::FeatureKind;
 
+use crate::feature_masks::SubMaskKind;
 use crate::matching::{Match, Participation};
 use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
 
@@ -14,113 +17,142 @@ fn kind_name(kind: FeatureKind) -> &'static str {
     }
 }
 
-fn feature_name(stops: &[RouteStop], index: usize) -> String {
-    stops.get(index).map_or_else(
-        || "no feature".to_owned(),
-        |stop| format!("{} {}", kind_name(stop.model.kind), stop.model.id),
-    )
+/// What was decided in a frame and what decided it, as one sentence.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Why<'a> {
+    /// What the tracker says.
+    pub(crate) track: &'a TrackOutput,
+    /// How it came to that.
+    pub(crate) evidence: &'a TrackEvidence,
+    /// The features of the route.
+    pub(crate) stops: &'a [RouteStop],
+    /// The thresholds.
+    pub(crate) config: &'a TrackConfig,
 }
 
-/// The weakest sub-mask and those that took no part, in words.
-fn match_words(matched: &Match, threshold: f64) -> String {
-    let weakest = match matched.weakest.and_then(|i| matched.subs.get(i)) {
-        Some(sub) => {
-            let what = if sub.label == "driving_line" { "weakest" } else { "weakest arm" };
-            format!("{what} {} {:.2}, threshold {threshold:.2}", sub.label, sub.p.unwrap_or(0.0))
-        }
-        None => "no arm is seen".to_owned(),
-    };
-    let left_out: Vec<String> = matched
-        .subs
-        .iter()
-        .filter_map(|sub| match sub.participation {
-            Participation::TakesPart => None,
-            Participation::CutByValidity => Some(format!("{} outside the picture", sub.label)),
-            Participation::TooShort => Some(format!("{} out of view", sub.label)),
-        })
-        .collect();
-    if left_out.is_empty() { weakest } else { format!("{weakest}; {}", left_out.join(", ")) }
+impl Why<'_> {
+    /// Writes the sentence in place of what `text` was, reusing its memory.
+    pub(crate) fn write_to(self, text: &mut String) {
+        text.clear();
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{self}");
+    }
 }
 
-/// What was decided in this frame and what decided it.
-pub(crate) fn why(
-    output: &TrackOutput,
-    evidence: &TrackEvidence,
-    stops: &[RouteStop],
-    config: &TrackConfig,
-) -> String {
-    let detect = config.detect_threshold;
-    let followed = output.followed.as_ref().map(|followed| {
-        let forward_m = followed.vehicle_from_feature.translation.x;
-        let place = if forward_m >= 0.0 {
-            format!("{forward_m:.1} m ahead")
-        } else {
-            format!("{:.1} m behind", -forward_m)
-        };
-        (format!("{} {place}", feature_name(stops, followed.index)), &followed.matched)
-    });
-    match (&evidence.decision, followed) {
-        (Decision::NoRoute, _) => "no route: ground view, road surface and motion alone".to_owned(),
-        (Decision::RouteDone, _) => "every feature of the route has been passed".to_owned(),
-        (Decision::NotInReach { index, ahead_m }, _) => {
-            format!(
-                "{} is believed {ahead_m:.0} m ahead, out of the view's reach",
-                feature_name(stops, *index)
-            )
-        }
-        (Decision::NotFound { index }, _) if evidence.tried == 0 => {
-            format!("{} is not in reach of the view", feature_name(stops, *index))
-        }
-        (Decision::NotFound { index }, _) => format!(
-            "{} not seen: {}, {} places tried",
-            feature_name(stops, *index),
-            evidence.sought.as_ref().map_or_else(
-                || "no arm that would tell it is in view".to_owned(),
-                |sought| format!("at the best place {}", match_words(&sought.matched, detect)),
-            ),
-            evidence.tried
-        ),
-        (Decision::Candidate { index, frames, p }, _) => format!(
-            "{} may be ahead: P(F) {p:.2} in {frames} frames, {} and a sure distance are needed",
-            feature_name(stops, *index),
-            config.detect_frames
-        ),
-        (Decision::Unbounded { index, p }, _) => format!(
-            "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
-            feature_name(stops, *index)
-        ),
-        (Decision::EdgesDisagree { index, p, aligned_p }, _) => format!(
-            "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
-            feature_name(stops, *index)
-        ),
-        (Decision::Lost { index }, _) => format!(
-            "{} lost: not confirmed in {} frames, bracketing found nothing above {:.2}",
-            feature_name(stops, *index),
-            config.lost_frames,
-            config.confirm_threshold
-        ),
-        (Decision::Skipped { index }, _) => {
-            format!("{} lies behind by all that is known and was never seen", feature_name(stops, *index))
-        }
-        (decision, Some((place, matched))) => {
-            let words = match_words(matched, config.confirm_threshold);
-            match decision {
-                Decision::Detected => format!("{place}, detected: {}", match_words(matched, detect)),
-                Decision::FoundByBracketing => format!("{place}, found again by bracketing: {words}"),
-                Decision::NotConfirmed { frames } => format!(
-                    "{place} by dead reckoning, not confirmed for {frames} of {} frames: {words}",
-                    config.lost_frames
-                ),
-                Decision::Arrived => {
-                    format!("{place}: the driving line's start reached the bottom of the view")
+impl Display for Why<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { track, evidence, stops, config } = *self;
+        let name = |index: &usize| FeatureName(stops.get(*index));
+        let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
+        match (&evidence.decision, &track.followed) {
+            (Decision::NoRoute, _) => f.write_str("no route: ground view, road surface and motion alone"),
+            (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
+            (Decision::NotInReach { index, ahead_m }, _) => {
+                write!(f, "{} is believed {ahead_m:.0} m ahead, out of the view's reach", name(index))
+            }
+            (Decision::NotFound { index }, _) if evidence.tried == 0 => {
+                write!(f, "{} is not in reach of the view", name(index))
+            }
+            (Decision::NotFound { index }, _) => {
+                write!(f, "{} not seen: ", name(index))?;
+                match &evidence.sought {
+                    Some(sought) => write!(f, "at the best place {}", MatchWords(&sought.matched, detect))?,
+                    None => f.write_str("no arm that would tell it is in view")?,
                 }
-                Decision::Passing => format!("{place}: on the driving line through it"),
-                _ => format!("{place}: {words}"),
+                write!(f, ", {} places tried", evidence.tried)
+            }
+            (Decision::Candidate { index, frames, p }, _) => write!(
+                f,
+                "{} may be ahead: P(F) {p:.2} in {frames} frames, {} and a sure distance are needed",
+                name(index),
+                config.detect_frames
+            ),
+            (Decision::Unbounded { index, p }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
+                name(index)
+            ),
+            (Decision::EdgesDisagree { index, p, aligned_p }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
+                name(index)
+            ),
+            (Decision::Lost { index }, _) => write!(
+                f,
+                "{} lost: not confirmed in {} frames, bracketing found nothing above {confirm:.2}",
+                name(index),
+                config.lost_frames
+            ),
+            (Decision::Skipped { index }, _) => {
+                write!(f, "{} lies behind by all that is known and was never seen", name(index))
+            }
+            (decision, Some(followed)) => {
+                let forward_m = followed.vehicle_from_feature.translation.x;
+                let side = if forward_m >= 0.0 { "ahead" } else { "behind" };
+                write!(f, "{} {:.1} m {side}", name(&followed.index), forward_m.abs())?;
+                let words = MatchWords(&followed.matched, confirm);
+                match decision {
+                    Decision::Detected => {
+                        write!(f, ", detected: {}", MatchWords(&followed.matched, detect))
+                    }
+                    Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),
+                    Decision::NotConfirmed { frames } => write!(
+                        f,
+                        " by dead reckoning, not confirmed for {frames} of {} frames: {words}",
+                        config.lost_frames
+                    ),
+                    Decision::Arrived => {
+                        f.write_str(": the driving line's start reached the bottom of the view")
+                    }
+                    Decision::Passing => f.write_str(": on the driving line through it"),
+                    _ => write!(f, ": {words}"),
+                }
+            }
+            (_, None) => {
+                f.write_str(if track.state == State::RouteDone { ROUTE_DONE } else { "nothing is followed" })
             }
         }
-        (_, None) => match output.state {
-            State::RouteDone => "every feature of the route has been passed".to_owned(),
-            _ => "nothing is followed".to_owned(),
-        },
+    }
+}
+
+const ROUTE_DONE: &str = "every feature of the route has been passed";
+
+/// A feature as a sentence has it.
+struct FeatureName<'a>(Option<&'a RouteStop>);
+
+impl Display for FeatureName<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(stop) => write!(f, "{} {}", kind_name(stop.model.kind), stop.model.id),
+            None => f.write_str("no feature"),
+        }
+    }
+}
+
+/// The weakest sub-mask against the threshold, and those that took no part.
+struct MatchWords<'a>(&'a Match, f64);
+
+impl Display for MatchWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(matched, threshold) = self;
+        match matched.weakest.and_then(|i| matched.subs.get(i)) {
+            Some(sub) => {
+                let what = if sub.kind == SubMaskKind::DrivingLine { "weakest" } else { "weakest arm" };
+                let p = sub.p.unwrap_or(0.0);
+                write!(f, "{what} {} {p:.2}, threshold {threshold:.2}", sub.label)?;
+            }
+            None => f.write_str("no arm is seen")?,
+        }
+        let mut separator = ";";
+        for sub in &matched.subs {
+            let where_it_is = match sub.participation {
+                Participation::TakesPart => continue,
+                Participation::CutByValidity => "outside the picture",
+                Participation::TooShort => "out of view",
+            };
+            write!(f, "{separator} {} {where_it_is}", sub.label)?;
+            separator = ",";
+        }
+        Ok(())
     }
 }

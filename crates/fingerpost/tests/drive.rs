@@ -29,7 +29,7 @@ fn drive(world: &World, junction: &Junction<'_>, config: &Config, left_m: f64, s
         let map_from_vehicle = Isometry2::new(Vector2::new(-left_m, y), std::f64::consts::FRAC_PI_2);
         let frame = world.picture(&camera, &map_from_vehicle);
         let (output, _) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
-        result.outputs.push(output);
+        result.outputs.push(output.clone());
         result.vehicle_from_node.push(map_from_vehicle.inverse() * Point2::origin());
     }
     result

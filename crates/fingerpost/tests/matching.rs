@@ -5,7 +5,7 @@ mod painted;
 
 use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache, node_pixel};
 use fingerpost::feature_model::FeatureModel;
-use fingerpost::matching::{MatchConfig, MatchedSurface, Matcher, Participation};
+use fingerpost::matching::{LaidSurface, Match, MatchConfig, MatchedSurface, Matcher, Participation};
 use fingerpost::road_surface::RoadSurface;
 use fingerpost::vehicle::VehicleConfig;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
@@ -53,12 +53,19 @@ fn surface(p: impl Fn(Point2<f64>) -> Option<u8>) -> (RoadSurface, ValidityMask)
             }
         }
     }
-    surface.sums.rebuild(surface.probability.view(), validity.view()).unwrap();
-    (surface, ValidityMask::from_plane(validity))
+    let validity = ValidityMask::from_plane(validity);
+    surface.sums.rebuild(surface.probability.view(), &validity).unwrap();
+    (surface, validity)
 }
 
 fn pose(forward: f64, left: f64, heading: f64) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(forward, left), heading)
+}
+
+fn explained(laid: &LaidSurface<'_>, masks: &mut MaskCache, pose: Isometry2<f64>) -> Match {
+    let mut matched = Match::default();
+    laid.explain(masks, &pose, &mut matched).unwrap();
+    matched
 }
 
 #[test]
@@ -76,18 +83,19 @@ fn each_arm_is_the_mean_under_it_and_the_feature_is_the_weakest() {
     });
     let mut matcher = Matcher::new(&MatchConfig::default(), &grid());
     let laid = matcher.laid(&surface, &validity).unwrap();
-    let matched = laid.explain(&mut masks, pose(12.0, 0.0, 0.0)).unwrap();
-    let p = |label: &str| matched.subs.iter().find(|sub| sub.label == label).unwrap().p.unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    let p = |label: &str| matched.subs.iter().find(|sub| &*sub.label == label).unwrap().p.unwrap();
     assert!((p("approach") - 1.0).abs() < 0.01);
     assert!((p("exit") - 0.8).abs() < 0.01);
     // side_1 runs east, to the right, half on either side of the 12 m line.
     assert!((p("side_1") - 0.9).abs() < 0.02);
     // side_2 runs 10 m to the left: 2 m at 0.9 and 8 m at 0.4.
     assert!((p("side_2") - (0.2 * 0.9 + 0.8 * 0.4)).abs() < 0.02, "{}", p("side_2"));
-    assert_eq!(matched.subs[matched.weakest.unwrap()].label, "side_2");
+    assert_eq!(matched.subs[matched.weakest.unwrap()].label.as_ref(), "side_2");
     assert!((matched.p.unwrap() - p("side_2")).abs() < 1e-12);
     let scored = laid.score(&mut masks, &pose(12.0, 0.0, 0.0), 0.0).unwrap().unwrap();
     assert!((scored - matched.p.unwrap()).abs() < 1e-12, "the search and the explanation agree");
+    assert_eq!(laid.probability(&mut masks, &pose(12.0, 0.0, 0.0)).unwrap(), matched.p);
     assert_eq!(laid.score(&mut masks, &pose(12.0, 0.0, 0.0), 0.9).unwrap(), None, "below what was asked for");
 }
 
@@ -97,9 +105,9 @@ fn a_binary_surface_counts_pixels() {
     let (surface, validity) = surface(|p| Some(if p.y > 2.0 { 102 } else { 204 }));
     let config = MatchConfig { surface: MatchedSurface::Binary, ..MatchConfig::default() };
     let mut matcher = Matcher::new(&config, &grid());
-    let matched =
-        matcher.laid(&surface, &validity).unwrap().explain(&mut masks, pose(12.0, 0.0, 0.0)).unwrap();
-    let p = |label: &str| matched.subs.iter().find(|sub| sub.label == label).unwrap().p.unwrap();
+    let laid = matcher.laid(&surface, &validity).unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    let p = |label: &str| matched.subs.iter().find(|sub| &*sub.label == label).unwrap().p.unwrap();
     assert!((p("side_1") - 1.0).abs() < 1e-9 && (p("side_2") - 0.2).abs() < 0.02);
 }
 
@@ -108,9 +116,9 @@ fn unseen_pixels_neither_count_for_nor_against_and_a_cut_arm_takes_no_part() {
     let (_, mut masks) = crossroads();
     let (surface, validity) = surface(|p| (p.y < 4.0).then_some(255));
     let mut matcher = Matcher::new(&MatchConfig::default(), &grid());
-    let matched =
-        matcher.laid(&surface, &validity).unwrap().explain(&mut masks, pose(12.0, 0.0, 0.0)).unwrap();
-    let sub = |label: &str| matched.subs.iter().find(|sub| sub.label == label).unwrap();
+    let laid = matcher.laid(&surface, &validity).unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    let sub = |label: &str| matched.subs.iter().find(|sub| &*sub.label == label).unwrap();
     // 4 m of the left arm are seen, 3 of them on the crossing road.
     assert_eq!(sub("side_2").participation, Participation::CutByValidity);
     assert!((sub("side_2").p.unwrap() - 1.0).abs() < 1e-9);
@@ -118,8 +126,8 @@ fn unseen_pixels_neither_count_for_nor_against_and_a_cut_arm_takes_no_part() {
     assert_eq!(sub("side_1").participation, Participation::TakesPart);
     assert!((matched.p.unwrap() - 1.0).abs() < 1e-9);
     // Close to the lower edge the approach is out of view.
-    let near = matcher.laid(&surface, &validity).unwrap().explain(&mut masks, pose(6.0, 0.0, 0.0)).unwrap();
-    let approach = near.subs.iter().find(|sub| sub.label == "approach").unwrap();
+    let near = explained(&laid, &mut masks, pose(6.0, 0.0, 0.0));
+    let approach = near.subs.iter().find(|sub| &*sub.label == "approach").unwrap();
     assert_eq!(approach.participation, Participation::TooShort);
 }
 
@@ -130,7 +138,7 @@ fn a_feature_whose_heading_is_to_the_left_has_its_exit_there() {
     let (column, row) = node_pixel(&grid(), &at);
     assert_eq!((column, row), (180, 160), "12 m ahead and 1 m left");
     let drawn = masks.at(0.2).unwrap();
-    let exit = drawn.subs.iter().find(|sub| sub.label == "exit").unwrap();
+    let exit = drawn.subs.iter().find(|sub| &*sub.label == "exit").unwrap();
     // 6 m out along the exit: forward 6 cos 0.2, left 6 sin 0.2.
     let expected = [-6.0 * 0.2_f64.sin() / 0.05, -6.0 * 0.2_f64.cos() / 0.05];
     let row = expected[1].round() as i32;

@@ -14,12 +14,14 @@ use crate::video_stub::VideoStub;
 #[test]
 fn a_video_that_breaks_off_leaves_a_finished_run_folder() {
     let stub = VideoStub::new("cat $PICTURE $PICTURE $PICTURE; echo 'Invalid data found' >&2; exit 1");
-    let out = TempDir::new().unwrap();
-    let called = Called::from(stub.run(out.path()).output().unwrap());
-    called.refused(1, &["breaks off after 3 frames", "Invalid data found", "results so far are in"]);
-    assert_eq!(frames(out.path()).len(), 3);
-    let summary = summary(out.path());
-    assert_eq!((summary.frames, summary.interrupted), (3, true));
+    for threads in ["1", "2"] {
+        let out = TempDir::new().unwrap();
+        let called = Called::from(stub.run(out.path()).args(["--threads", threads]).output().unwrap());
+        called.refused(1, &["breaks off after 3 frames", "Invalid data found", "results so far are in"]);
+        assert_eq!(frames(out.path()).len(), 3);
+        let summary = summary(out.path());
+        assert_eq!((summary.frames, summary.interrupted), (3, true));
+    }
 }
 
 #[test]
@@ -55,12 +57,15 @@ fn an_interrupt_leaves_a_finished_run_folder() {
 #[test]
 fn a_disk_that_fills_up_keeps_the_frames_that_fit() {
     const BLOCKS_OF_512_BYTES: usize = 24;
-    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
-    let run = drive.run_line(&drive.path(), out.path());
-    let program = env!("CARGO_BIN_EXE_fingerpost");
-    let script = format!("trap '' XFSZ; ulimit -f {BLOCKS_OF_512_BYTES}; exec {program} {run}");
-    let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
-    called.refused(1, &["frames.jsonl cannot be written", "results so far are in"]);
-    let count = frames(out.path()).len();
-    assert!((5..60).contains(&count), "{count} frames in 12 kB");
+    for threads in [1, 8] {
+        let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+        let run = drive.run_line(&drive.path(), out.path());
+        let program = env!("CARGO_BIN_EXE_fingerpost");
+        let limit = format!("trap '' XFSZ; ulimit -f {BLOCKS_OF_512_BYTES}");
+        let script = format!("{limit}; exec {program} {run} --threads {threads}");
+        let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
+        called.refused(1, &["frames.jsonl cannot be written", "results so far are in"]);
+        let count = frames(out.path()).len();
+        assert!((5..60).contains(&count), "{count} frames in 12 kB");
+    }
 }

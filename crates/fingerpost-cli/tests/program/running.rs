@@ -2,15 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 
 use fingerpost_format::{FrameRecord, TrackState};
+use fingerpost_vision::simd::CodePath;
 use tempfile::TempDir;
 
 use crate::drive::{Drive, FRAMES};
-use crate::program::{call_line, command, frames, summary};
+use crate::program::{call_line, frames, summary};
 
 /// Frames without what the clock says.
-fn timeless(run: &std::path::Path) -> Vec<FrameRecord> {
+fn timeless(run: &Path) -> Vec<FrameRecord> {
     frames(run).into_iter().map(|frame| FrameRecord { stage_ms: BTreeMap::new(), ..frame }).collect()
 }
 
@@ -48,23 +50,39 @@ fn a_junction_is_found_followed_and_arrived_at() {
     assert!(called.stderr.contains("results in"));
 }
 
+/// All results that do not come from the clock: records, configuration, pictures, and the report's pictures in their order.
+fn results(run: &Path) -> (Vec<FrameRecord>, String, Vec<Vec<u8>>, Vec<String>) {
+    let text = |name: &str| fs::read_to_string(run.join(name)).unwrap();
+    let pictures =
+        [60, 61].map(|frame| fs::read(run.join(format!("pictures/frame_{frame:06}.png"))).unwrap());
+    let report = text("report.html");
+    let shown = report.split("data:image/jpeg;base64,").skip(1);
+    let shown: Vec<String> = shown.filter_map(|rest| Some(rest.split_once('"')?.0.to_owned())).collect();
+    assert!(shown.len() >= 6, "{} pictures in the report", shown.len());
+    (timeless(run), text("config.toml"), pictures.into(), shown)
+}
+
 #[test]
-fn the_same_input_gives_the_same_frames_on_any_number_of_threads() {
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads_and_instruction_set() {
     let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
-    let runs = [("a", "1"), ("b", "1"), ("c", "4")].map(|(name, threads)| {
-        let out = folder.path().join(name);
+    let sets = CodePath::available().map(|path| format!("{:?}", path.instruction_set()).to_lowercase());
+    let threads = [1, 2, 8].map(|threads| format!("--threads {threads}"));
+    let ways = threads.into_iter().chain(sets.map(|set| format!("--instruction-set {set}")));
+    let mut expected = None;
+    for (index, way) in ways.enumerate() {
+        let out = folder.path().join(index.to_string());
         let line = drive.run_line(&drive.path(), &out);
-        let status = command()
-            .args(line.split_whitespace())
-            .env("RAYON_NUM_THREADS", threads)
-            .output()
-            .unwrap()
-            .status;
-        assert!(status.success());
-        timeless(&out)
-    });
-    assert_eq!(runs[0], runs[1]);
-    assert_eq!(runs[0], runs[2]);
+        call_line(&format!("{line} --pictures 60-61 {way}")).done();
+        let found = results(&out);
+        assert!(found == *expected.get_or_insert_with(|| results(&out)), "{way}");
+    }
+}
+
+#[test]
+fn an_instruction_set_must_be_known_and_threads_must_be_some() {
+    let line = "run in --camera c --out o";
+    call_line(&format!("{line} --instruction-set mmx")).refused(2, &["mmx", "avx2"]);
+    call_line(&format!("{line} --threads 0")).refused(2, &["--threads"]);
 }
 
 #[test]

@@ -19,7 +19,6 @@ pub(super) fn read_ppm(from: &mut impl BufRead, mut buffer: Vec<u8>) -> io::Resu
         let cause = format!("ffmpeg's picture has an unexpected header: {width} x {height}, {largest}");
         return Err(io::Error::new(ErrorKind::InvalidData, cause));
     }
-    buffer.clear();
     buffer.resize(width * height * RgbImage::CHANNELS, 0);
     from.read_exact(&mut buffer)?;
     RgbImage::from_vec(width, height, buffer)

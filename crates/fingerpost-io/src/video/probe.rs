@@ -2,6 +2,7 @@
 
 use std::process::{Command, Stdio};
 
+use fingerpost_vision::colour::{YuvCoding, YuvMatrix, YuvRange};
 use serde::Deserialize;
 
 use crate::ffmpeg::{FfmpegPrograms, VideoError, last_line, start_error};
@@ -29,6 +30,9 @@ impl Rate {
     }
 }
 
+/// What of a stream ffprobe is asked to show.
+const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,pix_fmt,color_space,color_range";
+
 #[derive(Deserialize)]
 struct Probe {
     #[serde(default)]
@@ -41,6 +45,9 @@ pub(super) struct Stream {
     avg_frame_rate: Option<String>,
     r_frame_rate: Option<String>,
     nb_frames: Option<String>,
+    pix_fmt: Option<String>,
+    color_space: Option<String>,
+    color_range: Option<String>,
 }
 
 impl Stream {
@@ -49,7 +56,7 @@ impl Stream {
         let mut command = Command::new(&programs.ffprobe);
         command
             .args(["-v", "error", "-select_streams", "v:0", "-of", "json"])
-            .args(["-show_entries", "stream=avg_frame_rate,r_frame_rate,nb_frames", argument])
+            .args(["-show_entries", SHOWN, argument])
             .stdin(Stdio::null());
         let output = command.output().map_err(|cause| start_error(&command, cause))?;
         let unreadable =
@@ -69,6 +76,23 @@ impl Stream {
         stated.into_iter().flatten().find_map(|text| Rate::parse(text)).unwrap_or(FALLBACK_RATE)
     }
 
+    /// How pixels are coded, where that is 8 bits with colour at half the size, and what ffmpeg calls it. What is not
+    /// stated is taken as ffmpeg takes it.
+    pub(super) fn yuv420_coding(&self) -> Option<(&'static str, YuvCoding)> {
+        let (pixels, range) = match (self.pix_fmt.as_deref()?, self.color_range.as_deref()) {
+            ("yuv420p", Some("pc")) => ("yuv420p", YuvRange::Full),
+            ("yuv420p", _) => ("yuv420p", YuvRange::Limited),
+            ("yuvj420p", _) => ("yuvj420p", YuvRange::Full),
+            _ => return None,
+        };
+        let matrix = match self.color_space.as_deref() {
+            None | Some("unknown" | "smpte170m" | "bt470bg") => YuvMatrix::Bt601,
+            Some("bt709") => YuvMatrix::Bt709,
+            Some(_) => return None,
+        };
+        Some((pixels, YuvCoding { matrix, range }))
+    }
+
     /// Frames that the container says it holds.
     pub(super) fn length(&self) -> Option<u64> {
         self.nb_frames.as_ref()?.parse().ok()
@@ -78,6 +102,25 @@ impl Stream {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pixels_that_need_no_ffmpeg_to_be_turned_into_colours() {
+        let coding = |pix_fmt: &str, space: Option<&str>, range: Option<&str>| {
+            let [pix_fmt, color_space, color_range] =
+                [Some(pix_fmt), space, range].map(|text| text.map(str::to_owned));
+            let stream = Stream { pix_fmt, color_space, color_range, ..Stream::default() };
+            stream.yuv420_coding().map(|(_, YuvCoding { matrix, range })| (matrix, range))
+        };
+        let usual = Some((YuvMatrix::Bt601, YuvRange::Limited));
+        assert_eq!(coding("yuv420p", None, None), usual);
+        assert_eq!(coding("yuv420p", Some("unknown"), Some("unknown")), usual);
+        assert_eq!(coding("yuv420p", Some("smpte170m"), Some("tv")), usual);
+        assert_eq!(coding("yuv420p", Some("bt709"), Some("pc")), Some((YuvMatrix::Bt709, YuvRange::Full)));
+        assert_eq!(coding("yuvj420p", None, None), Some((YuvMatrix::Bt601, YuvRange::Full)));
+        for (pix_fmt, space) in [("yuv420p10le", None), ("yuv422p", None), ("yuv420p", Some("bt2020nc"))] {
+            assert_eq!(coding(pix_fmt, space, None), None, "{pix_fmt} {space:?}");
+        }
+    }
 
     #[test]
     fn rates_are_fractions() {

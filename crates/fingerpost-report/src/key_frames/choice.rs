@@ -119,25 +119,18 @@ mod tests {
 
     fn output(state: State, p: Option<f64>) -> FrameOutput {
         let pose = Isometry2::translation(12.0, 0.0);
-        let matched = |p| Match { vehicle_from_feature: pose, subs: Vec::new(), p: Some(p), weakest: None };
+        let matched = |p| Match { vehicle_from_feature: pose, p: Some(p), ..Match::default() };
         let followed = p.map(|p| Followed {
             index: 2,
             vehicle_from_feature: pose,
             covariance: Matrix3::identity(),
             matched: matched(p),
         });
-        FrameOutput {
-            track: TrackOutput { state, followed, route_m: None },
-            motion: None,
-            driving_line: Vec::new(),
-            driving_line_curvature_per_m: Vec::new(),
-            why: String::new(),
-        }
+        FrameOutput { track: TrackOutput { state, followed, route_m: None }, ..FrameOutput::default() }
     }
 
     fn evidence(decision: Decision) -> TrackEvidence {
-        let (predicted, predicted_p, sought) = (None, None, None);
-        TrackEvidence { decision, predicted, predicted_p, tried: 0, sought, sections: Vec::new(), gps: None }
+        TrackEvidence { decision, ..TrackEvidence::default() }
     }
 
     /// A choice and what is kept of it, without pictures.

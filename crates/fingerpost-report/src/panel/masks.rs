@@ -79,7 +79,7 @@ fn paints(matched: &Match, placed: &PlacedMasks<'_>) -> Vec<Paint> {
 }
 
 fn part<'m>(matched: &'m Match, label: &str) -> Option<&'m SubMatch> {
-    matched.subs.iter().find(|sub| sub.label == label)
+    matched.subs.iter().find(|sub| &*sub.label == label)
 }
 
 /// P(F_sub) of every sub-mask beside the middle of what is seen of it.

@@ -74,19 +74,13 @@ pub fn painted_run(camera: &Camera, name: &str, see: &mut dyn FnMut(&Scene<'_>))
         let picture = world.picture(camera, &place_from_vehicle);
         let (output, evidence) = pipeline.step(&picture, Sensors::default(), &mut |_| {}).unwrap();
         let t_s = frame as f64 / FPS;
-        let scene = Scene {
-            setting: &run.setting,
-            frame,
-            t_s,
-            picture: &picture,
-            output: &output,
-            evidence: &evidence,
-        };
+        let scene =
+            Scene { setting: &run.setting, frame, t_s, picture: &picture, output, evidence: &evidence };
         see(&scene);
-        if let Some(chosen) = choice.consider(frame, &output, &evidence.track) {
+        if let Some(chosen) = choice.consider(frame, output, evidence.track) {
             run.key_frames.add(chosen.draw(&scene)).unwrap();
         }
-        run.records.push(record(frame, t_s, &output));
+        run.records.push(record(frame, t_s, output));
         let node = place_from_vehicle.inverse() * Point2::origin();
         let p_in_map = Point2::from(place_from_vehicle.translation.vector) + map_from_place;
         run.truth.push(TruthRecord {
@@ -110,7 +104,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         id: 7,
         kind: "junction".to_owned(),
         p: followed.matched.p,
-        sub: followed.matched.subs.iter().filter_map(|sub| Some((sub.label.clone(), sub.p?))).collect(),
+        sub: followed.matched.subs.iter().filter_map(|sub| Some((sub.label.to_string(), sub.p?))).collect(),
         forward_m: followed.vehicle_from_feature.translation.x,
         left_m: followed.vehicle_from_feature.translation.y,
         heading_rad: followed.vehicle_from_feature.rotation.angle(),

@@ -3,7 +3,7 @@
 use crate::painted_run::{camera, painted_run};
 use fingerpost::ground_view::GroundPicture;
 use fingerpost::road_surface::{RoadEvidence, RoadSurface, SampleUse};
-use fingerpost::track::{Decision, State, TrackEvidence, TrackOutput};
+use fingerpost::track::{TrackEvidence, TrackOutput};
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_geometry::{Camera, GroundGrid, Pixel};
 use fingerpost_report::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, Scene, Setting, StagePictures, compose};
@@ -30,7 +30,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
     let mut validity = Plane::new(columns, rows, 0);
     (0..rows).for_each(|row| validity.row_mut(row)[..columns / 2].fill(1));
     let output = FrameOutput {
-        track: TrackOutput { state: State::NoRoute, followed: None, route_m: None },
+        track: TrackOutput::default(),
         motion: None,
         driving_line_curvature_per_m: vec![0.0; line.len()],
         driving_line: line,
@@ -48,15 +48,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
             histograms: 0,
         },
         motion: None,
-        track: TrackEvidence {
-            decision: Decision::NoRoute,
-            predicted: None,
-            predicted_p: None,
-            tried: 0,
-            sought: None,
-            sections: Vec::new(),
-            gps: None,
-        },
+        track: &TrackEvidence::default(),
         masks: None,
     };
     let picture = RgbImage::new(camera.width(), camera.height());

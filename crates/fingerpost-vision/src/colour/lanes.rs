@@ -31,6 +31,17 @@ pub(super) fn unpack<'a>(path: CodePath, rgb: &[[u8; 3]], lanes: &'a mut [u32]) 
 mod x86 {
     use std::arch::x86_64::*;
 
+    /// Where in 48 packed bytes each byte of 16 lanes comes from; the highest of a lane does not matter.
+    const FROM: [u8; 64] = {
+        let mut from = [0; 64];
+        let mut byte = 0;
+        while byte < from.len() {
+            from[byte] = (byte / 4 * 3 + byte % 4) as u8;
+            byte += 1;
+        }
+        from
+    };
+
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx2")]
     #[allow(unsafe_code)]
     pub(super) fn unpack_avx512(rgb: &[[u8; 3]], lanes: &mut [u32]) -> usize {
@@ -39,9 +50,8 @@ mod x86 {
         const PACKED: __mmask64 = (1 << (3 * PIXELS)) - 1;
         /// All but the highest byte of each lane.
         const COLOURS: __mmask64 = 0x7777_7777_7777_7777;
-        let from: [u8; 64] = std::array::from_fn(|byte| (byte / 4 * 3 + byte % 4) as u8);
         // SAFETY: an array of 64 bytes.
-        let from = unsafe { _mm512_loadu_si512(from.as_ptr().cast()) };
+        let from = unsafe { _mm512_loadu_si512(FROM.as_ptr().cast()) };
         let ((rgb, _), (lanes, _)) = (rgb.as_chunks::<PIXELS>(), lanes.as_chunks_mut::<PIXELS>());
         for (rgb, lanes) in rgb.iter().zip(&mut *lanes) {
             // SAFETY: the mask lets 48 bytes be read, and `rgb` is 16 pixels of 3 bytes; `lanes` is 64 bytes.

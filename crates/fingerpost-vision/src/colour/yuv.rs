@@ -12,9 +12,14 @@
 //! A colour difference is sampled once for two by two pixels and serves all four as it is (nearest neighbour). Limits: 8
 //! bits, and no notice of where between its pixels a colour difference was sampled, which is half a pixel at most.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(test)]
+mod tests;
+
 use crate::error::{PictureError, check_size};
 use crate::picture::{RgbImage, check_length};
-use crate::simd::{CodePath, simd_kernel};
+use crate::simd::{CodePath, InstructionSet, simd_kernel};
 
 /// The luma weights of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,15 +63,16 @@ pub struct Yuv420<'a> {
     pub v: &'a [u8],
 }
 
-/// Bits behind the point of the sums: the largest, white with the largest red or blue difference, still saturates to
-/// white in 16 bits.
-const SUM_BITS: u32 = 6;
+/// Bits behind the point of the sums: the most with which every factor fits 16 bits.
+const SUM_BITS: u32 = 5;
 /// Luma is multiplied as luma times 2^7, so that 255 fits 16 bits and a factor of 1.16 does too.
 const LUMA_SHIFT: u32 = 7;
 /// A colour difference is multiplied as itself times 2^8, so that -128 fits 16 bits and a factor of 2.11 does too.
 const DIFFERENCE_SHIFT: u32 = 8;
-/// A product is cut by this many bits, rounded.
-const PRODUCT_BITS: u32 = 15;
+/// The lower half of a product, which is cut off.
+const PRODUCT_BITS: u32 = 16;
+/// Half a grey level, to round; and half a step for each of the two products that are cut, on average, by as much.
+const ROUNDING: i16 = (1 << (SUM_BITS - 1)) + 1;
 /// Value of no colour difference.
 const NEUTRAL: i16 = 128;
 
@@ -110,8 +116,8 @@ impl Factors {
 
 /// Converts a picture to red, green and blue.
 ///
-/// The sum is kept in steps of 1/64 of a grey level; each product is rounded to such a step, so that the result is the
-/// rounded exact one or, where that is within 3/128 of a tie, its neighbour.
+/// The sum is kept in steps of 1/32 of a grey level, to which each of its products is cut, so that the result is the
+/// rounded exact one or, where that is within 1/20 of a tie, its neighbour.
 ///
 /// ```
 /// use fingerpost_vision::colour::{Yuv420, YuvCoding, YuvMatrix, YuvRange, rgb_from_yuv420};
@@ -148,162 +154,96 @@ fn convert(
     check_length(half_width, half_height, 1, v.len())?;
     check_size("picture to convert into", (width, height), image.size())?;
     let factors = Factors::new(coding);
-    for row in 0..height {
+    for (row, rgb) in (0..height).zip(image.pixels_mut().chunks_exact_mut(width.max(1))) {
         let half = row / 2 * half_width..(row / 2 + 1) * half_width;
-        convert_row(
-            path,
-            &y[row * width..(row + 1) * width],
-            &u[half.clone()],
-            &v[half],
-            &factors,
-            image.row_mut(row),
-        );
+        let y = &y[row * width..(row + 1) * width];
+        convert_row(path, y, &u[half.clone()], &v[half], &factors, rgb);
     }
     Ok(())
 }
 
+/// Pixels that are converted together.
+const BLOCK: usize = 64;
+/// Colour differences that serve them.
+const HALF_BLOCK: usize = BLOCK / 2;
+
+fn convert_row(path: CodePath, y: &[u8], u: &[u8], v: &[u8], factors: &Factors, rgb: &mut [[u8; 3]]) {
+    let ((y_blocks, y_rest), (rgb_blocks, rgb_rest)) = (y.as_chunks(), rgb.as_chunks_mut());
+    let ((u_blocks, _), (v_blocks, _)) = (u.as_chunks(), v.as_chunks());
+    match path.instruction_set() {
+        // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+        // Benefit: 2.7 times as fast as the plain loop with AVX2 on Zen 4 at 960 x 540.
+        #[cfg(target_arch = "x86_64")]
+        #[allow(unsafe_code)]
+        InstructionSet::Avx512 => unsafe {
+            avx512::convert_blocks(y_blocks, u_blocks, v_blocks, factors, rgb_blocks);
+        },
+        _ => convert_blocks(path, y_blocks, u_blocks, v_blocks, factors, rgb_blocks),
+    }
+    // What is left of a row is less than a block; with every block whole, its differences begin where its pixels do.
+    let (u_rest, v_rest) = (&u[y_blocks.len() * HALF_BLOCK..], &v[y_blocks.len() * HALF_BLOCK..]);
+    for (x, (rgb, &y)) in rgb_rest.iter_mut().zip(y_rest).enumerate() {
+        *rgb = rgb_of([y, u_rest[x / 2], v_rest[x / 2]], factors);
+    }
+}
+
 simd_kernel! {
-    fn convert_row(y: &[u8], u: &[u8], v: &[u8], factors: &Factors, rgb: &mut [u8]) {
-        let (pixels, _) = rgb.as_chunks_mut::<3>();
-        for (x, (out, &y)) in pixels.iter_mut().zip(y).enumerate() {
-            *out = rgb_of([y, u[x / 2], v[x / 2]], factors);
+    fn convert_blocks(
+        y: &[[u8; BLOCK]],
+        u: &[[u8; HALF_BLOCK]],
+        v: &[[u8; HALF_BLOCK]],
+        factors: &Factors,
+        rgb: &mut [[[u8; 3]; BLOCK]],
+    ) {
+        for (((y, u), v), rgb) in y.iter().zip(u).zip(v).zip(rgb) {
+            // Channel by channel, which is how compilers find vectors in it.
+            let mut offsets = [[0_i16; BLOCK]; 3];
+            for (x, (&u, &v)) in u.iter().zip(v).enumerate() {
+                for (channel, offset) in offsets_of(u, v, factors).into_iter().enumerate() {
+                    offsets[channel][2 * x] = offset;
+                    offsets[channel][2 * x + 1] = offset;
+                }
+            }
+            let mut levels = [[0_u8; BLOCK]; 3];
+            for (x, &y) in y.iter().enumerate() {
+                let luma = luma_of(y, factors);
+                for (levels, offsets) in levels.iter_mut().zip(&offsets) {
+                    levels[x] = level(luma + offsets[x]);
+                }
+            }
+            for (x, rgb) in rgb.iter_mut().enumerate() {
+                *rgb = [levels[0][x], levels[1][x], levels[2][x]];
+            }
         }
     }
 }
 
 #[inline(always)]
 fn rgb_of([y, u, v]: [u8; 3], factors: &Factors) -> [u8; 3] {
-    let luma = product((i16::from(y) - factors.black) << LUMA_SHIFT, factors.luma);
-    let (u, v) = (difference(u), difference(v));
-    let red = product(v, factors.red_of_v);
-    let green = product(u, factors.green_of_u) + product(v, factors.green_of_v);
-    let blue = product(u, factors.blue_of_u);
-    [red, green, blue].map(|offset| level(luma.saturating_add(offset)))
+    let luma = luma_of(y, factors);
+    offsets_of(u, v, factors).map(|offset| level(luma + offset))
 }
 
 #[inline(always)]
-fn difference(value: u8) -> i16 {
-    (i16::from(value) - NEUTRAL) << DIFFERENCE_SHIFT
+fn luma_of(y: u8, factors: &Factors) -> i16 {
+    product((i16::from(y) - factors.black) << LUMA_SHIFT, factors.luma)
+}
+
+/// What is added to luma to make red, green and blue.
+#[inline(always)]
+fn offsets_of(u: u8, v: u8, factors: &Factors) -> [i16; 3] {
+    let [u, v] = [u, v].map(|value| (i16::from(value) - NEUTRAL) << DIFFERENCE_SHIFT);
+    let green = product(u, factors.green_of_u) + product(v, factors.green_of_v);
+    [product(v, factors.red_of_v), green, product(u, factors.blue_of_u)]
 }
 
 #[inline(always)]
 fn product(left: i16, right: i16) -> i16 {
-    let exact = i32::from(left) * i32::from(right);
-    (((exact >> (PRODUCT_BITS - 1)) + 1) >> 1) as i16
+    ((i32::from(left) * i32::from(right)) >> PRODUCT_BITS) as i16
 }
 
 /// The grey level of a sum.
 #[inline(always)]
 fn level(sum: i16) -> u8 {
-    let half = 1 << (SUM_BITS - 1);
-    (sum.saturating_add(half) >> SUM_BITS).clamp(0, 255) as u8
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use proptest::test_runner::RngSeed;
-
-    const CODINGS: [YuvCoding; 4] = [
-        YuvCoding { matrix: YuvMatrix::Bt601, range: YuvRange::Limited },
-        YuvCoding { matrix: YuvMatrix::Bt601, range: YuvRange::Full },
-        YuvCoding { matrix: YuvMatrix::Bt709, range: YuvRange::Limited },
-        YuvCoding { matrix: YuvMatrix::Bt709, range: YuvRange::Full },
-    ];
-
-    /// The equations of the recommendations.
-    fn exact([y, u, v]: [u8; 3], coding: YuvCoding) -> [f64; 3] {
-        let (kr, kb) = match coding.matrix {
-            YuvMatrix::Bt601 => (0.299, 0.114),
-            YuvMatrix::Bt709 => (0.2126, 0.0722),
-        };
-        let kg = 1.0 - kr - kb;
-        let (y, u, v) = match coding.range {
-            YuvRange::Limited => (
-                (f64::from(y) - 16.0) / 219.0,
-                (f64::from(u) - 128.0) / 224.0,
-                (f64::from(v) - 128.0) / 224.0,
-            ),
-            YuvRange::Full => {
-                (f64::from(y) / 255.0, (f64::from(u) - 128.0) / 255.0, (f64::from(v) - 128.0) / 255.0)
-            }
-        };
-        let red = y + 2.0 * (1.0 - kr) * v;
-        let blue = y + 2.0 * (1.0 - kb) * u;
-        let green = (y - kr * red - kb * blue) / kg;
-        [red, green, blue].map(|value| (255.0 * value).clamp(0.0, 255.0))
-    }
-
-    #[test]
-    fn every_colour_is_the_exact_one_but_for_ties() {
-        for coding in CODINGS {
-            let factors = Factors::new(coding);
-            for y in 0..=255 {
-                for u in (0..=255).step_by(3) {
-                    for v in (0..=255).step_by(5) {
-                        let found = rgb_of([y, u, v], &factors);
-                        for (found, exact) in found.into_iter().zip(exact([y, u, v], coding)) {
-                            let apart = (f64::from(found) - exact).abs();
-                            assert!(apart <= 0.53, "{coding:?} {y} {u} {v}: {found}, not {exact}");
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 60,
-            rng_seed: RngSeed::Fixed(25),
-            failure_persistence: None,
-            ..ProptestConfig::default()
-        })]
-
-        #[test]
-        fn pictures_are_converted_pixel_by_pixel_on_every_path(
-            (width, height) in (0..150_usize, 0..6_usize),
-            values in prop::collection::vec(any::<u8>(), 150 * 6 * 2),
-            coding in 0..4_usize,
-        ) {
-            let half = width.div_ceil(2) * height.div_ceil(2);
-            let (y, rest) = values.split_at(width * height);
-            let (u, rest) = rest.split_at(half);
-            let planes = Yuv420 { width, height, y, u, v: &rest[..half] };
-            let factors = Factors::new(CODINGS[coding]);
-            for path in CodePath::available() {
-                let mut image = RgbImage::new(width, height);
-                convert(path, planes, CODINGS[coding], &mut image).unwrap();
-                for row in 0..height {
-                    for col in 0..width {
-                        let at = row / 2 * width.div_ceil(2) + col / 2;
-                        let expected = rgb_of([y[row * width + col], u[at], planes.v[at]], &factors);
-                        prop_assert_eq!(image.get(col, row), Some(expected), "{:?} ({}, {})", path, col, row);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn planes_of_wrong_sizes_are_refused() {
-        let coding = CODINGS[0];
-        let planes = Yuv420 { width: 3, height: 3, y: &[9; 9], u: &[1; 4], v: &[1; 4] };
-        let mut image = RgbImage::new(3, 3);
-        rgb_from_yuv420(planes, coding, &mut image).unwrap();
-        for wrong in [
-            Yuv420 { y: &[9; 8], ..planes },
-            Yuv420 { u: &[1; 3], ..planes },
-            Yuv420 { v: &[1; 5], ..planes },
-            Yuv420 { width: usize::MAX, ..planes },
-        ] {
-            assert!(matches!(
-                rgb_from_yuv420(wrong, coding, &mut image),
-                Err(PictureError::BufferLength { .. })
-            ));
-        }
-        let refused = rgb_from_yuv420(planes, coding, &mut RgbImage::new(3, 2));
-        assert!(matches!(refused, Err(PictureError::SizeMismatch { .. })));
-    }
+    ((sum + ROUNDING) >> SUM_BITS).clamp(0, 255) as u8
 }

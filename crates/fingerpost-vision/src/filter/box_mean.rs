@@ -49,13 +49,16 @@ impl BoxMean {
 #[derive(Debug, Clone)]
 pub(crate) struct ColumnSums {
     radius: usize,
+    /// One over the pixels of the window.
+    scale: f64,
     /// `f64` keeps what is added and taken away again from leaving a trace that matters.
     sums: Vec<f64>,
 }
 
 impl ColumnSums {
     pub(crate) fn new(radius: usize) -> Self {
-        Self { radius, sums: Vec::new() }
+        let side = (2 * radius + 1) as f64;
+        Self { radius, scale: 1.0 / (side * side), sums: Vec::new() }
     }
 
     /// Sums the window of the first row. `row` gives the picture's rows of `width` values, and its last one for any below.
@@ -66,7 +69,7 @@ impl ColumnSums {
         (1..=self.radius).for_each(|y| add_weighted(path, &mut self.sums, row(y), 1.0));
     }
 
-    /// Writes the sums of row `y` and moves the window to the next row; rows are taken in turn from the first.
+    /// Writes the sums of row `y`, divided by the pixels of the window, and moves the window to the next row; rows are taken in turn from the first.
     pub(crate) fn next<'a>(
         &mut self,
         path: CodePath,
@@ -75,7 +78,7 @@ impl ColumnSums {
         out: &mut [f32],
     ) {
         let (entering, leaving) = (row(y + self.radius + 1), row(y.saturating_sub(self.radius)));
-        slide(path, &mut self.sums, entering, leaving, out);
+        slide(path, &mut self.sums, self.scale, entering, leaving, out);
     }
 }
 
@@ -88,15 +91,15 @@ simd_kernel! {
 }
 
 simd_kernel! {
-    fn slide(sums: &mut [f64], entering: &[f32], leaving: &[f32], out: &mut [f32]) {
+    fn slide(sums: &mut [f64], scale: f64, entering: &[f32], leaving: &[f32], out: &mut [f32]) {
         for (((sum, &new), &old), out) in sums.iter_mut().zip(entering).zip(leaving).zip(out) {
-            *out = *sum as f32;
+            *out = (scale * *sum) as f32;
             *sum += f64::from(new) - f64::from(old);
         }
     }
 }
 
-/// Means of a square window from its sums along columns.
+/// Means of a square window from its sums along columns, which [`ColumnSums`] has divided by the window's pixels.
 ///
 /// A window of n columns is covered by pieces of about the square root of n, each summed once for every place: nothing is
 /// taken away again, so `f32` suffices, and neighbouring pixels do not wait for one another as running sums do.
@@ -129,14 +132,12 @@ simd_kernel! {
         padded[radius..radius + width].copy_from_slice(sums);
         padded[radius + width..].fill(sums[width - 1]);
         let window = 2 * radius + 1;
-        let scale = 1.0 / (window * window) as f32;
         let piece = window.isqrt();
         let whole = window / piece;
         let places = padded.len() + 1 - piece;
         sum_shifted(&mut pieces[..places], padded, 1, piece);
         sum_shifted(out, pieces, piece, whole);
         add_shifted(out, &padded[whole * piece..], 1, window - whole * piece);
-        out.iter_mut().for_each(|mean| *mean *= scale);
     }
 }
 
@@ -146,19 +147,22 @@ fn sum_shifted(out: &mut [f32], values: &[f32], step: usize, count: usize) {
     let length = out.len();
     let at = |shift: usize| &values[shift * step..][..length];
     match count {
-        1 => out.copy_from_slice(at(0)),
-        2 => {
-            let (a, b) = (at(0), at(1));
-            (0..length).for_each(|i| out[i] = a[i] + b[i]);
+        1 | 2 => {
+            out.copy_from_slice(at(0));
+            add_shifted(out, &values[step..], step, count - 1);
         }
         3 | 4 => {
             let (a, b, c) = (at(0), at(1), at(2));
-            (0..length).for_each(|i| out[i] = a[i] + b[i] + c[i]);
+            for i in 0..length {
+                out[i] = a[i] + b[i] + c[i];
+            }
             add_shifted(out, &values[3 * step..], step, count - 3);
         }
         _ => {
             let (a, b, c, d, e) = (at(0), at(1), at(2), at(3), at(4));
-            (0..length).for_each(|i| out[i] = a[i] + b[i] + c[i] + d[i] + e[i]);
+            for i in 0..length {
+                out[i] = a[i] + b[i] + c[i] + d[i] + e[i];
+            }
             add_shifted(out, &values[5 * step..], step, count - 5);
         }
     }

@@ -95,8 +95,8 @@ simd_kernel! {
         let (pairs, _) = out.as_chunks_mut::<2>();
         let count = pairs.len();
         let (left, middle, right) = (&row[..count], &row[1..][..count], &row[2..][..count]);
-        for (i, pair) in pairs.iter_mut().enumerate() {
-            *pair = [lerp(left[i], middle[i], 0.75), lerp(middle[i], right[i], 0.25)];
+        for i in 0..count {
+            pairs[i] = [lerp(left[i], middle[i], 0.75), lerp(middle[i], right[i], 0.25)];
         }
     }
 }

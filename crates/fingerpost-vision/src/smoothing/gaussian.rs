@@ -167,6 +167,10 @@ fn block<'a, const REACH: usize, const N: usize, T: Copy + Into<u16> + 'a>(
     for (sum, &value) in sums.iter_mut().zip(&shifted(reach)[x..x + N]) {
         *sum = weights[0] * value.into();
     }
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "unrolled, unlike a loop over the slice (1.8x at 5 pixels, Zen 4)"
+    )]
     for distance in 1..=reach {
         let weight = weights[distance];
         let (before, after) = (&shifted(reach - distance)[x..x + N], &shifted(reach + distance)[x..x + N]);

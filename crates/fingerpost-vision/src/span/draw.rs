@@ -2,26 +2,34 @@
 
 use super::Span;
 
+/// Where an outline crosses a row: the column, and 1 where it goes down, -1 where it goes up.
+type Crossing = (f64, i32);
+
 /// Appends the runs of a closed polygon's pixels, by the non-zero winding rule.
 pub(super) fn polygon(corners_px: &[[f64; 2]], spans: &mut Vec<Span>) {
-    if corners_px.len() < 3 {
-        return;
+    if corners_px.len() >= 3 {
+        fill(corners_px, &mut vec![(0.0, 0); corners_px.len()], spans);
     }
+}
+
+/// Appends the runs of a polygon's pixels; `crossings` has room for one a corner.
+fn fill(corners_px: &[[f64; 2]], crossings: &mut [Crossing], spans: &mut Vec<Span>) {
     let rows = corners_px.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), corner| {
         (low.min(corner[1]), high.max(corner[1]))
     });
-    let mut crossings: Vec<(f64, i32)> = Vec::with_capacity(corners_px.len());
     for row in pixels_between(rows.0, rows.1) {
-        crossings.clear();
         let v = f64::from(row);
+        let mut count = 0;
         for (index, from) in corners_px.iter().enumerate() {
             let to = &corners_px[(index + 1) % corners_px.len()];
             // Half open, so that a corner on the row counts for exactly one of its two edges where it must.
             if (from[1] <= v) != (to[1] <= v) {
                 let u = from[0] + (v - from[1]) / (to[1] - from[1]) * (to[0] - from[0]);
-                crossings.push((u, if from[1] <= v { 1 } else { -1 }));
+                crossings[count] = (u, if from[1] <= v { 1 } else { -1 });
+                count += 1;
             }
         }
+        let crossings = &mut crossings[..count];
         crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut winding = 0;
         for pair in crossings.windows(2) {
@@ -47,7 +55,8 @@ pub(super) fn stroke(polyline_px: &[[f64; 2]], width_px: f64, spans: &mut Vec<Sp
         }
         let across = [-along[1] / length * half, along[0] / length * half];
         let corner = |end: [f64; 2], side: f64| [end[0] + side * across[0], end[1] + side * across[1]];
-        polygon(&[corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)], spans);
+        let rectangle = [corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)];
+        fill(&rectangle, &mut [(0.0, 0); 4], spans);
         if is_inner {
             disc(from, half, spans);
         }

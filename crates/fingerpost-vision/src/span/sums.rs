@@ -1,8 +1,10 @@
-//! Row-wise prefix sums of a probability plane, and what a mask covers of it.
+//! What a mask covers of a probability plane.
 
-use super::SpanMask;
+use super::prefix::{LANES, MAX_PIECE_PX, PrefixRows};
+use super::{Span, SpanMask};
 use crate::error::{PictureError, check_size};
-use crate::picture::PlaneView;
+use crate::picture::{PlaneView, Run, ValidityMask};
+use crate::simd::{CodePath, simd_kernel};
 
 /// Probability 1 in an 8-bit probability plane.
 const ONE: f64 = 255.0;
@@ -37,67 +39,77 @@ impl Cover {
 
 /// Row-wise prefix sums of probability and of seen pixels.
 ///
+/// Those of the seen pixels are made anew only when the validity mask is another than the last time.
+///
 /// ```
-/// use fingerpost_vision::{picture::{Plane, Rect}, span::{RowSums, SpanMask}};
+/// use fingerpost_vision::{picture::{Plane, Rect, ValidityMask}, span::{Cover, RowSums, SpanMask}};
 /// let probability = Plane::from_vec(3, 1, vec![255_u8, 0, 255])?;
-/// let validity = Plane::from_vec(3, 1, vec![1_u8, 1, 0])?;
+/// let validity = ValidityMask::from_plane(Plane::from_vec(3, 1, vec![1_u8, 1, 0])?);
 /// let mut sums = RowSums::default();
-/// sums.rebuild(probability.view(), validity.view())?;
+/// sums.rebuild(probability.view(), &validity)?;
 /// let mask = SpanMask::from_rect(Rect { x: 0, y: 0, width: 4, height: 1 });
 /// let cover = sums.cover(&mask, 0, 0);
 /// assert_eq!((cover.seen, cover.in_view, cover.area), (2, 3, 4));
 /// assert_eq!(cover.probability(), Some(0.5));
+/// // The same mask at three neighbouring places.
+/// let mut covers = [Cover::default(); 3];
+/// sums.covers(&mask, -1, 0, &mut covers);
+/// assert_eq!(covers[1], cover);
 /// # Ok::<(), fingerpost_vision::error::PictureError>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct RowSums {
     width: usize,
     height: usize,
-    /// For each row `width + 1` pairs: sum of the probabilities, and number of the seen pixels, left of that column. The
-    /// two lie side by side because every look-up needs both.
-    pairs: Vec<u32>,
+    validity: ValidityMask,
+    probability: PrefixRows,
+    seen: PrefixRows,
+    /// One row of pixels that are all in the picture.
+    in_view: PrefixRows,
+    /// The longest run of seen pixels of each row.
+    longest_runs: Vec<Run>,
 }
 
 impl RowSums {
-    /// Builds the sums of a probability plane (255 is 1) over the pixels whose validity is not 0, reusing the memory.
+    /// Builds the sums of a probability plane (255 is 1) over the seen pixels, reusing the memory.
     ///
     /// # Errors
-    /// [`PictureError::SizeMismatch`] when the two differ in size; [`PictureError::TooLarge`] when a row's sum could
-    /// exceed 32 bits.
+    /// [`PictureError::SizeMismatch`] when the two differ in size.
     pub fn rebuild(
         &mut self,
         probability: PlaneView<'_, u8>,
-        validity: PlaneView<'_, u8>,
+        validity: &ValidityMask,
+    ) -> Result<(), PictureError> {
+        self.rebuild_on(CodePath::fastest(), probability, validity)
+    }
+
+    pub(crate) fn rebuild_on(
+        &mut self,
+        path: CodePath,
+        probability: PlaneView<'_, u8>,
+        validity: &ValidityMask,
     ) -> Result<(), PictureError> {
         check_size("validity mask", probability.size(), validity.size())?;
-        let (width, height) = probability.size();
-        let widest = u32::MAX as usize / usize::from(u8::MAX);
-        if width > widest {
-            return Err(PictureError::TooLarge {
-                what: "probability plane",
-                width,
-                height,
-                limit: widest.saturating_mul(height),
-            });
+        if self.validity != *validity {
+            self.prepare(path, validity);
         }
-        self.width = width;
-        self.height = height;
-        self.pairs.resize(height * self.stride(), 0);
-        for y in 0..height {
-            let start = y * self.stride();
-            let pairs = &mut self.pairs[start..start + 2 * (width + 1)];
-            let (mut sum, mut seen) = (0_u32, 0_u32);
-            pairs[..2].fill(0);
-            let values = probability.row(y).iter().zip(validity.row(y));
-            let (pairs, _) = pairs[2..].as_chunks_mut::<2>();
-            for (pair, (&value, &valid)) in pairs.iter_mut().zip(values) {
-                let valid = u32::from(valid != 0);
-                sum += u32::from(value) * valid;
-                seen += valid;
-                *pair = [sum, seen];
-            }
-        }
+        self.probability.rebuild(path, probability, validity);
         Ok(())
+    }
+
+    fn prepare(&mut self, path: CodePath, validity: &ValidityMask) {
+        let (width, height) = validity.size();
+        (self.width, self.height) = (width, height);
+        self.validity = validity.clone();
+        self.probability.reset(width, height);
+        self.seen.reset(width, height);
+        self.seen.rebuild(path, validity.plane().view(), validity);
+        self.longest_runs.clear();
+        let longest = |y| validity.runs(y).iter().max_by_key(|run| run.end - run.start).copied();
+        self.longest_runs.extend((0..height).map(|y| longest(y).unwrap_or(Run { start: 0, end: 0 })));
+        let row = ValidityMask::all_seen(width, 1);
+        self.in_view.reset(width, 1);
+        self.in_view.rebuild(path, row.plane().view(), &row);
     }
 
     /// Width and height of the plane, pixels.
@@ -110,37 +122,152 @@ impl RowSums {
     #[must_use]
     pub fn cover(&self, mask: &SpanMask, d_col: i32, d_row: i32) -> Cover {
         let mut cover = Cover { area: mask.area(), ..Cover::default() };
-        let (d_col, d_row) = (i64::from(d_col), i64::from(d_row));
-        let (width, height) = (self.width as i64, self.height as i64);
-        let spans = mask.spans();
-        let first = spans.partition_point(|span| i64::from(span.row) + d_row < 0);
-        for span in &spans[first..] {
-            let row = i64::from(span.row) + d_row;
-            if row >= height {
-                break;
-            }
-            let start = (i64::from(span.start) + d_col).max(0);
-            let end = (i64::from(span.end) + d_col).min(width);
-            if start >= end {
-                continue;
-            }
-            // Row and columns are inside the plane now.
-            let pairs = self.row_pairs(row as usize);
-            let (left, right) = (2 * start as usize, 2 * end as usize);
-            cover.sum += u64::from(pairs[right] - pairs[left]);
-            cover.seen += u64::from(pairs[right + 1] - pairs[left + 1]);
+        let column = |column: i32| (i64::from(column) + i64::from(d_col)).clamp(0, self.width as i64);
+        for span in self.spans_in_view(mask, d_row) {
+            // Row and columns are inside the plane.
+            let (start, end) = (column(span.start) as usize, column(span.end) as usize);
+            let row = (i64::from(span.row) + i64::from(d_row)) as usize;
             cover.in_view += (end - start) as u64;
+            cover.seen += self.seen.sum(row, start, end);
+            cover.sum += self.probability.sum(row, start, end);
         }
         cover
     }
 
-    /// The pairs (sum, seen) of row `y`, one more than there are columns.
-    pub(crate) fn row_pairs(&self, y: usize) -> &[u32] {
-        let start = y * self.stride();
-        &self.pairs[start..start + self.stride()]
+    /// What `mask` covers at a run of neighbouring places: `covers[i]` becomes
+    /// [`cover(mask, d_col + i, d_row)`](RowSums::cover).
+    ///
+    /// Neighbouring places read neighbouring sums, 64 at once: from four places on this is faster than one by one, for 64 of them
+    /// thirty times, so that it pays even where only some of the places are wanted.
+    pub fn covers(&self, mask: &SpanMask, d_col: i32, d_row: i32, covers: &mut [Cover]) {
+        self.covers_on(CodePath::fastest(), mask, d_col, d_row, covers);
     }
 
-    fn stride(&self) -> usize {
-        2 * (self.width + 1)
+    pub(crate) fn covers_on(
+        &self,
+        path: CodePath,
+        mask: &SpanMask,
+        d_col: i32,
+        d_row: i32,
+        covers: &mut [Cover],
+    ) {
+        let spans = self.spans_in_view(mask, d_row);
+        let mut sums = [[0; LANES]; 3];
+        let mut d_col = i64::from(d_col);
+        for covers in covers.chunks_mut(LANES) {
+            add_up_spans(path, self, spans, d_col, i64::from(d_row), &mut sums);
+            for (index, cover) in covers.iter_mut().enumerate() {
+                let [sum, seen, in_view] = [0, 1, 2].map(|of| u64::from(sums[of][index]));
+                *cover = Cover { sum, seen, in_view, area: mask.area() };
+            }
+            d_col += LANES as i64;
+        }
+    }
+
+    /// The spans of `mask` that lie in rows of the plane when the mask is moved `d_row` pixels down.
+    fn spans_in_view<'a>(&self, mask: &'a SpanMask, d_row: i32) -> &'a [Span] {
+        let spans = mask.spans();
+        let row = |span: &Span| i64::from(span.row) + i64::from(d_row);
+        let first = spans.partition_point(|span| row(span) < 0);
+        let end = spans.partition_point(|span| row(span) < self.height as i64);
+        &spans[first..end]
+    }
+}
+
+simd_kernel! {
+    /// Sets `sums` to the probability, the seen pixels and the pixels in view under `spans`, moved `d_col`, `d_col` + 1, ...
+    /// pixels right and `d_row` pixels down. All rows must lie inside the plane.
+    fn add_up_spans(rows: &RowSums, spans: &[Span], d_col: i64, d_row: i64, sums: &mut [[u32; LANES]; 3]) {
+        let column = |column: i32| {
+            (i64::from(column) + d_col).clamp(-(LANES as i64), rows.width as i64) + LANES as i64
+        };
+        *sums = [[0; LANES]; 3];
+        // Sums over as many pixels as 16 bits hold for sure.
+        let (mut narrow, mut pixels) = ([[0_u16; LANES]; 3], 0);
+        // Pixels that are seen, or in view, at every place.
+        let (mut all_seen, mut all_in_view) = (0, 0);
+        let whole_row = Run { start: 0, end: rows.width };
+        for span in spans {
+            // Columns count from the left end of the prefix sums; both they and the row are inside them.
+            let (mut start, end) = (column(span.start) as usize, column(span.end) as usize);
+            let row = (i64::from(span.row) + d_row) as usize;
+            let (probability, seen) = (rows.probability.row(row), rows.seen.row(row));
+            let (is_all_seen, is_all_in_view) =
+                (is_always_inside(start, end, rows.longest_runs[row]), is_always_inside(start, end, whole_row));
+            if is_all_seen { all_seen += (end - start) as u32 };
+            if is_all_in_view { all_in_view += (end - start) as u32 };
+            while start < end {
+                let piece_end = end.min(start + MAX_PIECE_PX);
+                pixels += piece_end - start;
+                if pixels > MAX_PIECE_PX {
+                    widen(&mut narrow, sums);
+                    pixels = piece_end - start;
+                }
+                add_piece(&mut narrow[0], probability, start, piece_end);
+                if !is_all_seen {
+                    add_piece(&mut narrow[1], seen, start, piece_end);
+                }
+                if !is_all_in_view {
+                    add_piece(&mut narrow[2], rows.in_view.row(0), start, piece_end);
+                }
+                start = piece_end;
+            }
+        }
+        widen(&mut narrow, sums);
+        sums[1].iter_mut().for_each(|sum| *sum += all_seen);
+        sums[2].iter_mut().for_each(|sum| *sum += all_in_view);
+    }
+}
+
+/// Whether a span stays inside `run` at all of [`LANES`] neighbouring places.
+#[inline(always)]
+fn is_always_inside(start: usize, end: usize, run: Run) -> bool {
+    start >= run.start + LANES && end < run.end + 2
+}
+
+/// Adds the sums of a piece of a row at [`LANES`] neighbouring places.
+#[inline(always)]
+fn add_piece(sums: &mut [u16; LANES], prefix: &[u16], start: usize, end: usize) {
+    let (starts, ends) = (&prefix[start..start + LANES], &prefix[end..end + LANES]);
+    for ((sum, &start), &end) in sums.iter_mut().zip(starts).zip(ends) {
+        *sum = sum.wrapping_add(end.wrapping_sub(start));
+    }
+}
+
+/// Moves `narrow` sums into wide ones.
+#[inline(always)]
+fn widen(narrow: &mut [[u16; LANES]; 3], sums: &mut [[u32; LANES]; 3]) {
+    for (narrow, sums) in narrow.iter_mut().zip(sums) {
+        for (sum, narrow) in sums.iter_mut().zip(narrow.iter()) {
+            *sum += u32::from(*narrow);
+        }
+        *narrow = [0; LANES];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::Plane;
+
+    #[test]
+    fn every_path_covers_alike() {
+        let (width, height) = (600, 40);
+        let values = (0..width * height).map(|index| (index * index % 251) as u8).collect();
+        let probability = Plane::from_vec(width, height, values).unwrap();
+        let mut seen = Plane::new(width, height, 1);
+        (0..height).for_each(|y| seen.row_mut(y)[300 - 7 * y..310 + 3 * y].fill(0));
+        let validity = ValidityMask::from_plane(seen);
+        let mask = SpanMask::stroke(&[[-900.0, -3.0], [0.0, 4.0], [20.0, 60.0]], 11.0).unwrap();
+        for path in CodePath::available() {
+            let mut sums = RowSums::default();
+            sums.rebuild_on(path, probability.view(), &validity).unwrap();
+            let mut covers = [Cover::default(); 150];
+            sums.covers_on(path, &mask, 400, 10, &mut covers);
+            for (index, &cover) in covers.iter().enumerate() {
+                assert_eq!(cover, sums.cover(&mask, 400 + index as i32, 10), "{path:?}, place {index}");
+            }
+            assert!(covers.iter().all(|cover| cover.seen < cover.in_view && cover.in_view < cover.area));
+        }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::arch::x86_64::*;
 
-use super::resample::{HALF, Neighbours, Taps, WEIGHT_BITS, block_starts, last_wide_read, resample};
+use super::resample::{HALF, Neighbours, Taps, WEIGHT_BITS, block_starts, resample, wide_reads_fit};
 
 /// Pixels in a block.
 const PIXELS: usize = 8;
@@ -19,10 +19,9 @@ pub(super) fn resample_rgb(
     taps: Taps<'_>,
     target: &mut [[u8; 3]],
 ) {
-    let Some(last) = last_wide_read(source, neighbours).filter(|_| target.len() >= PIXELS) else {
+    if target.len() < PIXELS || !wide_reads_fit(source, neighbours, taps) {
         return resample(source, neighbours, taps, target);
-    };
-    let last = _mm256_set1_epi32(last.cast_signed());
+    }
     // Without the fourth byte of each pixel: first in each half of the register, then over the whole.
     let packed = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
     let packed = _mm256_broadcastsi128_si256(packed);
@@ -35,16 +34,9 @@ pub(super) fn resample_rgb(
         else {
             return;
         };
-        // SAFETY: arrays of 32 bytes.
-        let (index, weight) = unsafe {
-            (_mm256_loadu_si256(indices.as_ptr().cast()), _mm256_loadu_si256(weights.as_ptr().cast()))
-        };
-        let within = _mm256_cmpeq_epi32(_mm256_max_epu32(index, last), last);
-        if _mm256_movemask_epi8(within) != -1 {
-            resample(source, neighbours, part, block);
-            continue;
-        }
-        // SAFETY: no index is beyond `last`.
+        // SAFETY: an array of 32 bytes.
+        let weight = unsafe { _mm256_loadu_si256(weights.as_ptr().cast()) };
+        // SAFETY: wide reads fit.
         let [a, b, c, d] = unsafe {
             [
                 sums::<0>(source, neighbours, indices, weight),
@@ -68,7 +60,7 @@ pub(super) fn resample_rgb(
 /// of the four `FIRST`s puts the pixels back in order.
 ///
 /// # Safety
-/// No index is beyond [`last_wide_read`].
+/// [`wide_reads_fit`].
 #[inline]
 #[target_feature(enable = "avx2")]
 #[allow(unsafe_code)]
@@ -120,15 +112,16 @@ pub(super) fn column_weights<const PIXEL: usize>() -> __m128i {
 /// The pixel at `index`, its right neighbour and two bytes more, and then those below them.
 ///
 /// # Safety
-/// `index` is not beyond [`last_wide_read`].
+/// [`wide_reads_fit`] for `index`.
 #[inline]
 #[target_feature(enable = "avx2")]
 #[allow(unsafe_code)]
 pub(super) unsafe fn four_pixels(source: &[[u8; 3]], neighbours: Neighbours, index: u32) -> __m128i {
     // SAFETY: three whole pixels, 9 bytes, from `index` and from `below` behind it on lie in the source.
     unsafe {
+        // Written so that the two rows differ in their base alone.
         let upper = source.as_ptr().add(index as usize);
-        let lower = upper.add(neighbours.below);
+        let lower = source.as_ptr().add(neighbours.below).add(index as usize);
         _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64(upper.cast())), lower.cast()))
     }
 }

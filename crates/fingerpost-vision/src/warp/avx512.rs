@@ -6,10 +6,21 @@
 use std::arch::x86_64::*;
 
 use super::avx2::{channel_pairs, column_weights, four_pixels, row_weights};
-use super::resample::{HALF, Neighbours, Taps, WEIGHT_BITS, block_starts, last_wide_read, resample};
+use super::resample::{HALF, Neighbours, Taps, WEIGHT_BITS, block_starts, resample, wide_reads_fit};
 
 /// Pixels in a block.
 const PIXELS: usize = 16;
+
+/// Where in 16 lanes each of 48 packed bytes comes from: all but each lane's highest byte.
+const PACKED: [u8; 64] = {
+    let mut from = [0; 64];
+    let mut byte = 0;
+    while byte < 3 * PIXELS {
+        from[byte] = (byte / 3 * 4 + byte % 3) as u8;
+        byte += 1;
+    }
+    from
+};
 
 /// [`resample`] for colour.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx2")]
@@ -20,14 +31,11 @@ pub(super) fn resample_rgb(
     taps: Taps<'_>,
     target: &mut [[u8; 3]],
 ) {
-    let Some(last) = last_wide_read(source, neighbours).filter(|_| target.len() >= PIXELS) else {
+    if target.len() < PIXELS || !wide_reads_fit(source, neighbours, taps) {
         return resample(source, neighbours, taps, target);
-    };
-    let last = _mm512_set1_epi32(last.cast_signed());
-    // Without the fourth byte of each pixel.
-    let packed: [u8; 64] = std::array::from_fn(|byte| ((byte / 3 * 4 + byte % 3) % 64) as u8);
+    }
     // SAFETY: an array of 64 bytes.
-    let packed = unsafe { _mm512_loadu_si512(packed.as_ptr().cast()) };
+    let packed = unsafe { _mm512_loadu_si512(PACKED.as_ptr().cast()) };
     for start in block_starts::<PIXELS>(target.len()) {
         let part = taps.part(start, PIXELS);
         let block = &mut target[start..start + PIXELS];
@@ -36,15 +44,9 @@ pub(super) fn resample_rgb(
         else {
             return;
         };
-        // SAFETY: arrays of 64 bytes.
-        let (index, weight) = unsafe {
-            (_mm512_loadu_si512(indices.as_ptr().cast()), _mm512_loadu_si512(weights.as_ptr().cast()))
-        };
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
-            resample(source, neighbours, part, block);
-            continue;
-        }
-        // SAFETY: no index is beyond `last`.
+        // SAFETY: an array of 64 bytes.
+        let weight = unsafe { _mm512_loadu_si512(weights.as_ptr().cast()) };
+        // SAFETY: wide reads fit.
         let [a, b, c, d] = unsafe {
             [
                 sums::<0>(source, neighbours, indices, weight),
@@ -68,7 +70,7 @@ pub(super) fn resample_rgb(
 /// of the four `FIRST`s puts the pixels back in order.
 ///
 /// # Safety
-/// No index is beyond [`last_wide_read`].
+/// [`wide_reads_fit`].
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx2")]
 #[allow(unsafe_code)]

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 
 use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
 use fingerpost_vision::colour::HueSaturationBins;
-use fingerpost_vision::histogram::Histogram;
+use fingerpost_vision::histogram::{BinCounter, Histogram, Smoothing};
 use fingerpost_vision::picture::Rect;
 use fingerpost_vision::span::SpanMask;
 use schemars::JsonSchema;
@@ -71,103 +71,143 @@ impl BackprojectionConfig {
 #[derive(Debug)]
 pub struct Backprojection {
     config: BackprojectionConfig,
-    bins: HueSaturationBins,
+    counter: BinCounter,
+    smoothing: Smoothing,
     projector: BackProjector,
+    whole: Region,
+    sample: Region,
+    /// Mean of the recent samples.
+    model: Histogram,
     recent: VecDeque<Histogram>,
+    /// Memory of histograms that are recent no more.
+    spare: Vec<Histogram>,
     left_out: usize,
     lookup: Vec<u8>,
+}
+
+/// A rectangle of the view and the histogram of what is seen there.
+#[derive(Debug)]
+struct Region {
+    rect: Rect,
+    spans: SpanMask,
+    /// Smoothed, mass 1; empty where nothing is seen.
+    histogram: Histogram,
+}
+
+impl Region {
+    fn new(bins: HueSaturationBins) -> Result<Self, RoadError> {
+        let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
+        Ok(Self { rect, spans: SpanMask::from_rect(rect), histogram: Histogram::new(bins)? })
+    }
+
+    fn measure(
+        &mut self,
+        rect: Rect,
+        input: &RoadInput<'_>,
+        counter: &mut BinCounter,
+        smoothing: &mut Smoothing,
+    ) -> Result<(), RoadError> {
+        if self.rect != rect {
+            (self.rect, self.spans) = (rect, SpanMask::from_rect(rect));
+        }
+        self.histogram.clear();
+        counter.count(input.bin.view(), input.validity, &self.spans, &mut self.histogram)?;
+        smoothing.apply(&mut self.histogram)?;
+        self.histogram.normalise();
+        Ok(())
+    }
+
+    fn is_seen(&self) -> bool {
+        self.histogram.total() > 0.0
+    }
 }
 
 impl Backprojection {
     /// A detector that has learned nothing yet.
     ///
     /// # Errors
-    /// [`RoadError`] when the numbers of bins or the disc's radius cannot be used.
+    /// [`RoadError`] when the numbers of bins, the smoothing or the disc's radius cannot be used.
     pub fn new(config: &BackprojectionConfig) -> Result<Self, RoadError> {
         let bins = config.bins();
-        bins.check()?;
         Ok(Self {
             config: config.clone(),
-            bins,
+            counter: BinCounter::default(),
+            smoothing: Smoothing::new(bins, config.smoothing_bins, config.smoothing_bins)?,
             projector: BackProjector::new(config.disc_radius_px)?,
+            whole: Region::new(bins)?,
+            sample: Region::new(bins)?,
+            model: Histogram::new(bins)?,
             recent: VecDeque::new(),
+            spare: Vec::new(),
             left_out: 0,
-            lookup: Vec::new(),
+            lookup: vec![0; bins.count()],
         })
     }
 
-    /// The smoothed histogram of a region, mass 1; none where nothing of it is seen.
-    fn histogram(&self, input: &RoadInput<'_>, region: Rect) -> Result<Option<Histogram>, RoadError> {
-        let mut histogram = Histogram::new(self.bins)?;
-        histogram.count(input.bin.view(), input.validity.plane().view(), &SpanMask::from_rect(region))?;
-        histogram.smooth(self.config.smoothing_bins, self.config.smoothing_bins)?;
-        histogram.normalise();
-        Ok((histogram.total() > 0.0).then_some(histogram))
-    }
-
-    fn learn(&mut self, sample: Histogram) {
+    fn learn(&mut self) {
         self.left_out = 0;
         if self.recent.len() >= self.config.frames.max(1) {
-            self.recent.pop_front();
+            self.spare.extend(self.recent.pop_front());
         }
-        self.recent.push_back(sample);
+        let mut learned = self.spare.pop().unwrap_or_else(|| self.sample.histogram.clone());
+        learned.clone_from(&self.sample.histogram);
+        self.recent.push_back(learned);
+    }
+
+    fn forget(&mut self) {
+        self.left_out = 0;
+        self.spare.extend(self.recent.drain(..));
     }
 
     /// Sets the look-up of P(road | bin) from the rolling mean and the picture's own histogram.
-    fn tabulate(&mut self, picture: &Histogram) -> Result<(), RoadError> {
-        match Histogram::mean_of(&self.recent)? {
-            Some(model) => ratio_lookup(&model, picture, self.config.prior, &mut self.lookup)?,
-            None => self.lookup.fill(0),
-        }
-        Ok(())
+    fn tabulate(&mut self) -> Result<(), RoadError> {
+        self.model.set_to_mean(&self.recent)?;
+        Ok(ratio_lookup(&self.model, &self.whole.histogram, self.config.prior, &mut self.lookup)?)
     }
 
-    /// Mean probability that the look-up gives to the pixels of `sample`.
-    fn probability_of(&self, sample: &Histogram) -> f64 {
-        sample.masses().iter().zip(&self.lookup).map(|(mass, &p)| mass * f64::from(p) / 255.0).sum()
+    /// Mean probability that the look-up gives to the pixels of the sample.
+    fn sample_probability(&self) -> f64 {
+        let masses = self.sample.histogram.masses().iter();
+        masses.zip(&self.lookup).map(|(mass, &p)| mass * f64::from(p) / 255.0).sum()
     }
 
     /// Learns from the sample or leaves it out, and says which.
-    fn consider(&mut self, sample: Histogram) -> SampleUse {
-        let familiar =
-            self.recent.is_empty() || self.probability_of(&sample) >= self.config.min_sample_probability;
-        if familiar {
-            self.learn(sample);
+    fn consider(&mut self) -> SampleUse {
+        if self.recent.is_empty() || self.sample_probability() >= self.config.min_sample_probability {
+            self.learn();
             return SampleUse::Learned;
         }
         if self.left_out < self.config.patience_frames {
             self.left_out += 1;
             return SampleUse::LeftOut;
         }
-        self.recent.clear();
-        self.learn(sample);
+        self.forget();
+        self.learn();
         SampleUse::SurfaceChanged
     }
 }
 
 impl RoadDetector for Backprojection {
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
-        let (width, height) = input.colour.size();
-        self.lookup.resize(self.bins.count(), 0);
+        let (width, height) = input.bin.size();
         let whole = Rect { x: 0, y: 0, width, height };
-        let picture = self.histogram(&input, whole)?;
-        let sample = self.histogram(&input, input.sample)?;
+        self.whole.measure(whole, &input, &mut self.counter, &mut self.smoothing)?;
+        self.sample.measure(input.sample, &input, &mut self.counter, &mut self.smoothing)?;
         let mut sample_use = SampleUse::Unseen;
         let mut sample_probability = 0.0;
-        if let Some(picture) = &picture {
-            self.tabulate(picture)?;
-            if let Some(sample) = sample {
-                sample_use = self.consider(sample.clone());
-                self.tabulate(picture)?;
-                sample_probability = self.probability_of(&sample);
+        if self.whole.is_seen() {
+            self.tabulate()?;
+            if self.sample.is_seen() {
+                sample_use = self.consider();
+                self.tabulate()?;
+                sample_probability = self.sample_probability();
             }
         }
         if surface.probability.size() != (width, height) {
             surface.probability.reset(width, height, 0);
         }
-        let seen = input.validity.plane();
-        self.projector.project(input.bin, seen, &self.lookup, &mut surface.probability)?;
-        surface.sums.rebuild(surface.probability.view(), seen.view())?;
+        self.projector.project(input.bin, input.validity, &self.lookup, &mut surface.probability)?;
+        surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(RoadEvidence {
             detector: "backprojection",
             sample: input.sample,
@@ -178,7 +218,6 @@ impl RoadDetector for Backprojection {
     }
 
     fn reset(&mut self) {
-        self.recent.clear();
-        self.left_out = 0;
+        self.forget();
     }
 }

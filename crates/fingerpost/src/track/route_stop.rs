@@ -4,6 +4,7 @@ use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
 use fingerpost_map::{Route, TangentPlane};
 
 use super::TrackConfig;
+use super::alignment::ArmPieces;
 use crate::driving_line::{DrivingLine, DrivingLineConfig};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
@@ -18,6 +19,7 @@ pub struct RouteStop {
     /// The driving line through it; none without approach and exit.
     pub line: Option<DrivingLine>,
     pub(super) masks: MaskCache,
+    pub(super) arms: Vec<ArmPieces>,
 }
 
 /// What the tracker needs to know besides the route.
@@ -59,7 +61,8 @@ pub(super) fn route_stops(
         let model = FeatureModel::new(feature, &map)?;
         let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
         let masks = MaskCache::new(setting.masks, setting.vehicle, setting.grid, &model, line.as_ref());
-        stops.push(RouteStop { model, line, masks });
+        let arms = ArmPieces::of(&setting.track.alignment, &model);
+        stops.push(RouteStop { model, line, masks, arms });
     }
     Ok((stops, Some(line_in_map)))
 }

@@ -15,9 +15,16 @@ pub type Place = (f64, f64);
 
 /// Camera of all scenes: about 75 degrees wide, 1.5 m high, 8 degrees nose down, 1.5 m ahead of the rear axle.
 pub fn camera() -> Camera {
+    camera_of_width(640)
+}
+
+/// The same camera with pictures of another width, pixels.
+pub fn camera_of_width(width: usize) -> Camera {
     let mount = Mount { pitch_rad: 8_f64.to_radians(), x_m: 1.5, ..Mount::level(1.5) };
-    let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 319.5, cy: 239.5 };
-    Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap()
+    let (height, f) = (width * 3 / 4, 420.0 / 640.0 * width as f64);
+    let (cx, cy) = (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0));
+    let intrinsics = Intrinsics { fx: f, fy: f, cx, cy };
+    Camera::calibrated(width, height, intrinsics, Distortion::None, mount).unwrap()
 }
 
 /// Roads painted on the plane.

@@ -1,0 +1,56 @@
+//! Tracking: the feature that is followed is confirmed where ego-motion expects it, bracketed, or lost.
+
+use fingerpost_vision::span::SpanError;
+
+use super::{FOUND_SIGMAS, Mode, Tracker};
+use crate::matching::LaidSurface;
+use crate::track::{Decision, TrackEvidence};
+
+/// A bracketed place must match better than the predicted one by this much: less is the noise of the road surface.
+const CLEARLY_BETTER: f64 = 0.1;
+
+impl Tracker {
+    /// Confirms the tracked feature at its predicted place, or brackets, or counts towards its loss.
+    pub(super) fn confirm(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<(), SpanError> {
+        let (Mode::Tracking { filter, unconfirmed }, Some(stop)) =
+            (&mut self.mode, self.stops.get_mut(self.next))
+        else {
+            return Ok(());
+        };
+        let (predicted, threshold) = (*filter.pose(), self.config.confirm_threshold);
+        let predicted_p = laid.probability(&mut stop.masks, &predicted)?;
+        evidence.predicted = Some(predicted);
+        evidence.predicted_p = predicted_p;
+        // Where no sub-mask is seen (close to the feature) there is nothing to confirm or deny.
+        if predicted_p.is_none_or(|p| p >= threshold) {
+            evidence.decision = Decision::Confirmed;
+        } else {
+            let tried = self.search.about(&self.config, laid, &mut stop.masks, threshold, &predicted)?;
+            evidence.tried = tried.count;
+            let clearly_better = predicted_p.unwrap_or(0.0) + CLEARLY_BETTER;
+            let Some((pose, _)) = tried.best.filter(|&(_, p)| p >= clearly_better) else {
+                *unconfirmed += 1;
+                evidence.decision = Decision::NotConfirmed { frames: *unconfirmed };
+                if *unconfirmed >= self.config.lost_frames {
+                    evidence.decision = Decision::Lost { index: self.next };
+                    self.mode = Mode::Searching { candidate: None, lost: true };
+                }
+                return Ok(());
+            };
+            filter.relocate(pose, FOUND_SIGMAS);
+            evidence.decision = Decision::FoundByBracketing;
+        }
+        *unconfirmed = 0;
+        let before = filter.clone();
+        evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, filter)?);
+        if laid.probability(&mut stop.masks, filter.pose())?.is_some_and(|p| p < threshold) {
+            // Edges that lead the masks off the road belong to something else.
+            *filter = before;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,60 @@
+//! Passing: a feature that was arrived at is carried along until it lies behind.
+
+use fingerpost_vision::span::SpanError;
+use nalgebra::Point2;
+
+use super::{Mode, PASSED_M, Passing, Tracker};
+use crate::driving_line::DrivingLine;
+use crate::matching::LaidSurface;
+use crate::track::{Decision, RouteStop, State, TrackEvidence};
+
+impl Tracker {
+    /// Carries the feature that is being passed, and says the state of a frame in which none is tracked.
+    pub(super) fn pass(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<State, SpanError> {
+        if let Some(gone) = self.passing.take_if(|passing| passed(&self.stops, passing)) {
+            self.forget_masks(gone.index);
+        }
+        if let Some(passing) = &mut self.passing
+            && let Some(stop) = self.stops.get_mut(passing.index)
+        {
+            let p = laid.probability(&mut stop.masks, passing.filter.pose())?;
+            if p.is_some_and(|p| p >= self.config.confirm_threshold) {
+                let sections = self.aligner.align(laid, &stop.arms, &mut passing.filter)?;
+                if evidence.sections.is_empty() {
+                    evidence.sections.extend_from_slice(sections);
+                }
+            }
+            if matches!(
+                evidence.decision,
+                Decision::NotInReach { .. } | Decision::NotFound { .. } | Decision::NoRoute
+            ) {
+                evidence.decision = Decision::Passing;
+            }
+            return Ok(State::Arrived);
+        }
+        if self.stops.is_empty() {
+            return Ok(State::NoRoute);
+        }
+        if self.next >= self.stops.len() {
+            evidence.decision = Decision::RouteDone;
+            return Ok(State::RouteDone);
+        }
+        let lost = matches!(self.mode, Mode::Searching { lost: true, .. });
+        Ok(if lost { State::Lost } else { State::Searching })
+    }
+}
+
+/// Whether the vehicle's origin is past the end of the line through the feature.
+fn passed(stops: &[RouteStop], passing: &Passing) -> bool {
+    let end = stops
+        .get(passing.index)
+        .and_then(|stop| stop.line.as_ref())
+        .map_or(Point2::origin(), DrivingLine::end);
+    let end_in_vehicle = passing.filter.pose() * end;
+    let node_in_vehicle = passing.filter.pose() * Point2::origin();
+    end_in_vehicle.x < 0.0 && node_in_vehicle.x < PASSED_M
+}
