@@ -182,7 +182,7 @@ fn crossroads(side_m: f64) -> Result<FeatureModel> {
         let end = Point2::new(forward, left) * (2.0 * side_m);
         Ok(ArmModel {
             role,
-            label: label.to_owned(),
+            label: label.into(),
             course: Polyline::new([Point2::origin(), end])?,
             width_m: 6.0,
             mouth_m: 3.0,

@@ -27,6 +27,11 @@ impl BitPlane {
         }
     }
 
+    /// Words of each row.
+    pub(crate) fn words_a_row(&self) -> usize {
+        self.words_a_row
+    }
+
     /// The words of each row, from the top.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[u64]> {
         self.words.chunks_exact(self.words_a_row.max(1))
@@ -58,6 +63,17 @@ simd_kernel! {
             let mut pixels = [0; WORD_PX];
             pixels[..rest.len()].copy_from_slice(rest);
             *last = word_of(&pixels);
+        }
+    }
+}
+
+simd_kernel! {
+    /// Sets each pixel to 255 where its bit is 1 and to 0 elsewhere.
+    pub(crate) fn unpack(words: &[u64], row: &mut [u8]) {
+        for (pixels, &word) in row.chunks_mut(WORD_PX).zip(words) {
+            for (index, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = if word >> index & 1 == 1 { 255 } else { 0 };
+            }
         }
     }
 }

@@ -9,13 +9,13 @@
 //! |---|---|---|
 //! | [`picture`] | planes, views, colour pictures, rectangles | |
 //! | [`warp`] | resampling through a table built once | |
-//! | [`colour`] | grey, hue and saturation, histogram bins | ITU-R BT.601; Smith 1978 |
+//! | [`colour`] | grey, hue and saturation, histogram bins, planar YUV | ITU-R BT.601, BT.709; Smith 1978 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
-//! | [`smoothing`] | Gaussian blur of 8-bit pictures | |
+//! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
-//! | [`morphology`] | dilation | Serra 1982 |
+//! | [`morphology`] | dilation, thinning | Serra 1982; Zhang & Suen 1984 |
 //! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |

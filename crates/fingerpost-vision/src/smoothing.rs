@@ -1,11 +1,13 @@
-//! Smoothing of 8-bit pictures: Gaussian blur.
+//! Smoothing of 8-bit pictures: Gaussian blur and box blur.
 //!
 //! Integers throughout, so results are the same bytes everywhere; weights and rounding are those of OpenCV's fixed-point
 //! Gaussian, so that results compare level by level. Beyond its edges a picture is continued by a mirror through the
 //! centre of the edge pixel (dcb|abcd). For `f32` pictures there is [`crate::filter`].
 
+mod box_blur;
 mod gaussian;
 
+pub use box_blur::BoxBlur;
 pub use gaussian::GaussianBlur;
 
 /// Widest window of a smoothing, pixels: what lane finding needs several times over, and small enough that the sums of

@@ -166,7 +166,8 @@ impl MaskCache {
         self.drawn.clear();
     }
 
-    fn key(&self, heading_rad: f64) -> i64 {
+    /// Number of the drawing that serves a heading.
+    pub(crate) fn key(&self, heading_rad: f64) -> i64 {
         (wrap_angle(heading_rad) / self.heading_step_rad).round() as i64
     }
 

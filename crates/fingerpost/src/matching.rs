@@ -6,6 +6,8 @@
 //! An arm of which too little is seen takes no part, and the evidence says so: nearly all of what is left would lie on
 //! the crossing roads, and would be road whether the arm exists or not.
 
+mod pose_run;
+
 use std::sync::Arc;
 
 use fingerpost_geometry::GroundGrid;
@@ -18,6 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, node_pixel};
 use crate::road_surface::RoadSurface;
+
+pub(crate) use pose_run::PoseRun;
 
 /// Settings of the match.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

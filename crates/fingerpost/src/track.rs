@@ -21,6 +21,7 @@ use crate::matching::Match;
 use crate::route_progress::GpsUse;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
+pub use candidates::{CandidateSearch, Tried};
 pub use pose_filter::PoseFilter;
 pub use route_stop::{RouteStop, TrackerSetting};
 pub use tracker::Tracker;

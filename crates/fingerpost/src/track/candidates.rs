@@ -4,6 +4,7 @@
 //! is possible; bracketing (paper 1, section VI; paper 2, section 7.2) tries poses about a prediction. Either way
 //! P(F) is flat over the poses that keep the masks on the road, so the middle of the best ones is taken, not the
 //! first.
+//! Candidates are laid in rows of pixels and scored a row at a time, each row against the best of those before it.
 
 use std::ops::RangeInclusive;
 
@@ -11,19 +12,19 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Vector2};
 
 use super::TrackConfig;
-use crate::feature_masks::MaskCache;
+use crate::feature_masks::{MaskCache, node_pixel};
 use crate::feature_model::FeatureModel;
-use crate::matching::LaidSurface;
+use crate::matching::{LaidSurface, PoseRun};
 
 /// The outcome of trying candidate poses.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Tried {
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tried {
     /// How many were tried.
-    pub(super) count: usize,
+    pub count: usize,
     /// Best pose and its P(F); none when no candidate reached the threshold.
-    pub(super) best: Option<(Isometry2<f64>, f64)>,
+    pub best: Option<(Isometry2<f64>, f64)>,
     /// The pose that came nearest to the threshold, whether it reached it or not.
-    pub(super) closest: Option<Isometry2<f64>>,
+    pub closest: Option<Isometry2<f64>>,
 }
 
 /// Candidates within this of the best P(F) are as good as it: the noise of the road surface.
@@ -33,17 +34,25 @@ const SAME_PLACE_M: f64 = 2.5;
 
 /// Tries candidate poses; its memory is reused from search to search.
 #[derive(Debug, Default)]
-pub(super) struct CandidateSearch {
-    /// The candidates that reached the threshold, with their P(F).
+pub struct CandidateSearch {
+    run: PoseRun,
+    /// The poses of the run.
+    poses: Vec<Isometry2<f64>>,
+    /// Best pose so far and its P(F).
+    best: Option<(Isometry2<f64>, f64)>,
+    /// Poses that reached the threshold, with their P(F).
     good: Vec<(Isometry2<f64>, f64)>,
 }
+
+/// Which candidates can be scored together: those with the same drawn masks and the same row of the node's pixel.
+type RunKey = (i64, i32);
 
 impl CandidateSearch {
     /// Tries poses along the approach: the node `before_m` ahead along it, the vehicle anywhere across the road.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
-    pub(super) fn along_approach(
+    pub fn along_approach(
         &mut self,
         config: &TrackConfig,
         laid: &LaidSurface<'_>,
@@ -51,26 +60,14 @@ impl CandidateSearch {
         masks: &mut MaskCache,
         before_m: &RangeInclusive<f64>,
     ) -> Result<Tried, SpanError> {
-        let half_width = feature.approach().map_or(2.5, |arm| 0.5 * arm.width_m);
-        let headings =
-            spread(config.search_heading_deg.to_radians(), config.search_heading_step_deg.to_radians());
-        let forward_steps =
-            ((before_m.end() - before_m.start()) / config.search_forward_step_m).floor().max(0.0) as usize;
-        let poses = headings.flat_map(|heading| {
-            (0..=forward_steps).flat_map(move |i| {
-                let before = before_m.end() - config.search_forward_step_m * i as f64;
-                spread(half_width, config.search_left_step_m)
-                    .map(move |left| feature.vehicle_from_feature(before, left, heading))
-            })
-        });
-        self.best_of(laid, masks, config.detect_threshold, poses)
+        self.best_of(laid, masks, config.detect_threshold, poses_along_approach(config, feature, before_m))
     }
 
-    /// Tries poses about a prediction.
+    /// Tries poses about a prediction; only those with P(F) from `threshold` on can be the best.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
-    pub(super) fn about(
+    pub fn about(
         &mut self,
         config: &TrackConfig,
         laid: &LaidSurface<'_>,
@@ -78,17 +75,7 @@ impl CandidateSearch {
         threshold: f64,
         predicted: &Isometry2<f64>,
     ) -> Result<Tried, SpanError> {
-        let headings =
-            spread(config.bracket_heading_deg.to_radians(), config.search_heading_step_deg.to_radians());
-        let poses = headings.flat_map(|heading| {
-            spread(config.bracket_forward_m, 0.5 * config.search_forward_step_m).flat_map(move |forward| {
-                spread(config.bracket_left_m, 0.5 * config.search_left_step_m).map(move |left| {
-                    let p = predicted.translation.vector + Vector2::new(forward, left);
-                    Isometry2::new(p, predicted.rotation.angle() + heading)
-                })
-            })
-        });
-        self.best_of(laid, masks, threshold, poses)
+        self.best_of(laid, masks, threshold, poses_about(config, predicted))
     }
 
     fn best_of(
@@ -98,40 +85,102 @@ impl CandidateSearch {
         threshold: f64,
         poses: impl Iterator<Item = Isometry2<f64>>,
     ) -> Result<Tried, SpanError> {
-        let mut tried = Tried::default();
+        self.start_run();
         self.good.clear();
-        let mut best: Option<(Isometry2<f64>, f64)> = None;
+        self.best = None;
+        let mut count = 0;
+        let mut key: RunKey = (0, 0);
         for pose in poses {
-            tried.count += 1;
-            let at_least = best.map_or(0.0, |(_, p)| (p - AS_GOOD).max(0.0));
-            let Some(p) = laid.score(masks, &pose, at_least)? else { continue };
+            count += 1;
+            let (column, row) = node_pixel(laid.grid(), &pose);
+            let key_of_pose = (masks.key(pose.rotation.angle()), row);
+            if key_of_pose != key {
+                self.score_run(laid, masks, threshold, key.1)?;
+                key = key_of_pose;
+            }
+            self.poses.push(pose);
+            self.run.push(column);
+        }
+        self.score_run(laid, masks, threshold, key.1)?;
+        let closest = self.best.map(|(pose, _)| pose);
+        let Some(best) = self.best.filter(|&(_, p)| p >= threshold) else {
+            return Ok(Tried { count, best: None, closest });
+        };
+        let middle = middle_of(&self.good, &best);
+        // The good poses may surround a hole; then the best itself stands.
+        let best = match laid.score(masks, &middle, threshold)? {
+            Some(p) if p >= best.1 - 2.0 * AS_GOOD => (middle, p),
+            _ => best,
+        };
+        Ok(Tried { count, best: Some(best), closest })
+    }
+
+    fn start_run(&mut self) {
+        self.run.clear();
+        self.poses.clear();
+    }
+
+    /// Scores the poses of the run, all of which lie in `row`, and starts the next.
+    fn score_run(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        masks: &mut MaskCache,
+        threshold: f64,
+        row: i32,
+    ) -> Result<(), SpanError> {
+        let Some(first) = self.poses.first() else { return Ok(()) };
+        let masks = masks.at(first.rotation.angle())?;
+        let at_least = self.best.map_or(0.0, |(_, p)| (p - AS_GOOD).max(0.0));
+        let scores = laid.score_run(masks, row, &mut self.run, at_least);
+        for (&pose, score) in self.poses.iter().zip(scores) {
+            let Some(p) = score else { continue };
             if p >= threshold {
                 self.good.push((pose, p));
             }
-            if best.is_none_or(|(_, best_p)| p > best_p) {
-                best = Some((pose, p));
+            if self.best.is_none_or(|(_, best_p)| p > best_p) {
+                self.best = Some((pose, p));
             }
         }
-        tried.closest = best.map(|(pose, _)| pose);
-        let Some((best_pose, best_p)) = best.filter(|&(_, p)| p >= threshold) else { return Ok(tried) };
-        let near = self.good.iter().filter(|(pose, p)| {
-            *p >= best_p - AS_GOOD
-                && (pose.translation.vector - best_pose.translation.vector).norm() < SAME_PLACE_M
-        });
-        let (mut count, mut place, mut turn) = (0.0, Vector2::zeros(), 0.0);
-        for (pose, _) in near {
-            count += 1.0;
-            place += pose.translation.vector;
-            turn += best_pose.rotation.angle_to(&pose.rotation);
-        }
-        let middle = Isometry2::new(place / count, best_pose.rotation.angle() + turn / count);
-        // The good poses may surround a hole; then the best itself stands.
-        tried.best = Some(match laid.score(masks, &middle, threshold)? {
-            Some(p) if p >= best_p - 2.0 * AS_GOOD => (middle, p),
-            _ => (best_pose, best_p),
-        });
-        Ok(tried)
+        self.start_run();
+        Ok(())
     }
+}
+
+/// Poses along the approach, the farthest first.
+fn poses_along_approach(
+    config: &TrackConfig,
+    feature: &FeatureModel,
+    before_m: &RangeInclusive<f64>,
+) -> impl Iterator<Item = Isometry2<f64>> {
+    let half_width_m = feature.approach().map_or(2.5, |arm| 0.5 * arm.width_m);
+    let (step_m, left_step_m) = (config.search_forward_step_m, config.search_left_step_m);
+    let (nearest_m, farthest_m) = (*before_m.start(), *before_m.end());
+    let forward_steps = ((farthest_m - nearest_m) / step_m).floor().max(0.0) as usize;
+    spread(config.search_heading_deg.to_radians(), config.search_heading_step_deg.to_radians()).flat_map(
+        move |heading| {
+            (0..=forward_steps).flat_map(move |i| {
+                let before_m = farthest_m - step_m * i as f64;
+                spread(half_width_m, left_step_m)
+                    .map(move |left| feature.vehicle_from_feature(before_m, left, heading))
+            })
+        },
+    )
+}
+
+/// Poses about a prediction.
+fn poses_about(config: &TrackConfig, predicted: &Isometry2<f64>) -> impl Iterator<Item = Isometry2<f64>> {
+    let (reach_m, step_m) = (config.bracket_forward_m, 0.5 * config.search_forward_step_m);
+    let (left_reach_m, left_step_m) = (config.bracket_left_m, 0.5 * config.search_left_step_m);
+    let (predicted_place, predicted_heading) = (predicted.translation.vector, predicted.rotation.angle());
+    spread(config.bracket_heading_deg.to_radians(), config.search_heading_step_deg.to_radians()).flat_map(
+        move |heading| {
+            spread(reach_m, step_m).flat_map(move |forward| {
+                spread(left_reach_m, left_step_m).map(move |left| {
+                    Isometry2::new(predicted_place + Vector2::new(forward, left), predicted_heading + heading)
+                })
+            })
+        },
+    )
 }
 
 /// Values from `-reach` to `reach`, at most `step` apart, zero among them.
@@ -139,3 +188,20 @@ fn spread(reach: f64, step: f64) -> impl Iterator<Item = f64> {
     let steps = (reach / step.max(1e-3)).ceil() as i32;
     (-steps..=steps).map(move |k| if steps == 0 { 0.0 } else { reach * f64::from(k) / f64::from(steps) })
 }
+
+/// The middle of the candidates at the place of the best one that are as good as it.
+fn middle_of(good: &[(Isometry2<f64>, f64)], (best, best_p): &(Isometry2<f64>, f64)) -> Isometry2<f64> {
+    let near = good.iter().filter(|(pose, p)| {
+        *p >= best_p - AS_GOOD && (pose.translation.vector - best.translation.vector).norm() < SAME_PLACE_M
+    });
+    let (mut count, mut place, mut turn) = (0.0, Vector2::zeros(), 0.0);
+    for (pose, _) in near {
+        count += 1.0;
+        place += pose.translation.vector;
+        turn += best.rotation.angle_to(&pose.rotation);
+    }
+    Isometry2::new(place / count, best.rotation.angle() + turn / count)
+}
+
+#[cfg(test)]
+mod tests;
