@@ -2,7 +2,7 @@
 //! the next one's, so every row of the element is read once.
 
 use super::element::{MAX_SIZE_PX, Rectangle, StructuringElement};
-use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
+use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, fastest_for_unaligned_rows, single_pixels};
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
 use crate::simd::{CodePath, simd_kernel};
@@ -42,7 +42,7 @@ impl Dilation {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when the two differ in size.
     pub fn apply(&mut self, source: PlaneView<'_, u8>, target: &mut Plane<u8>) -> Result<(), PictureError> {
-        self.apply_on(CodePath::fastest(), source, target)
+        self.apply_on(fastest_for_unaligned_rows(), source, target)
     }
 
     fn apply_on(
