@@ -7,6 +7,7 @@ mod growth;
 mod kernels;
 mod machine;
 mod measure;
+mod motion;
 mod peer;
 mod recording;
 mod results;
@@ -69,6 +70,9 @@ fn main() -> Result<()> {
     }
     if timed("whole loop") {
         sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
+    if timed("motion") {
+        sections.push(motion::motion(&mut opencv, effort)?);
     }
     if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
         sections.push(recording::recording(effort, &footage, program)?);

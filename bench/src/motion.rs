@@ -75,8 +75,7 @@ impl Drive {
         let camera = dashcam(SIZE_PX.0, SIZE_PX.1)?;
         let simulator = Simulator::new(&graph, &route, &camera, &SimConfig::default())?;
         let config = Config::default();
-        let view =
-            GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), &camera)?;
+        let view = GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), &camera)?;
         let mut pictures = Vec::new();
         let mut poses: Vec<Isometry2<f64>> = Vec::new();
         for index in 0..FRAMES.min(simulator.frames()) {
@@ -84,7 +83,10 @@ impl Drive {
             let mut picture = view.black_picture();
             view.render(&frame.picture, &mut picture)?;
             pictures.push(picture);
-            poses.push(Isometry2::new(Vector2::new(frame.truth.x_m, frame.truth.y_m), frame.truth.heading_rad));
+            poses.push(Isometry2::new(
+                Vector2::new(frame.truth.x_m, frame.truth.y_m),
+                frame.truth.heading_rad,
+            ));
         }
         let steps = poses.windows(2).map(|pair| pair[0].inverse() * pair[1]).collect();
         Ok(Self { view, pictures, steps })
@@ -118,7 +120,8 @@ impl Drive {
             driven[1] += step.translation.vector.norm();
         }
         let root = |sum: f64| (sum / self.steps.len() as f64).sqrt();
-        let figure = |what: &str, value, unit| Figure { what: format!("{name}: {what}"), value, unit, promised: None };
+        let figure =
+            |what: &str, value, unit| Figure { what: format!("{name}: {what}"), value, unit, promised: None };
         Ok(vec![
             figure("error forward", 100.0 * root(squares[0]), "cm"),
             figure("error to the left", 100.0 * root(squares[1]), "cm"),

@@ -137,7 +137,7 @@ impl Loop {
         Ok(Self {
             detector: Backprojection::new(&config.road_surface.backprojection)?,
             matcher: Matcher::new(&config.matching, view.grid()),
-            motion: Box::new(fingerpost::motion::FarnebackMotion::new(&config.motion)?),
+            motion: config.motion.estimator()?,
             node: Isometry2::new(p_in_vehicle.coords, 0.0),
             ground: view.black_picture(),
             surface: RoadSurface::default(),

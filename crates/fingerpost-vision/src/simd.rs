@@ -1,6 +1,6 @@
 //! Which of a kernel's code paths runs.
 //!
-//! A kernel is one piece of plain Rust, compiled once for every instruction set by [`simd_kernel!`] and, where a compiler
+//! A kernel is one piece of plain Rust, compiled once for every instruction set by `simd_kernel!` and, where a compiler
 //! does not find the fast way by itself, a hand-written twin of it. The processor is asked once, at run time.
 //!
 //! Every path gives the same bytes. Integers do so by nature; floating-point kernels do because none of them fuses a
