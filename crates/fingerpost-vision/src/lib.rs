@@ -24,6 +24,7 @@
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
+pub mod alignment;
 pub mod backprojection;
 mod bit_plane;
 mod blocks;

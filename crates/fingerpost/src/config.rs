@@ -8,7 +8,7 @@ use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
 use crate::matching::MatchConfig;
-use crate::motion::FarnebackMotionConfig;
+use crate::motion::MotionConfig;
 use crate::road_surface::RoadSurfaceConfig;
 use crate::route_progress::RouteProgressConfig;
 use crate::track::TrackConfig;
@@ -25,7 +25,7 @@ pub struct Config {
     /// Road surface detection.
     pub road_surface: RoadSurfaceConfig,
     /// Ego-motion.
-    pub motion: FarnebackMotionConfig,
+    pub motion: MotionConfig,
     /// Masks of the route features.
     pub feature_mask: FeatureMaskConfig,
     /// Driving line through a feature.
@@ -83,8 +83,29 @@ impl Config {
                 1.0,
                 "a probability, 0 to 1",
             ),
-            ("motion.region_width_m", self.motion.region_width_m, 1.0, 20.0, "1 to 20 metres"),
-            ("motion.region_length_m", self.motion.region_length_m, 1.0, 20.0, "1 to 20 metres"),
+            ("motion.direct.width_m", self.motion.direct.width_m, 1.0, 40.0, "1 to 40 metres"),
+            ("motion.direct.length_m", self.motion.direct.length_m, 1.0, 40.0, "1 to 40 metres"),
+            (
+                "motion.direct.iterations",
+                self.motion.direct.iterations as f64,
+                1.0,
+                50.0,
+                "1 to 50 iterations",
+            ),
+            (
+                "motion.farneback.region_width_m",
+                self.motion.farneback.region_width_m,
+                1.0,
+                20.0,
+                "1 to 20 metres",
+            ),
+            (
+                "motion.farneback.region_length_m",
+                self.motion.farneback.region_length_m,
+                1.0,
+                20.0,
+                "1 to 20 metres",
+            ),
             ("feature_mask.arm_width_share", self.feature_mask.arm_width_share, 0.05, 2.0, "0.05 to 2"),
             (
                 "feature_mask.heading_step_deg",

@@ -1,21 +1,63 @@
 //! Ego-motion: how the vehicle moved since the frame before, from the ground view.
 //!
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
-//! ground view a frame; other ways take the place of the papers' behind the trait.
+//! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way.
 
 mod coarse;
+mod direct;
 mod farneback;
 mod rigid_fit;
+mod sway;
 
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::farneback::FarnebackError;
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Matrix3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
 use crate::ground_view::{GroundPicture, GroundView};
+
+/// Settings of the ego-motion.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MotionConfig {
+    /// "direct": the road ahead aligned with that of the frame before; "farneback": dense flow, as in the papers; default
+    /// "direct".
+    pub estimator: MotionMethod,
+    /// Settings of "direct".
+    pub direct: DirectMotionConfig,
+    /// Settings of "farneback".
+    pub farneback: FarnebackMotionConfig,
+}
+
+/// Ways to find the ego-motion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionMethod {
+    /// [`DirectMotion`].
+    #[default]
+    Direct,
+    /// [`FarnebackMotion`].
+    Farneback,
+}
+
+impl MotionConfig {
+    /// The estimator of these settings; it has seen no frame yet.
+    ///
+    /// # Errors
+    /// [`MotionError::Flow`] when the flow's parameters are out of range.
+    pub fn estimator(&self) -> Result<Box<dyn MotionEstimator>, MotionError> {
+        Ok(match self.estimator {
+            MotionMethod::Direct => Box::new(DirectMotion::new(&self.direct)),
+            MotionMethod::Farneback => Box::new(FarnebackMotion::new(&self.farneback)?),
+        })
+    }
+}
 
 /// The vehicle's motion between two frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,9 +117,9 @@ pub enum MotionError {
     /// Pictures do not fit together.
     #[error("motion: {0}")]
     Picture(#[from] PictureError),
-    /// No part of the ground view is seen whole.
+    /// Too little of the ground view is seen.
     #[error(
-        "motion: no rectangle of the ground view is seen whole; widen motion.region_width_m or mount the camera lower"
+        "motion: too little road is seen straight ahead; enlarge the motion's region in the configuration or mount the camera lower"
     )]
     NoRegion,
 }
@@ -97,4 +139,22 @@ pub trait MotionEstimator: Send {
 
     /// Forgets the last frame, as at the start of a drive.
     fn reset(&mut self);
+}
+
+/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
+/// road without texture looks alike however far the vehicle moved.
+fn told_apart(left_over: f64, shifted: f64) -> f64 {
+    if left_over.is_finite() && shifted > 0.0 {
+        (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
+    let total = samples.iter().map(|s| s.weight).sum::<f64>().max(1e-9);
+    let mean = |axis: usize| {
+        samples.iter().map(|s| s.weight * (s.to_px[axis] - s.from_px[axis])).sum::<f64>() / total
+    };
+    [mean(0), mean(1)]
 }

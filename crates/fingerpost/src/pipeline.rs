@@ -12,7 +12,7 @@ use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::matching::Matcher;
-use crate::motion::{FarnebackMotion, Motion, MotionError, MotionEstimator, MotionEvidence};
+use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::road_surface::{Backprojection, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::why::Why;
@@ -139,7 +139,7 @@ impl Pipeline {
         };
         Ok(Self {
             detector: Box::new(Backprojection::new(&config.road_surface.backprojection)?),
-            motion: Box::new(FarnebackMotion::new(&config.motion)?),
+            motion: config.motion.estimator()?,
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),

@@ -14,8 +14,12 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::rigid_fit::{Pair, RigidFit, Viewpoint, fit};
-use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse};
+use super::rigid_fit::{Pair, RigidFit, fit};
+use super::sway::Viewpoint;
+use super::{
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse, mean_flow,
+    told_apart,
+};
 use crate::ground_view::{GroundPicture, GroundView};
 
 /// Settings of the motion from Farneback's flow.
@@ -337,24 +341,6 @@ fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
         // Under 32 pixels the pyramid has nothing to stand on.
         .filter(|&(_, half)| half >= 16 && length >= 32)
         .map(|(bottom, half)| Rect { x: middle - half, y: bottom - length, width: 2 * half, height: length })
-}
-
-/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
-/// road without texture looks alike however far the vehicle moved.
-fn told_apart(left_over: f64, shifted: f64) -> f64 {
-    if left_over.is_finite() && shifted > 0.0 {
-        (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
-    } else {
-        0.0
-    }
-}
-
-fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
-    let total = samples.iter().map(|s| s.weight).sum::<f64>().max(1e-9);
-    let mean = |axis: usize| {
-        samples.iter().map(|s| s.weight * (s.to_px[axis] - s.from_px[axis])).sum::<f64>() / total
-    };
-    [mean(0), mean(1)]
 }
 
 /// What no fit can promise: scale errors of a pitching vehicle and the accuracy of the flow itself.

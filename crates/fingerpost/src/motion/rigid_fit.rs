@@ -1,28 +1,13 @@
 //! The rigid motion of the plane behind a field of displacements, and the body's sway beside it.
 //!
-//! The vehicle moves in the plane, but on its suspension the camera also pitches and rolls a little, and the ground
-//! view, made for the camera at rest, then bends: a camera turned by a small rotation (pitch p, roll r) shows the place
-//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h). Left out, a tenth of a
-//! degree of roll between two frames would read as half a degree of turn. So the fit has six unknowns: the motion
-//! (forward, left, yaw), the change of pitch and of roll, and a standing roll, as in a bend, which shears the
-//! displacement. The last three are held small by priors and thrown away; the motion is what is wanted.
-//!
-//! A standing pitch is left out on purpose: it stretches the displacement much as distance does, and an unknown for it
-//! turns the flow's own small errors into percents of the distance.
+//! Six unknowns: the motion (forward, left, yaw) and the [sway](super::sway); only the motion is wanted.
 //!
 //! Gauss-Newton, re-weighted by Tukey's biweight until outliers (kerbs, parked cars, shadows that move with the
 //! vehicle) have no say; it starts from the weighted orthogonal Procrustes solution.
 
 use nalgebra::{Isometry2, Matrix2x3, Matrix3, Point2, SMatrix, SVector, Vector2};
 
-/// Where the camera looks from, in the vehicle frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Viewpoint {
-    /// Place on the road below the camera, metres.
-    pub(super) foot: Point2<f64>,
-    /// Height of the camera, metres.
-    pub(super) height_m: f64,
-}
+use super::sway::{SWAY_SIGMA_RAD, Viewpoint, sway_field};
 
 /// A place on the road before and after, vehicle frame, metres.
 #[derive(Debug, Clone, Copy)]
@@ -49,10 +34,6 @@ const ITERATIONS: usize = 8;
 const TUKEY: f64 = 4.685;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_SIGMA: f64 = 1.4826;
-/// Standard deviations of the body's sway: change of pitch and of roll between frames, and standing roll, radians; a car
-/// on its springs moves by a few tenths of a degree and leans by half a degree in a bend.
-const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
-
 /// Fits the motion, leaving each pair's final weight in it; none for fewer than six pairs.
 ///
 /// `scale_floor_m` keeps the re-weighting from rejecting pairs over differences below the flow's own accuracy;
@@ -127,14 +108,6 @@ pub(super) fn fit(
         accepted,
         covariance: by_fit * of_inverse * by_fit.transpose(),
     })
-}
-
-/// How a place moves in the ground view for a unit of pitch and of roll.
-fn sway_field(p: Point2<f64>, viewpoint: Viewpoint) -> (Vector2<f64>, Vector2<f64>) {
-    let (d, h) = (p - viewpoint.foot, viewpoint.height_m);
-    let by_pitch = Vector2::new((d.x * d.x + h * h) / h, d.x * d.y / h);
-    let by_roll = Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
-    (by_pitch, by_roll)
 }
 
 /// The displacement of a pair that a standing roll explains, per radian.
@@ -231,25 +204,6 @@ mod tests {
         let error = fit.current_from_previous.translation.vector - motion.translation.vector;
         assert!(error.norm() < 0.03, "{error}: pitch alone moves the road 8 m ahead by 6 cm");
         assert!((fit.current_from_previous.rotation.angle() - 0.01).abs() < 0.001);
-    }
-
-    /// The field of a small rotation against a camera that is really turned.
-    #[test]
-    fn the_sway_field_is_that_of_a_turned_camera() {
-        use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
-        let mount = Mount { x_m: 1.5, ..Mount::level(1.5) };
-        let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 320.0, cy: 100.0 };
-        let camera = |mount| Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap();
-        let place = Point2::new(8.0, 2.0);
-        let shown = |mount| {
-            let pixel = camera(mount).pixel_of_ground(place).unwrap();
-            camera(Mount { x_m: 1.5, ..Mount::level(1.5) }).ground_of_pixel(pixel).unwrap() - place
-        };
-        let (by_pitch, by_roll) = sway_field(place, VIEWPOINT);
-        let angle = 1e-5;
-        assert!((shown(Mount { pitch_rad: angle, ..mount }) / angle - by_pitch).norm() < 0.01);
-        let roll = shown(Mount { roll_rad: angle, ..mount }) / angle;
-        assert!((roll - by_roll).norm().min((roll + by_roll).norm()) < 0.01, "{roll} {by_roll}");
     }
 
     #[test]

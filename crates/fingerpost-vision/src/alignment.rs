@@ -1,0 +1,57 @@
+//! Direct alignment of two pictures: the sums that a Gauss-Newton step is made from.
+//!
+//! B. Lucas and T. Kanade, "An iterative image registration technique", 1981, in the inverse compositional form of S. Baker
+//! and I. Matthews, "Lucas-Kanade 20 years on", 2004: gradients are taken once, in the older picture, and the newer one is
+//! sampled where a warp leads. The older picture is kept as points with much gradient ([`Template`]), one in each small
+//! cell, because the rest of a road says little. A warp and the directions in which it may change are polynomials of second
+//! degree in the place ([`QuadraticField`]), enough for a plane that moves in itself and a camera that sways a little.
+//!
+//! Residuals are weighted much as in P. Holland and R. Welsch, "Robust regression using iteratively reweighted
+//! least-squares", 1977, so that gross errors have no say; their scale is that of Student's t distribution, as in C. Kerl et
+//! al., "Robust odometry estimation for RGB-D cameras", 2013, which needs no sorting.
+//!
+//! Grey 0 stands for "unseen"; seen pixels are 1 to 255. A template point beside unseen pixels does not exist, and one that
+//! is led between pixels of which one is unseen takes no part.
+//!
+//! Limits: at most a pixel or two of displacement; more needs a smaller picture first.
+
+mod sums;
+mod target;
+mod template;
+#[cfg(test)]
+mod tests;
+
+pub use sums::{Brightness, Residuals, Sums};
+pub use target::{Target, mark_unseen};
+pub use template::Template;
+
+/// Lanes in which sums over points are kept, on every code path.
+pub(crate) const LANES: usize = 16;
+/// One number for each of so many points.
+pub(crate) type Lanes = [f32; LANES];
+
+/// Directions in which a warp may change.
+pub const UNKNOWNS: usize = 6;
+
+/// A field over a picture: two polynomials of second degree in the place (u, v), each as the coefficients of 1, u, v, u^2,
+/// u v and v^2.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct QuadraticField {
+    /// To the right, pixels.
+    pub u: [f32; 6],
+    /// Down, pixels.
+    pub v: [f32; 6],
+}
+
+impl QuadraticField {
+    /// The warp that leaves every place where it is.
+    pub const IDENTITY: Self = Self { u: [0.0, 1.0, 0.0, 0.0, 0.0, 0.0], v: [0.0, 0.0, 1.0, 0.0, 0.0, 0.0] };
+
+    /// The field's value at a place.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, u: f32, v: f32) -> [f32; 2] {
+        let (uu, uv, vv) = (u * u, u * v, v * v);
+        [self.u, self.v].map(|c| ((c[0] + c[1] * u) + (c[2] * v + c[3] * uu)) + (c[4] * uv + c[5] * vv))
+    }
+}

@@ -1,0 +1,182 @@
+//! The older picture, as points with much gradient.
+
+use super::{LANES, Lanes, QuadraticField, UNKNOWNS};
+use crate::picture::{Plane, Rect};
+use crate::simd::{CodePath, simd_kernel};
+
+/// A place far outside any picture: what fills up the last lanes.
+const NOWHERE: f32 = -1e6;
+
+/// Largest side of a cell, pixels: the order of its pixels fits eight bits.
+const MAX_CELL_PX: usize = 16;
+const MOST_ORDERS: usize = MAX_CELL_PX * MAX_CELL_PX;
+
+/// Points of a picture with their grey and gradient, in groups of lanes.
+#[derive(Debug, Clone, Default)]
+pub struct Template {
+    pub(super) u: Vec<Lanes>,
+    pub(super) v: Vec<Lanes>,
+    pub(super) grey: Vec<Lanes>,
+    gradient_u: Vec<Lanes>,
+    gradient_v: Vec<Lanes>,
+    /// Change of grey for a unit of each unknown (the steepest-descent images).
+    pub(super) descent: [Vec<Lanes>; UNKNOWNS],
+    points: usize,
+    /// Scratch: of each column of a row of cells the strongest pixel, and the columns' order in their cells.
+    keys: Vec<u32>,
+    orders: Vec<u32>,
+}
+
+impl Template {
+    /// Takes in the points of `grey` (0: unseen) within `region`: of each cell of `cell` x `cell` pixels the one with the
+    /// largest gradient, the first of equals. A point has its four neighbours seen. Cells have 16 pixels a side at the most.
+    pub fn choose(&mut self, grey: &Plane<u8>, region: Rect, cell: usize) {
+        self.choose_with(CodePath::fastest(), grey, region, cell);
+    }
+
+    pub(super) fn choose_with(&mut self, path: CodePath, grey: &Plane<u8>, region: Rect, cell: usize) {
+        for lanes in [&mut self.u, &mut self.v, &mut self.grey, &mut self.gradient_u, &mut self.gradient_v] {
+            lanes.clear();
+        }
+        self.points = 0;
+        let cell = cell.clamp(1, MAX_CELL_PX);
+        let left = region.x.max(1);
+        let right = (region.x + region.width).min(grey.width().saturating_sub(1));
+        let top = region.y.max(1);
+        let bottom = (region.y + region.height).min(grey.height().saturating_sub(1));
+        let columns = right.saturating_sub(left) / cell;
+        let width = columns * cell;
+        self.orders.clear();
+        self.orders.extend((0..width).map(|x| (MOST_ORDERS - 1 - x % cell) as u32));
+        self.keys.resize(width, 0);
+        let rows = if columns > 0 { bottom.saturating_sub(top) / cell } else { 0 };
+        for row in 0..rows {
+            let y = top + row * cell;
+            self.keys.fill(0);
+            for dy in 0..cell {
+                let span = |y: usize, x: usize| &grey.row(y)[x..x + width];
+                let y = y + dy;
+                let (left_of, right_of) = (span(y, left - 1), span(y, left + 1));
+                let (above, below) = (span(y - 1, left), span(y + 1, left));
+                let later = (dy * cell) as u32;
+                strongest(
+                    path,
+                    span(y, left),
+                    left_of,
+                    right_of,
+                    above,
+                    below,
+                    &self.orders,
+                    later,
+                    &mut self.keys,
+                );
+            }
+            for column in 0..columns {
+                let best = self.keys[column * cell..][..cell].iter().fold(0, |best, &key| best.max(key));
+                if best >= MOST_ORDERS as u32 {
+                    let order = MOST_ORDERS - 1 - best as usize % MOST_ORDERS;
+                    self.push(grey, left + column * cell + order % cell, y + order / cell);
+                }
+            }
+        }
+        for descent in &mut self.descent {
+            descent.clear();
+            descent.resize(self.u.len(), [0.0; LANES]);
+        }
+    }
+
+    fn push(&mut self, grey: &Plane<u8>, x: usize, y: usize) {
+        let lane = self.points % LANES;
+        if lane == 0 {
+            self.u.push([NOWHERE; LANES]);
+            self.v.push([NOWHERE; LANES]);
+            self.grey.push([0.0; LANES]);
+            self.gradient_u.push([0.0; LANES]);
+            self.gradient_v.push([0.0; LANES]);
+        }
+        let at = |x: usize, y: usize| f32::from(grey.row(y)[x]);
+        let group = self.points / LANES;
+        self.u[group][lane] = x as f32;
+        self.v[group][lane] = y as f32;
+        self.grey[group][lane] = at(x, y);
+        self.gradient_u[group][lane] = 0.5 * (at(x + 1, y) - at(x - 1, y));
+        self.gradient_v[group][lane] = 0.5 * (at(x, y + 1) - at(x, y - 1));
+        self.points += 1;
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.points
+    }
+
+    /// Whether there are no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points == 0
+    }
+
+    /// Place of a point, pixels right and down; `None` beyond the last.
+    #[must_use]
+    pub fn place(&self, point: usize) -> Option<[f32; 2]> {
+        (point < self.points)
+            .then(|| [self.u[point / LANES][point % LANES], self.v[point / LANES][point % LANES]])
+    }
+
+    /// Sets the directions in which the warp may change: how far each place moves for a unit of each unknown.
+    pub fn set_directions(&mut self, fields: &[QuadraticField; UNKNOWNS]) {
+        self.set_directions_with(CodePath::fastest(), fields);
+    }
+
+    pub(super) fn set_directions_with(&mut self, path: CodePath, fields: &[QuadraticField; UNKNOWNS]) {
+        for (field, descent) in fields.iter().zip(&mut self.descent) {
+            descend(path, field, &self.u, &self.v, &self.gradient_u, &self.gradient_v, descent);
+        }
+    }
+}
+
+simd_kernel! {
+    /// Raises each key to that of its pixel: the sum of the gradient's absolute parts and 1 above eight bits of `orders`
+    /// less `later`; a pixel that is unseen, or beside one, has no strength.
+    fn strongest(
+        middle: &[u8],
+        left: &[u8],
+        right: &[u8],
+        above: &[u8],
+        below: &[u8],
+        orders: &[u32],
+        later: u32,
+        keys: &mut [u32],
+    ) {
+        let n = keys.len();
+        let (middle, left, right) = (&middle[..n], &left[..n], &right[..n]);
+        let (above, below, orders) = (&above[..n], &below[..n], &orders[..n]);
+        for i in 0..n {
+            let least = middle[i].min(left[i]).min(right[i]).min(above[i]).min(below[i]);
+            let strength = u32::from(left[i].abs_diff(right[i])) + u32::from(above[i].abs_diff(below[i])) + 1;
+            let key = strength * MOST_ORDERS as u32 + (orders[i] - later);
+            keys[i] = keys[i].max(if least == 0 { 0 } else { key });
+        }
+    }
+}
+
+simd_kernel! {
+    fn descend(
+        field: &QuadraticField,
+        u: &[Lanes],
+        v: &[Lanes],
+        gradient_u: &[Lanes],
+        gradient_v: &[Lanes],
+        out: &mut [Lanes],
+    ) {
+        let n = out.len();
+        let (u, v) = (&u[..n], &v[..n]);
+        let (gradient_u, gradient_v) = (&gradient_u[..n], &gradient_v[..n]);
+        for i in 0..n {
+            for lane in 0..LANES {
+                let [right, down] = field.at(u[i][lane], v[i][lane]);
+                out[i][lane] = gradient_u[i][lane] * right + gradient_v[i][lane] * down;
+            }
+        }
+    }
+}

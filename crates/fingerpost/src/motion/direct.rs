@@ -1,0 +1,245 @@
+//! Motion by aligning the ground patch itself.
+//!
+//! The road is a plane and the vehicle moves on it in three degrees of freedom, so nothing need be known of where single
+//! pixels go: the strip of road ahead is laid over that of the frame before, and forward, left and yaw are changed until
+//! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The body's sway is fitted
+//! beside them, and a change of the light; kerbs, cars and walls are told from the road by weights. The motion of the frame
+//! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its uncertainty grows.
+//!
+//! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and
+//! creeping shows as soon as it can be told from noise.
+//!
+//! Limits: what stands on the road and fills most of the patch is taken for road; a road without texture gives the prior,
+//! with a quality near zero.
+
+mod gauss_newton;
+mod patch;
+mod plane_warp;
+mod start;
+
+use fingerpost_vision::alignment::Residuals;
+use nalgebra::{Isometry2, Matrix3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use self::gauss_newton::{Estimate, Prior, align};
+use self::patch::Patch;
+use self::plane_warp::Displacement;
+use self::start::{cost, start};
+use super::{
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
+};
+use crate::ground_view::{GroundPicture, GroundView};
+
+/// Settings of the motion by direct alignment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct DirectMotionConfig {
+    /// Width of the strip of road that is aligned, metres, 1 to 40; default 6.4: a lane with its edges. A wider one knows the
+    /// turn better on an open road, but sees more of what is no road.
+    pub width_m: f64,
+    /// Its length from the nearest place seen, metres, 1 to 40; default 8.
+    pub length_m: f64,
+    /// Most iterations at each level, 1 to 50; default 10.
+    pub iterations: usize,
+}
+
+impl Default for DirectMotionConfig {
+    fn default() -> Self {
+        Self { width_m: 6.4, length_m: 8.0, iterations: 10 }
+    }
+}
+
+/// Change of the motion from frame to frame, one standard deviation: metres forward and left, radians. A frame may last a
+/// fifth of a second.
+const CHANGE_SIGMA: [f64; 3] = [0.15, 0.05, 0.02];
+/// The same where the motion of the frame before does not help.
+const UNKNOWN_SIGMA: [f64; 3] = [2.0, 0.3, 0.1];
+/// Shift along the road that a good motion must be told from by the picture, metres.
+const TELL_SHIFT_M: f64 = 0.3;
+/// A start is bearable when it costs at most so many times what the last alignment left.
+const BEARABLE: f64 = 2.0;
+/// Least cost that is taken to be left, grey levels squared: the camera's noise at the coarsest level.
+const COST_FLOOR: f64 = 0.5;
+/// Quality below which the picture is not believed: the motion goes on as before, ever less surely.
+const BELIEVED: f64 = 0.1;
+/// A vehicle that moved less stands: several times what the camera's noise makes of a standing one, metres and radians.
+const STANDING_M: f64 = 0.005;
+const STANDING_RAD: f64 = 0.0005;
+/// Quality below which a standing vehicle is not believed to stand.
+const STANDING_QUALITY: f64 = 0.5;
+/// Shares of the texture that agree from which an alignment is believed a little and in full. On good roads it is 0.3 to
+/// 0.7; where a reflection or the edges of a lane outweigh what moves, 0.05 to 0.2.
+const AGREEING: [f64; 2] = [0.1, 0.3];
+/// What is left of the quality when the last level was still changing.
+const NOT_CONVERGED: f64 = 0.5;
+/// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
+/// standard deviation.
+const SCALE_SIGMA: f64 = 0.015;
+/// About how many displacements the evidence shows.
+const SAMPLES: usize = 400;
+
+/// The direct motion estimator.
+#[derive(Debug)]
+pub struct DirectMotion {
+    config: DirectMotionConfig,
+    patch: Option<Patch>,
+    residuals: Residuals,
+    evidence: MotionEvidence,
+    last: Option<Last>,
+}
+
+/// What the next frame is to know of this one.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    current_from_previous: Isometry2<f64>,
+    /// None where it was not measured.
+    covariance: Option<Matrix3<f64>>,
+    /// What a start may cost.
+    bearable: f64,
+}
+
+impl Last {
+    /// Before the second frame: nothing is known, and any start but a fitting one is searched for.
+    fn first() -> Self {
+        Self { current_from_previous: Isometry2::identity(), covariance: None, bearable: 0.0 }
+    }
+}
+
+impl DirectMotion {
+    /// An estimator that has seen no frame yet.
+    #[must_use]
+    pub fn new(config: &DirectMotionConfig) -> Self {
+        Self {
+            config: config.clone(),
+            patch: None,
+            residuals: Residuals::default(),
+            evidence: MotionEvidence::default(),
+            last: None,
+        }
+    }
+
+    fn between(&mut self, last: Last) -> Option<Motion> {
+        let patch = self.patch.as_mut()?;
+        let residuals = &mut self.residuals;
+        let coarsest = patch.levels.last()?;
+        let (start, motion) = start(coarsest, residuals, last.current_from_previous, last.bearable);
+        let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
+        // A search is for what was not expected.
+        let prior = match start {
+            FlowStart::CoarseSearch => Prior::new(motion, diagonal(UNKNOWN_SIGMA))?,
+            _ => Prior::new(last.current_from_previous, expected)?,
+        };
+        let mut estimate = Estimate::at(motion);
+        for level in patch.levels[patch.finest..].iter_mut().rev() {
+            estimate = align(level, residuals, &prior, self.config.iterations, estimate)?;
+        }
+        show(patch, residuals, &estimate, start, &mut self.evidence);
+
+        let coarsest = patch.levels.last()?;
+        let Estimate { displacement, brightness, .. } = estimate;
+        let left_over = cost(coarsest, residuals, &displacement, brightness);
+        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(|shift| {
+            let current_from_previous =
+                Isometry2::translation(shift, 0.0) * displacement.current_from_previous;
+            cost(coarsest, residuals, &Displacement { current_from_previous, ..displacement }, brightness)
+        });
+        let shifted = shifted[0].min(shifted[1]);
+        let quality = quality(&estimate, told_apart(left_over, shifted));
+        if quality < BELIEVED {
+            estimate.displacement = Displacement::of(last.current_from_previous);
+            estimate.covariance = expected;
+        }
+        let displacement = estimate.displacement;
+        let mut previous_from_current = displacement.current_from_previous.inverse();
+        let covariance = covariance(&previous_from_current, &estimate.covariance);
+        let stands = previous_from_current.translation.vector.norm() < STANDING_M
+            && previous_from_current.rotation.angle().abs() < STANDING_RAD
+            && quality >= STANDING_QUALITY;
+        if stands {
+            previous_from_current = Isometry2::identity();
+        } else {
+            patch.keep();
+        }
+        self.last = Some(Last {
+            current_from_previous: previous_from_current.inverse(),
+            covariance: Some(estimate.covariance),
+            bearable: (BEARABLE * left_over.max(COST_FLOOR)).max(shifted),
+        });
+        Some(Motion { previous_from_current, covariance, quality })
+    }
+}
+
+impl MotionEstimator for DirectMotion {
+    fn estimate(
+        &mut self,
+        view: &GroundView,
+        picture: &GroundPicture,
+    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+        if !self.patch.as_ref().is_some_and(|patch| patch.fits(view)) {
+            self.patch = Patch::new(view, &self.config);
+            self.last = None;
+        }
+        let patch = self.patch.as_mut().ok_or(MotionError::NoRegion)?;
+        patch.look_at(&picture.grey)?;
+        let motion = self.last.and_then(|last| self.between(last));
+        if let (None, Some(patch)) = (&motion, &mut self.patch) {
+            self.last = Some(Last::first());
+            patch.keep();
+        }
+        Ok(motion.map(|motion| (motion, &self.evidence)))
+    }
+
+    fn reset(&mut self) {
+        self.last = None;
+    }
+}
+
+/// How far a motion is to be believed, 0 to 1: whether the picture tells it from a longer one, whether the road's texture
+/// agrees with it, and how much of the patch was seen.
+fn quality(estimate: &Estimate, told: f64) -> f64 {
+    let [little, full] = AGREEING;
+    let agreeing = ((estimate.agreeing - little) / (full - little)).clamp(0.0, 1.0);
+    let converged = if estimate.has_converged { 1.0 } else { NOT_CONVERGED };
+    told * agreeing * converged * estimate.seen.clamp(0.0, 1.0)
+}
+
+/// Covariance of the vehicle's new pose in the old frame, from that of a small motion there.
+fn covariance(previous_from_current: &Isometry2<f64>, of_motion: &Matrix3<f64>) -> Matrix3<f64> {
+    // A turn in the old frame swings the new place.
+    let step = previous_from_current.translation.vector;
+    let swing = Matrix3::new(1.0, 0.0, -step.y, 0.0, 1.0, step.x, 0.0, 0.0, 1.0);
+    let scale = SCALE_SIGMA * Vector3::new(step.x, step.y, previous_from_current.rotation.angle());
+    swing * of_motion * swing.transpose() + Matrix3::from_diagonal(&scale.component_mul(&scale))
+}
+
+fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
+    Matrix3::from_diagonal(&Vector3::from(sigma.map(|sigma| sigma * sigma)))
+}
+
+/// Writes down how the points of the finest level were displaced.
+fn show(
+    patch: &Patch,
+    residuals: &Residuals,
+    estimate: &Estimate,
+    start: FlowStart,
+    evidence: &mut MotionEvidence,
+) {
+    let Some(level) = patch.levels.get(patch.finest) else { return };
+    let warp = level.raster.warp(&estimate.displacement);
+    let ground = |pixel: [f32; 2]| {
+        let pixel = patch.grid.ground_from_vehicle(level.raster.vehicle_from_pixel(pixel));
+        [pixel.column, pixel.row]
+    };
+    let points = level.template.len();
+    evidence.samples.clear();
+    evidence.samples.extend((0..points).step_by(points.div_ceil(SAMPLES).max(1)).filter_map(|point| {
+        let place = level.template.place(point)?;
+        let weight = f64::from(residuals.weight(point)?);
+        Some(FlowSample { from_px: ground(place), to_px: ground(warp.at(place[0], place[1])), weight })
+    }));
+    evidence.region = patch.region;
+    evidence.mean_flow_px = mean_flow(&evidence.samples);
+    evidence.residual_px = estimate.residual_m / patch.grid.metres_per_pixel();
+    evidence.start = start;
+}

@@ -1,0 +1,220 @@
+//! The vehicle's motion and the body's sway as warps of the ground view's pixels.
+
+use fingerpost_geometry::{GroundGrid, GroundPixel};
+use fingerpost_vision::alignment::{QuadraticField, UNKNOWNS};
+use nalgebra::{Isometry2, Point2, Vector2};
+
+use crate::motion::sway::Viewpoint;
+
+/// Coefficients of 1, u, v, u^2, u v, v^2.
+type Quadratic = [f64; 6];
+/// Coefficients of 1, u, v.
+type Affine = [f64; 3];
+
+/// What is estimated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Displacement {
+    pub(super) current_from_previous: Isometry2<f64>,
+    /// Change of pitch, change of roll, standing roll, radians.
+    pub(super) sway_rad: [f64; 3],
+}
+
+impl Displacement {
+    pub(super) fn of(current_from_previous: Isometry2<f64>) -> Self {
+        Self { current_from_previous, sway_rad: [0.0; 3] }
+    }
+}
+
+/// The pixels of one level of the pyramid as places on the road.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Raster {
+    /// Place of pixel (0, 0), metres forward and left.
+    corner: Point2<f64>,
+    /// Scale, metres per pixel.
+    pub(super) metres_per_pixel: f64,
+    viewpoint: Viewpoint,
+}
+
+impl Raster {
+    /// The raster of the part of the ground view that begins at `origin` (column and row), halved `level` times.
+    pub(super) fn new(grid: &GroundGrid, viewpoint: Viewpoint, origin: [usize; 2], level: usize) -> Self {
+        let pixels = (1_u64 << level) as f64;
+        // The first pixel of a halved picture covers the first 2 x 2, and so on.
+        let [column, row] = origin.map(|start| start as f64 + 0.5 * (pixels - 1.0));
+        let corner = grid.vehicle_from_ground(GroundPixel { column, row });
+        Self { corner, metres_per_pixel: grid.metres_per_pixel() * pixels, viewpoint }
+    }
+
+    /// The warp by which places of the older picture move.
+    pub(super) fn warp(&self, displacement: &Displacement) -> QuadraticField {
+        let before = self.place();
+        let after = moved(&displacement.current_from_previous, before);
+        let [pitch, roll, standing] = displacement.sway_rad;
+        let (by_pitch, by_roll) = self.sway_fields(after);
+        let (_, by_roll_before) = self.sway_fields(before);
+        let [x, y]: [Quadratic; 2] = std::array::from_fn(|axis| {
+            let motion = widen(after[axis]);
+            std::array::from_fn(|i| {
+                motion[i] + pitch * by_pitch[axis][i] + (roll + standing) * by_roll[axis][i]
+                    - standing * by_roll_before[axis][i]
+            })
+        });
+        let scale = self.metres_per_pixel;
+        let pixels = |place: Quadratic, corner: f64| -> [f32; 6] {
+            std::array::from_fn(|i| ((if i == 0 { corner } else { 0.0 } - place[i]) / scale) as f32)
+        };
+        QuadraticField { u: pixels(y, self.corner.y), v: pixels(x, self.corner.x) }
+    }
+
+    /// How far a place of the older picture moves for a unit of each unknown: forward, left, yaw, and the sway about the
+    /// displacement `about`, turned back into the older picture.
+    pub(super) fn directions(&self, about: &Displacement) -> [QuadraticField; UNKNOWNS] {
+        let before = self.place();
+        let [x, y] = before;
+        let motion = &about.current_from_previous;
+        let (by_pitch, by_roll) = self.sway_fields(moved(motion, before));
+        let (_, by_roll_before) = self.sway_fields(before);
+        let stretch: [Quadratic; 2] =
+            std::array::from_fn(|axis| std::array::from_fn(|i| by_roll[axis][i] - by_roll_before[axis][i]));
+        let back = motion.rotation.inverse();
+        let (cosine, sine) = (back.re, back.im);
+        let turned_back = |[x, y]: [Quadratic; 2]| -> [Quadratic; 2] {
+            [
+                std::array::from_fn(|i| cosine * x[i] - sine * y[i]),
+                std::array::from_fn(|i| sine * x[i] + cosine * y[i]),
+            ]
+        };
+        let (one, none) = (widen([1.0, 0.0, 0.0]), [0.0; 6]);
+        [
+            [one, none],
+            [none, one],
+            [widen(y.map(|c| -c)), widen(x)],
+            turned_back(by_pitch),
+            turned_back(by_roll),
+            turned_back(stretch),
+        ]
+        .map(|[x, y]| {
+            let pixels = |field: Quadratic| field.map(|c| (-c / self.metres_per_pixel) as f32);
+            QuadraticField { u: pixels(y), v: pixels(x) }
+        })
+    }
+
+    /// The place that a pixel shows, metres.
+    pub(super) fn vehicle_from_pixel(&self, [u, v]: [f32; 2]) -> Point2<f64> {
+        self.corner - self.metres_per_pixel * Vector2::new(f64::from(v), f64::from(u))
+    }
+
+    /// The place (x, y) of a pixel (u, v).
+    fn place(&self) -> [Affine; 2] {
+        [[self.corner.x, 0.0, -self.metres_per_pixel], [self.corner.y, -self.metres_per_pixel, 0.0]]
+    }
+
+    /// How places move for a unit of pitch and of roll: [`crate::motion::sway::sway_field`] as polynomials.
+    fn sway_fields(&self, [x, y]: [Affine; 2]) -> ([Quadratic; 2], [Quadratic; 2]) {
+        let height = self.viewpoint.height_m;
+        let from_foot = |mut place: Affine, foot: f64| {
+            place[0] -= foot;
+            place
+        };
+        let (x, y) = (from_foot(x, self.viewpoint.foot.x), from_foot(y, self.viewpoint.foot.y));
+        let along = |a: Affine| {
+            let mut square = product(a, a).map(|c| c / height);
+            square[0] += height;
+            square
+        };
+        let across = product(x, y).map(|c| c / height);
+        ([along(x), across], [across, along(y)])
+    }
+}
+
+fn moved(motion: &Isometry2<f64>, [x, y]: [Affine; 2]) -> [Affine; 2] {
+    let (cosine, sine) = (motion.rotation.re, motion.rotation.im);
+    let step: Vector2<f64> = motion.translation.vector;
+    let mut turned: [Affine; 2] = [
+        std::array::from_fn(|i| cosine * x[i] - sine * y[i]),
+        std::array::from_fn(|i| sine * x[i] + cosine * y[i]),
+    ];
+    turned[0][0] += step.x;
+    turned[1][0] += step.y;
+    turned
+}
+
+fn widen([c, u, v]: Affine) -> Quadratic {
+    [c, u, v, 0.0, 0.0, 0.0]
+}
+
+fn product(a: Affine, b: Affine) -> Quadratic {
+    [
+        a[0] * b[0],
+        a[0] * b[1] + a[1] * b[0],
+        a[0] * b[2] + a[2] * b[0],
+        a[1] * b[1],
+        a[1] * b[2] + a[2] * b[1],
+        a[2] * b[2],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::sway::sway_field;
+
+    const VIEWPOINT: Viewpoint = Viewpoint { foot: Point2::new(1.5, 0.1), height_m: 1.5 };
+
+    fn raster() -> (GroundGrid, Raster) {
+        let grid = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
+        (grid, Raster::new(&grid, VIEWPOINT, [40, 8], 1))
+    }
+
+    /// Where a place is seen after a displacement, by the formulas in metres.
+    fn seen(place: Point2<f64>, displacement: &Displacement) -> Point2<f64> {
+        let after = displacement.current_from_previous * place;
+        let (by_pitch, by_roll) = sway_field(after, VIEWPOINT);
+        let [pitch, roll, standing] = displacement.sway_rad;
+        after + by_pitch * pitch + by_roll * (roll + standing) - sway_field(place, VIEWPOINT).1 * standing
+    }
+
+    /// Pixel (u, v) of the once halved part as a place.
+    fn place_of(grid: &GroundGrid, u: f64, v: f64) -> Point2<f64> {
+        grid.vehicle_from_ground(GroundPixel { column: 40.0 + 2.0 * u + 0.5, row: 8.0 + 2.0 * v + 0.5 })
+    }
+
+    #[test]
+    fn the_warp_is_the_motion_with_the_sway() {
+        let (grid, raster) = raster();
+        let displacement = Displacement {
+            current_from_previous: Isometry2::new(Vector2::new(-0.9, 0.04), -0.05),
+            sway_rad: [0.004, -0.003, 0.008],
+        };
+        let warp = raster.warp(&displacement);
+        for (u, v) in [(0.0, 0.0), (100.0, 40.0), (17.0, 150.0), (199.0, 159.0)] {
+            let [to_u, to_v] = warp.at(u as f32, v as f32).map(f64::from);
+            let wanted = seen(place_of(&grid, u, v), &displacement);
+            assert!((place_of(&grid, to_u, to_v) - wanted).norm() < 1e-4, "{u} {v}");
+        }
+    }
+
+    #[test]
+    fn the_directions_are_the_derivatives_of_the_warp() {
+        let (grid, raster) = raster();
+        let about = Displacement::of(Isometry2::new(Vector2::new(-0.9, 0.04), -0.05));
+        let step = 1e-6;
+        for (unknown, direction) in raster.directions(&about).iter().enumerate() {
+            for (u, v) in [(100.0, 40.0), (17.0, 150.0)] {
+                let place = place_of(&grid, u, v);
+                let mut changed = about;
+                match unknown {
+                    0 => changed.current_from_previous *= Isometry2::translation(step, 0.0),
+                    1 => changed.current_from_previous *= Isometry2::translation(0.0, step),
+                    2 => changed.current_from_previous *= Isometry2::rotation(step),
+                    _ => changed.sway_rad[unknown - 3] += step,
+                }
+                let difference = (seen(place, &changed) - seen(place, &about)) / step;
+                let derivative = about.current_from_previous.rotation.inverse() * difference;
+                let [right, down] = direction.at(u as f32, v as f32).map(f64::from);
+                let expected = Vector2::new(-derivative.y, -derivative.x) / raster.metres_per_pixel;
+                assert!((Vector2::new(right, down) - expected).norm() < 1e-3, "{unknown} at {u} {v}");
+            }
+        }
+    }
+}

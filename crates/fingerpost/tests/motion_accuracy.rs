@@ -1,0 +1,193 @@
+//! Motion estimators side by side on simulated drives, where every step is known: how far off, how sure of it, and
+//! whether they say so where the road tells nothing.
+//!
+//! `cargo test -p fingerpost --test motion_accuracy -- --nocapture` prints the table.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use fingerpost::ground_view::{GroundPicture, GroundView, GroundViewConfig};
+use fingerpost::motion::{
+    DirectMotion, DirectMotionConfig, FarnebackMotion, FarnebackMotionConfig, FlowModel, Motion,
+    MotionEstimator,
+};
+use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, wrap_angle};
+use fingerpost_map::{OsmData, RoadGraph, read_route};
+use fingerpost_sim::{Conditions, SimConfig, Simulator};
+use fingerpost_vision::colour::HueSaturationBins;
+use nalgebra::{Isometry2, Vector2, Vector3};
+
+const BINS: HueSaturationBins = HueSaturationBins { hue: 32, saturation: 32 };
+
+fn camera() -> Camera {
+    let intrinsics = Intrinsics { fx: 262.5, fy: 262.5, cx: 199.5, cy: 149.5 };
+    let mount = Mount { pitch_rad: 8_f64.to_radians(), x_m: 1.5, ..Mount::level(1.5) };
+    Camera::calibrated(400, 300, intrinsics, Distortion::None, mount).unwrap()
+}
+
+fn view() -> GroundView {
+    GroundView::new(&GroundViewConfig::default(), BINS, &camera()).unwrap()
+}
+
+fn simulator(config: &SimConfig) -> Simulator {
+    let town = include_bytes!("../../fingerpost-sim/assets/town.osm");
+    let graph = RoadGraph::from_osm(&OsmData::from_bytes(town).unwrap()).unwrap();
+    let route = read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap();
+    Simulator::new(&graph, &route, &camera(), config).unwrap()
+}
+
+/// A part of a drive with its ground views, and the true step to each from the one before.
+struct Drive {
+    name: &'static str,
+    pictures: Vec<GroundPicture>,
+    steps: Vec<Isometry2<f64>>,
+}
+
+fn drive(name: &'static str, config: &SimConfig, frames: usize) -> Drive {
+    let (simulator, view) = (simulator(config), view());
+    let pictures = (0..frames)
+        .map(|index| {
+            let mut picture = GroundPicture::new(view.grid().columns(), view.grid().rows(), BINS);
+            view.render(&simulator.frame(index).picture, &mut picture).unwrap();
+            picture
+        })
+        .collect();
+    let pose = |index: usize| {
+        let truth = simulator.truth(index);
+        Isometry2::new(Vector2::new(truth.x_m, truth.y_m), truth.heading_rad)
+    };
+    let steps = (1..frames).map(|index| pose(index - 1).inverse() * pose(index)).collect();
+    Drive { name, pictures, steps }
+}
+
+/// Motions of the drive's steps.
+fn motions(drive: &Drive, estimator: &mut dyn MotionEstimator) -> Vec<Motion> {
+    let view = view();
+    let mut found =
+        drive.pictures.iter().map(|picture| estimator.estimate(&view, picture).unwrap().map(|m| m.0));
+    assert!(found.next().unwrap().is_none(), "one frame is no motion");
+    found.map(|motion| motion.unwrap()).collect()
+}
+
+/// Error of a step: metres forward and left, radians.
+fn error(found: &Motion, step: &Isometry2<f64>) -> Vector3<f64> {
+    let shift = found.previous_from_current.translation.vector - step.translation.vector;
+    let turn = wrap_angle(found.previous_from_current.rotation.angle() - step.rotation.angle());
+    Vector3::new(shift.x, shift.y, turn)
+}
+
+/// Root mean squares of the errors.
+fn rms(drive: &Drive, found: &[Motion]) -> Vector3<f64> {
+    let squares = found.iter().zip(&drive.steps).map(|(found, step)| error(found, step).map(|e| e * e));
+    (squares.sum::<Vector3<f64>>() / found.len() as f64).map(f64::sqrt)
+}
+
+fn direct() -> DirectMotion {
+    DirectMotion::new(&DirectMotionConfig::default())
+}
+
+fn farneback(model: FlowModel) -> FarnebackMotion {
+    FarnebackMotion::new(&FarnebackMotionConfig { model, ..FarnebackMotionConfig::default() }).unwrap()
+}
+
+/// One of the turns of the town, with some road before and behind it.
+fn through_a_turn(seed: u64, conditions: Conditions) -> SimConfig {
+    SimConfig { seed, conditions, start_m: 249.0, ..SimConfig::default() }
+}
+
+#[test]
+fn direct_alignment_is_more_accurate_than_flow_and_honest_about_it() {
+    let scenes = [
+        ("clear", Conditions::CLEAR),
+        ("unmarked", Conditions::UNMARKED),
+        ("shadows", Conditions::SHADOWS),
+        ("rough", Conditions::ROUGH),
+        ("ideal", Conditions::IDEAL),
+    ];
+    println!("{:<9} {:<7} {:>9} {:>9} {:>9}", "drive", "method", "fwd cm", "left cm", "yaw mrad");
+    for (seed, (name, conditions)) in (11..).zip(scenes) {
+        let drive = drive(name, &through_a_turn(seed, conditions), 45);
+        let turned: f64 = drive.steps.iter().map(|step| step.rotation.angle().abs()).sum();
+        assert!(turned > 0.5, "{name}: a turn of {turned} rad");
+        let print = |method: &str, rms: Vector3<f64>| {
+            let (name, rms) = (drive.name, rms.component_mul(&Vector3::new(100.0, 100.0, 1000.0)));
+            println!("{name:<9} {method:<7} {:>9.2} {:>9.2} {:>9.2}", rms.x, rms.y, rms.z);
+            rms
+        };
+        let found = motions(&drive, &mut direct());
+        let ours = print("direct", rms(&drive, &found));
+        let mean = print("mean", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Mean))));
+        let rigid = print("rigid", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Rigid))));
+        assert!((0..3).all(|axis| ours[axis] < 0.5 * mean[axis]), "{name}: half of what the mean flow errs");
+        assert!((0..3).all(|axis| ours[axis] < rigid[axis]), "{name}: better than the rigid fit to the flow");
+
+        // Normalised errors squared: 1 a degree of freedom on average when the covariances are right.
+        let normalised = found.iter().zip(&drive.steps).map(|(found, step)| {
+            let error = error(found, step);
+            error.dot(&(found.covariance.try_inverse().unwrap() * error)) / 3.0
+        });
+        let consistency = normalised.sum::<f64>() / found.len() as f64;
+        println!("{name:<9} direct  normalised error squared {consistency:.2}");
+        assert!(consistency < 3.0, "{name}: {consistency} times the variance that is promised");
+        let believed = found.iter().filter(|motion| motion.quality > 0.3).count();
+        assert!(10 * believed > 9 * found.len(), "{name}: {believed} of {} believed", found.len());
+    }
+}
+
+#[test]
+fn a_standing_vehicle_does_not_move_and_a_creeping_one_does() {
+    let (simulator, view) = (simulator(&SimConfig { start_m: 30.0, ..SimConfig::default() }), view());
+    let mut estimator = direct();
+    let mut picture = GroundPicture::new(view.grid().columns(), view.grid().rows(), BINS);
+    let frame = simulator.frame(0).picture;
+    for i in 0..8_u64 {
+        // The camera's noise, two grey levels either way, differs from frame to frame.
+        let mut noisy = frame.clone();
+        let mut state = i + 1;
+        for value in noisy.as_mut_slice() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let noise = ((state >> 60) % 5) as i16 - 2;
+            *value = (i16::from(*value) + noise).clamp(0, 255) as u8;
+        }
+        view.render(&noisy, &mut picture).unwrap();
+        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
+            assert_eq!(motion.previous_from_current, Isometry2::identity(), "frame {i}");
+            assert!(motion.quality > 0.5 && motion.covariance.symmetric_eigenvalues().min() > 0.0);
+        }
+    }
+    // A tenth of a metre a second, a hundred times a second: a millimetre a frame is less than one frame tells.
+    let creeping = SimConfig { fps: 1000.0, cruise_speed_mps: 1.0, start_m: 30.0, ..SimConfig::default() };
+    let drive = drive("creeping", &creeping, 40);
+    let crept: f64 = drive.steps.iter().map(|step| step.translation.x).sum();
+    let found: f64 =
+        motions(&drive, &mut direct()).iter().map(|m| m.previous_from_current.translation.x).sum();
+    assert!(crept > 0.03 && (found - crept).abs() < 0.008, "{found} m of {crept} m");
+}
+
+#[test]
+fn a_road_that_tells_nothing_is_not_believed() {
+    let view = view();
+    let mut picture = GroundPicture::new(view.grid().columns(), view.grid().rows(), BINS);
+    let mut estimator = direct();
+    let mut state = 1_u64;
+    let mut sigma_m = 0.0;
+    for i in 0..6 {
+        // Noise alone, different in each frame.
+        for value in picture.grey.as_mut_slice() {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *value = 110 + ((state >> 61) % 5) as u8;
+        }
+        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
+            assert!(motion.quality < 0.2, "frame {i}: quality {}", motion.quality);
+            let now_m = motion.covariance[(0, 0)].sqrt();
+            assert!(now_m > 0.5 && now_m >= sigma_m, "frame {i}: {now_m} m after {sigma_m} m");
+            sigma_m = now_m;
+        }
+    }
+    for grey in [0, 90, 255] {
+        picture.grey.as_mut_slice().fill(grey);
+        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
+            assert!(motion.quality < 0.2, "grey {grey}: quality {}", motion.quality);
+        }
+    }
+}
