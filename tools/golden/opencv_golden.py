@@ -12,6 +12,13 @@ written, only the flow between their ground views. All numbers are little-endian
                                             column of every such row
     colour.bin                              grey, hue, saturation of each colour of a LEVELS^3 grid, blue fastest
     warp.grey                               synthetic_1_previous resampled by warp_place, 0 where it looks outside
+    gaussian_5.grey, box_15.grey,           synthetic_1_previous smoothed, and dilated by an ellipse: every STEP-th column
+    dilated_5.grey                          of every such row
+    sobel.i16                               the same of its slopes: dx, dy
+    canny_l1.bits, canny_l2.bits            edges of it smoothed, eight pixels a byte, the first in the highest bit
+    components.i32                          of the components of canny_l1, by their first pixels: left, top, width, height,
+                                            area
+    lines.f32                               of the LINES strongest lines in canny_l1: rho, theta, votes
 """
 
 import pathlib
@@ -23,6 +30,8 @@ import numpy as np
 WIDTH, HEIGHT = 128, 160  # columns and rows of every ground view, pixels
 STEP = 4  # one flow vector is kept every so many pixels, to keep the files small
 KITTI_STEP = 8  # coarser for recorded drives, whose licence lets only such samples ship
+LINES = 12  # lines kept
+CANNY = (80, 160)  # thresholds
 LEVELS = range(0, 256, 15)  # levels of each channel in the grid of colours
 FLOW = dict(pyr_scale=0.5, levels=3, winsize=15, iterations=3, poly_n=5, poly_sigma=1.2, flags=0)
 
@@ -111,6 +120,28 @@ def save_flow(path, flow, step):
     path.write_bytes(flow[::step, ::step].astype("<f4").tobytes())
 
 
+def save_edges(out, picture):
+    def save(name, values, kind):
+        (out / name).write_bytes(np.ascontiguousarray(values).astype(kind).tobytes())
+
+    ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
+    blurred = cv2.GaussianBlur(picture, (5, 5), 1.1)
+    save("gaussian_5.grey", blurred[::STEP, ::STEP], "u1")
+    save("box_15.grey", cv2.boxFilter(picture, -1, (15, 15))[::STEP, ::STEP], "u1")
+    save("dilated_5.grey", cv2.dilate(picture, ellipse)[::STEP, ::STEP], "u1")
+    slopes = [cv2.Sobel(picture, cv2.CV_16S, right, 1 - right)[::STEP, ::STEP] for right in (1, 0)]
+    save("sobel.i16", np.dstack(slopes), "<i2")
+    edges = cv2.Canny(blurred, *CANNY)
+    save("canny_l1.bits", np.packbits(edges > 0, axis=1), "u1")
+    save("canny_l2.bits", np.packbits(cv2.Canny(blurred, *CANNY, L2gradient=True) > 0, axis=1), "u1")
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(edges, connectivity=8)
+    found, first_pixels = np.unique(labels, return_index=True)
+    in_order = [label for _, label in sorted(zip(first_pixels, found)) if label > 0]
+    save("components.i32", stats[in_order], "<i4")
+    lines = cv2.HoughLinesWithAccumulator(edges, 1, np.pi / 180, 20)
+    save("lines.f32", lines[:LINES], "<f4")
+
+
 def main():
     out, data = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
     for number, pair in enumerate(synthetic_pairs(), 1):
@@ -119,6 +150,7 @@ def main():
         (out / f"synthetic_{number}_next.grey").write_bytes(following.tobytes())
         save_flow(out / f"synthetic_{number}.flow", flow_between(previous, following), STEP)
         if number == 1:
+            save_edges(out, previous)
             col, row = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
             u, v = warp_place(col, row)
             seen = (u >= 0) & (u <= WIDTH - 1) & (v >= 0) & (v <= HEIGHT - 1)

@@ -4,6 +4,8 @@
 //! Smith, "Color gamut transform pairs", SIGGRAPH 1978) in the ranges that are usual for 8-bit pictures: hue in half
 //! degrees, 0 to 179 with red at 0, and saturation 0 to 255.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod kernel;
 mod lanes;
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | [`picture`] | planes, views, colour pictures, rectangles | |
 //! | [`warp`] | resampling through a table built once | |
-//! | [`colour`] | grey, hue and saturation, histogram bins | ITU-R BT.601; Smith 1978 |
+//! | [`colour`] | grey, hue and saturation, histogram bins, planar YUV | ITU-R BT.601, BT.709; Smith 1978 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |

@@ -4,6 +4,7 @@
 //! and 1, 2, 1 across it, so a slope of one level a pixel reads 8. Beyond its edges the picture is continued by a mirror
 //! through the centre of the edge pixel (dcb|abcd).
 
+use crate::blocks::fastest_for_unaligned_rows;
 use crate::border::Border;
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
@@ -53,7 +54,7 @@ impl Sobel {
         dx: &mut Plane<i16>,
         dy: &mut Plane<i16>,
     ) -> Result<(), PictureError> {
-        self.gradient_on(CodePath::fastest(), source, dx, dy)
+        self.gradient_on(fastest_for_unaligned_rows(), source, dx, dy)
     }
 
     /// Slopes of `source` to the right alone, -1020 to 1020.
@@ -61,7 +62,7 @@ impl Sobel {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when the two differ in size.
     pub fn horizontal(&mut self, source: PlaneView<'_, u8>, dx: &mut Plane<i16>) -> Result<(), PictureError> {
-        self.horizontal_on(CodePath::fastest(), source, dx)
+        self.horizontal_on(fastest_for_unaligned_rows(), source, dx)
     }
 
     /// Slopes of `source` downwards alone, -1020 to 1020.
@@ -69,7 +70,7 @@ impl Sobel {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when the two differ in size.
     pub fn vertical(&mut self, source: PlaneView<'_, u8>, dy: &mut Plane<i16>) -> Result<(), PictureError> {
-        self.vertical_on(CodePath::fastest(), source, dy)
+        self.vertical_on(fastest_for_unaligned_rows(), source, dy)
     }
 
     fn gradient_on(

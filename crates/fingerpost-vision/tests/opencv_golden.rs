@@ -5,9 +5,15 @@
 mod common;
 
 use common::{HEIGHT, WIDTH, end_point_difference, golden};
+use fingerpost_vision::canny::{Canny, CannyParams, GradientNorm};
 use fingerpost_vision::colour::{grey_of, hue_saturation_of};
+use fingerpost_vision::components::{ConnectedComponents, Connectivity};
 use fingerpost_vision::farneback::{Farneback, FarnebackParams};
+use fingerpost_vision::hough::{HoughLines, HoughParams};
+use fingerpost_vision::morphology::{Dilation, StructuringElement};
 use fingerpost_vision::picture::Plane;
+use fingerpost_vision::smoothing::{BoxBlur, GaussianBlur};
+use fingerpost_vision::sobel::Sobel;
 use fingerpost_vision::warp::WarpTable;
 
 /// Mean end-point difference allowed, pixels.
@@ -63,5 +69,90 @@ fn resampling_agrees_within_one_level() {
     for (index, (found, expected)) in warped.as_slice().iter().zip(expected.as_slice()).enumerate() {
         let (col, row) = (index % WIDTH, index / WIDTH);
         assert!(found.abs_diff(*expected) <= 1, "({col}, {row}): {found}, not {expected}");
+    }
+}
+
+/// Every [`STEP`]-th pixel of every such row.
+fn sampled<T: Copy>(plane: &Plane<T>) -> Vec<T> {
+    let rows = (0..plane.height()).step_by(STEP);
+    rows.flat_map(|y| plane.row(y).iter().copied().step_by(STEP)).collect()
+}
+
+fn smoothed() -> Plane<u8> {
+    let mut smoothed = Plane::new(WIDTH, HEIGHT, 0);
+    let picture = golden_picture("synthetic_1_previous.grey");
+    GaussianBlur::new(5, 1.1).unwrap().apply(picture.view(), &mut smoothed).unwrap();
+    smoothed
+}
+
+fn edges(norm: GradientNorm) -> Plane<u8> {
+    let mut edges = Plane::new(WIDTH, HEIGHT, 0);
+    let params = CannyParams { low: 80.0, high: 160.0, norm };
+    Canny::new(params).unwrap().apply(smoothed().view(), &mut edges).unwrap();
+    edges
+}
+
+#[test]
+fn smoothing_and_dilation_agree_to_the_level() {
+    let picture = golden_picture("synthetic_1_previous.grey");
+    assert_eq!(sampled(&smoothed()), golden("gaussian_5.grey"));
+    let mut target = Plane::new(WIDTH, HEIGHT, 0);
+    BoxBlur::new(15).unwrap().apply(picture.view(), &mut target).unwrap();
+    assert_eq!(sampled(&target), golden("box_15.grey"));
+    Dilation::new(StructuringElement::ellipse(5, 5).unwrap()).apply(picture.view(), &mut target).unwrap();
+    assert_eq!(sampled(&target), golden("dilated_5.grey"));
+}
+
+#[test]
+fn slopes_agree_exactly() {
+    let (mut dx, mut dy) = (Plane::new(WIDTH, HEIGHT, 0), Plane::new(WIDTH, HEIGHT, 0));
+    let picture = golden_picture("synthetic_1_previous.grey");
+    Sobel::new().gradient(picture.view(), &mut dx, &mut dy).unwrap();
+    let slopes = sampled(&dx).into_iter().zip(sampled(&dy));
+    let found: Vec<u8> = slopes.flat_map(|(dx, dy)| [dx.to_le_bytes(), dy.to_le_bytes()].concat()).collect();
+    assert_eq!(found, golden("sobel.i16"));
+}
+
+#[test]
+fn edges_agree_pixel_by_pixel() {
+    for (norm, name) in [(GradientNorm::L1, "canny_l1.bits"), (GradientNorm::L2, "canny_l2.bits")] {
+        let edges = edges(norm);
+        let packed = |eight: &[u8]| eight.iter().fold(0, |bits, &edge| bits << 1 | u8::from(edge != 0));
+        let found: Vec<u8> = edges.as_slice().chunks(8).map(packed).collect();
+        assert_eq!(found, golden(name), "{name}");
+    }
+}
+
+#[test]
+fn components_agree_in_place_and_area() {
+    let mut finder = ConnectedComponents::new(Connectivity::Eight);
+    let components = finder.find(edges(GradientNorm::L1).view());
+    let numbers = components.iter().flat_map(|component| {
+        let bounds = component.bounds;
+        [bounds.x, bounds.y, bounds.width, bounds.height, component.area_px]
+    });
+    let found: Vec<u8> = numbers.flat_map(|number| (number as i32).to_le_bytes()).collect();
+    assert!(found.len() > 5 * 4 * 10);
+    assert_eq!(found, golden("components.i32"));
+}
+
+#[test]
+fn the_strongest_lines_agree_within_a_bin() {
+    let step_rad = 1_f64.to_radians();
+    let params = HoughParams { rho_step_px: 1.0, theta_step_rad: step_rad, votes: 20 };
+    let mut finder = HoughLines::new(params).unwrap();
+    let found = finder.find(edges(GradientNorm::L1).view());
+    let bytes = golden("lines.f32");
+    let (values, _) = bytes.as_chunks::<4>();
+    let values: Vec<f64> = values.iter().map(|&value| f64::from(f32::from_le_bytes(value))).collect();
+    let (expected, _) = values.as_chunks::<3>();
+    assert_eq!(expected.len(), 12);
+    for &[rho_px, theta_rad, votes] in expected {
+        let agrees = found[..2 * expected.len()].iter().any(|line| {
+            (line.rho_px - rho_px).abs() <= 1.001
+                && (line.theta_rad - theta_rad).abs() <= 1.001 * step_rad
+                && (f64::from(line.votes) - votes).abs() <= 2.0
+        });
+        assert!(agrees, "({rho_px}, {theta_rad}, {votes}) not in {found:#?}");
     }
 }

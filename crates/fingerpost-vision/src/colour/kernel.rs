@@ -1,7 +1,11 @@
 //! Grey, hue and saturation of many pixels, in blocks that stay in the first cache.
 
+#[cfg(target_arch = "x86_64")]
+use super::avx512;
 use super::lanes::unpack;
 use super::{BinDivision, grey_of, hue_saturation_of};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 use crate::simd::{CodePath, simd_kernel};
 
 /// Pixels in a block: their lanes, 1 KiB, stay in the first cache, and a call a block costs nothing beside them.
@@ -9,6 +13,19 @@ const BLOCK: usize = 256;
 
 /// Fills `grey` with the luma of `rgb`; the two are of one length.
 pub(super) fn grey_of_all(path: CodePath, rgb: &[[u8; 3]], grey: &mut [u8]) {
+    let done = match path.instruction_set() {
+        // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+        // Benefit: 1.6 times as fast as the plain loop over lanes on Zen 4 at 512 x 512.
+        #[cfg(target_arch = "x86_64")]
+        #[allow(unsafe_code)]
+        InstructionSet::Avx512 => unsafe {
+            let ((rgb, _), (grey, _)) = (rgb.as_chunks(), grey.as_chunks_mut());
+            avx512::grey_blocks(rgb, grey);
+            rgb.as_flattened().len()
+        },
+        _ => 0,
+    };
+    let (rgb, grey) = (&rgb[done..], &mut grey[done..]);
     let mut lanes = [0; BLOCK];
     for (rgb, grey) in rgb.chunks(BLOCK).zip(grey.chunks_mut(BLOCK)) {
         grey_block(path, unpack(path, rgb, &mut lanes), grey);
@@ -32,6 +49,20 @@ pub(crate) fn grey_and_bins_of_all(
     grey: &mut [u8],
     bin: &mut [u16],
 ) {
+    let done = match path.instruction_set() {
+        // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+        // Benefit: 1.4 times as fast as the plain loop over lanes on Zen 4 at 512 x 512.
+        #[cfg(target_arch = "x86_64")]
+        #[allow(unsafe_code)]
+        InstructionSet::Avx512 => unsafe {
+            let ((rgb, _), (grey, _), (bin, _)) =
+                (rgb.as_chunks(), grey.as_chunks_mut(), bin.as_chunks_mut());
+            avx512::grey_and_bins_blocks(rgb, division, grey, bin);
+            rgb.as_flattened().len()
+        },
+        _ => 0,
+    };
+    let (rgb, grey, bin) = (&rgb[done..], &mut grey[done..], &mut bin[done..]);
     let mut lanes = [0; BLOCK];
     let outs = grey.chunks_mut(BLOCK).zip(bin.chunks_mut(BLOCK));
     for (rgb, (grey, bin)) in rgb.chunks(BLOCK).zip(outs) {

@@ -1,6 +1,8 @@
 //! Interleaved colour unpacked to one 32-bit lane a pixel, the form in which whole vectors of colours are computed.
 
-use crate::simd::{CodePath, InstructionSet};
+use crate::simd::CodePath;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 
 /// Fills as many of `lanes` as `rgb` has pixels, with red in the lowest byte, then green, blue and 0, and returns them;
 /// `lanes` is at least as long.

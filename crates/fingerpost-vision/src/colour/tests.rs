@@ -4,25 +4,17 @@
 
 use super::*;
 
-/// The whole number nearest to a fraction that is not negative, ties to the even one, in whole numbers alone.
-fn nearest(numerator: i32, divisor: i32) -> i32 {
-    let (whole, rest) = (numerator / divisor, numerator % divisor);
-    match (2 * rest).cmp(&divisor) {
-        std::cmp::Ordering::Less => whole,
-        std::cmp::Ordering::Greater => whole + 1,
-        std::cmp::Ordering::Equal => whole + whole % 2,
-    }
-}
-
 #[test]
 fn quotients_are_rounded_exactly() {
     for divisor in 1..=255 {
         for numerator in 0..=330 * divisor {
-            assert_eq!(
-                rounded_quotient(numerator, divisor),
-                nearest(numerator, divisor),
-                "{numerator} / {divisor}"
-            );
+            let (whole, rest) = (numerator / divisor, numerator % divisor);
+            let nearest = match (2 * rest).cmp(&divisor) {
+                std::cmp::Ordering::Less => whole,
+                std::cmp::Ordering::Greater => whole + 1,
+                std::cmp::Ordering::Equal => whole + whole % 2,
+            };
+            assert_eq!(rounded_quotient(numerator, divisor), nearest, "{numerator} / {divisor}");
         }
     }
 }
@@ -37,6 +29,24 @@ fn every_division_numbers_bins_as_the_plain_one() {
                 for level in [0, 1, 127, 128, 254, 255] {
                     assert_eq!(usize::from(division.bin_of(hue, level)), bins.bin_of(hue, level), "{bins:?}");
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_path_gives_the_same_bin_to_every_second_colour() {
+    let division = BinDivision::new(HueSaturationBins { hue: 180, saturation: 256 }).unwrap();
+    for r in 0..=255 {
+        let levels = || (0..=255_u8).step_by(2).map(|level| level | (r & 1));
+        let rgb: Vec<[u8; 3]> = levels().flat_map(|g| levels().map(move |b| [r, g, b])).collect();
+        for path in CodePath::available() {
+            let (mut grey, mut bin) = (vec![1; rgb.len()], vec![2; rgb.len()]);
+            grey_and_bins_of_all(path, &rgb, &division, &mut grey, &mut bin);
+            for (i, &rgb) in rgb.iter().enumerate() {
+                let (hue, saturation) = hue_saturation_of(rgb);
+                assert_eq!(usize::from(bin[i]), usize::from(hue) * 256 + usize::from(saturation), "{rgb:?}");
+                assert_eq!(grey[i], grey_of(rgb), "{path:?} {rgb:?}");
             }
         }
     }

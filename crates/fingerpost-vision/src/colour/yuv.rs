@@ -19,7 +19,9 @@ mod tests;
 
 use crate::error::{PictureError, check_size};
 use crate::picture::{RgbImage, check_length};
-use crate::simd::{CodePath, InstructionSet, simd_kernel};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// The luma weights of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@
 //! Beyond, sums run along the row too.
 
 use super::{SmoothingError, check_window};
-use crate::blocks::{BLOCK, block_starts, single_pixels};
+use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
 use crate::border::Border;
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
@@ -13,9 +13,6 @@ use crate::simd::{CodePath, simd_kernel};
 
 /// Widest odd window whose sum of 8-bit pixels fits 16 bits: 15 * 15 * 255, and half the divisor for rounding.
 const WIDEST_16_BIT_PX: usize = 15;
-
-/// Rows whose columns are summed before their windows are, so that a processor does not read what it has not yet written.
-const BAND_ROWS: usize = 8;
 
 /// A box blur of 8-bit pictures, with the buffers that it needs.
 ///
@@ -33,7 +30,7 @@ const BAND_ROWS: usize = 8;
 pub struct BoxBlur {
     size_px: usize,
     /// Sums of the columns of a band of rows, each row mirrored at both ends. Above them is the row before the band's.
-    band: Vec<u16>,
+    band: PaddedRows<u16>,
 }
 
 impl BoxBlur {
@@ -43,7 +40,7 @@ impl BoxBlur {
     /// [`SmoothingError`] when the window is even or wider than [`super::MAX_SIZE_PX`].
     pub fn new(size_px: usize) -> Result<Self, SmoothingError> {
         check_window(size_px)?;
-        Ok(Self { size_px, band: Vec::new() })
+        Ok(Self { size_px, band: PaddedRows::default() })
     }
 
     /// Blurs `source` into `target`.
@@ -66,27 +63,22 @@ impl BoxBlur {
             return Ok(());
         }
         let reach = self.size_px / 2;
-        let pitch = width + 2 * reach;
-        let inner = reach..reach + width;
-        self.band.clear();
-        self.band.resize(pitch * (BAND_ROWS + 1), 0);
+        self.band.reset(width, reach, BAND_ROWS + 1);
         let row = |y: usize, offset: isize| source.row(Border::Mirror.inside(y as isize + offset, height));
         // The sums of a row above the first one, so that the first is reached by a step like any other.
         let (first_offset, last_offset) = (-(reach as isize), reach as isize);
         for offset in first_offset - 1..last_offset {
-            add(path, &mut self.band[BAND_ROWS * pitch..][inner.clone()], row(0, offset));
+            add(path, self.band.inner_mut(0), row(0, offset));
         }
         for band_start in (0..height).step_by(BAND_ROWS) {
             let band = band_start..height.min(band_start + BAND_ROWS);
-            self.band.copy_within(BAND_ROWS * pitch.., 0);
             for (number, y) in band.clone().enumerate() {
-                let (before, after) = self.band.split_at_mut((number + 1) * pitch);
-                let (last, next) = (&before[number * pitch..][inner.clone()], &mut after[..pitch]);
-                let (entering, leaving) = (row(y, last_offset), row(y, first_offset - 1));
-                step_down(path, last, entering, leaving, &mut next[inner.clone()]);
-                Border::Mirror.pad(next, reach);
+                let (last, next) = self.band.inner_and_next(number);
+                step_down(path, last, row(y, last_offset), row(y, first_offset - 1), next);
+                self.band.pad(number + 1, Border::Mirror);
             }
-            for (y, sums) in band.zip(self.band.chunks_exact(pitch).skip(1)) {
+            for (number, y) in band.enumerate() {
+                let sums = self.band.row(number + 1, reach);
                 match self.size_px {
                     1 => target.row_mut(y).copy_from_slice(source.row(y)),
                     3 => window_means::<3>(path, sums, 3, target.row_mut(y)),
@@ -97,6 +89,7 @@ impl BoxBlur {
                     size_px => running_means(sums, size_px, target.row_mut(y)),
                 }
             }
+            self.band.copy_first_from(BAND_ROWS);
         }
         Ok(())
     }

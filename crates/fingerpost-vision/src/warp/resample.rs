@@ -1,6 +1,8 @@
 //! The bilinear sums of a warp, run by run.
 
-use crate::simd::{CodePath, InstructionSet};
+use crate::simd::CodePath;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 
 /// Bits of the four weights' sum, [`super::STEPS_PER_PX`] squared.
 pub(super) const WEIGHT_BITS: u32 = 10;
