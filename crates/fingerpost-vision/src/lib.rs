@@ -20,6 +20,7 @@
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
+//! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.

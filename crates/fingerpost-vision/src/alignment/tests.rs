@@ -163,16 +163,16 @@ proptest! {
             });
             for i in 0..UNKNOWNS {
                 gradient[i] += f64::from(weight * residual) * slopes[i];
-                for j in 0..UNKNOWNS {
-                    hessian[i][j] += f64::from(weight) * slopes[i] * slopes[j];
+                for (sum, slope) in hessian[i].iter_mut().zip(slopes) {
+                    *sum += f64::from(weight) * slopes[i] * slope;
                 }
             }
         }
         prop_assert!(close(residuals.seen, seen, 1e-6));
         let most = (0..UNKNOWNS).map(|i| hessian[i][i]).fold(1.0, f64::max);
         for i in 0..UNKNOWNS {
-            for j in 0..UNKNOWNS {
-                prop_assert!((f64::from(sums.hessian[i][j]) - hessian[i][j]).abs() < 2e-3 * most, "{i} {j}: {} for {}", sums.hessian[i][j], hessian[i][j]);
+            for (&found, &expected) in sums.hessian[i].iter().zip(&hessian[i]) {
+                prop_assert!((f64::from(found) - expected).abs() < 2e-3 * most, "{found} for {expected}");
             }
             prop_assert!((f64::from(sums.gradient[i]) - gradient[i]).abs() < 2e-3 * most * f64::from(scale));
         }
