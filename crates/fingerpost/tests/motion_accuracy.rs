@@ -191,3 +191,13 @@ fn a_road_that_tells_nothing_is_not_believed() {
         }
     }
 }
+
+#[test]
+fn a_frame_needs_no_new_memory() {
+    let (drive, view) = (drive("clear", &SimConfig { start_m: 30.0, ..SimConfig::default() }, 10), view());
+    let mut estimator = direct();
+    for (i, picture) in drive.pictures.iter().enumerate() {
+        let used = allocation_counter::measure(|| assert!(estimator.estimate(&view, picture).is_ok()));
+        assert!(i < 2 || used.count_total == 0, "frame {i}: {used:?}");
+    }
+}

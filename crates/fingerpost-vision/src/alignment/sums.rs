@@ -93,8 +93,10 @@ impl Residuals {
         brightness: Brightness,
         scale: f32,
     ) {
-        self.residual.resize(template.u.len(), [0.0; LANES]);
-        self.weight.resize(template.u.len(), [0.0; LANES]);
+        for lanes in [&mut self.residual, &mut self.weight] {
+            lanes.reserve(template.u.capacity().saturating_sub(lanes.len()));
+            lanes.resize(template.u.len(), [0.0; LANES]);
+        }
         let points = [&template.u[..], &template.v, &template.grey];
         let (cells, width, height) = (target.cells.as_slice(), target.cells.width(), target.cells.height());
         let sums = sample(

@@ -50,6 +50,14 @@ impl Template {
         self.orders.extend((0..width).map(|x| (MOST_ORDERS - 1 - x % cell) as u32));
         self.keys.resize(width, 0);
         let rows = if columns > 0 { bottom.saturating_sub(top) / cell } else { 0 };
+        // Room for a point in every cell, so that a richer frame needs no new memory.
+        let most_groups = (columns * rows).div_ceil(LANES);
+        for lanes in [&mut self.u, &mut self.v, &mut self.grey, &mut self.gradient_u, &mut self.gradient_v]
+            .into_iter()
+            .chain(&mut self.descent)
+        {
+            lanes.reserve(most_groups.saturating_sub(lanes.len()));
+        }
         for row in 0..rows {
             let y = top + row * cell;
             self.keys.fill(0);

@@ -233,6 +233,7 @@ fn show(
     };
     let points = level.template.len();
     evidence.samples.clear();
+    evidence.samples.reserve(SAMPLES);
     evidence.samples.extend((0..points).step_by(points.div_ceil(SAMPLES).max(1)).filter_map(|point| {
         let place = level.template.place(point)?;
         let weight = f64::from(residuals.weight(point)?);
