@@ -14,7 +14,7 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::rigid_fit::{Pair, RigidFit, fit};
+use super::rigid_fit::{Pair, Residuals, RigidFit, fit};
 use super::sway::Viewpoint;
 use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse, mean_flow,
@@ -96,6 +96,9 @@ pub struct FarnebackMotion {
     moved: Plane<u8>,
     previous: Option<Plane<u8>>,
     pairs: Vec<Pair>,
+    residuals: Residuals,
+    /// Pixels seen to either side of the middle, a row each.
+    halves: Vec<usize>,
     evidence: MotionEvidence,
     last: Isometry2<f64>,
     /// Grey difference that the last fit left, grey levels.
@@ -122,6 +125,8 @@ impl FarnebackMotion {
             moved: Plane::default(),
             previous: None,
             pairs: Vec::new(),
+            residuals: Residuals::default(),
+            halves: Vec::new(),
             evidence: MotionEvidence::default(),
             last: Isometry2::identity(),
             last_difference: 0.0,
@@ -192,7 +197,8 @@ impl FarnebackMotion {
         let area = (pairs.len() * SAMPLE_STRIDE_PX * SAMPLE_STRIDE_PX) as f64;
         let independent = (area / (self.config.window_px * self.config.window_px) as f64).max(1.0);
         let viewpoint = Viewpoint { foot: view.camera_foot(), height_m: view.camera_height_m() };
-        let fitted = fit(pairs, viewpoint, FLOW_FLOOR_PX * view.grid().metres_per_pixel(), independent)?;
+        let floor_m = FLOW_FLOOR_PX * view.grid().metres_per_pixel();
+        let fitted = fit(pairs, &mut self.residuals, viewpoint, floor_m, independent)?;
         match self.config.model {
             FlowModel::Rigid => Some(fitted),
             FlowModel::Mean => {
@@ -210,7 +216,7 @@ impl FarnebackMotion {
         current: &Plane<u8>,
     ) -> Result<Option<Motion>, MotionError> {
         let grid = *view.grid();
-        let region = region(view, &self.config).ok_or(MotionError::NoRegion)?;
+        let region = region(view, &self.config, &mut self.halves).ok_or(MotionError::NoRegion)?;
         let pictures = (previous, current);
         let (start, mut motion) = self.start(view, pictures, region);
         self.measure(view, pictures, region, &motion)?;
@@ -319,7 +325,7 @@ fn move_patch(
 }
 
 /// The largest region ahead, at most as large as configured, that is seen whole; the nearer of equals.
-fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
+fn region(view: &GroundView, config: &FarnebackMotionConfig, halves: &mut Vec<usize>) -> Option<Rect> {
     let (grid, validity) = (view.grid(), view.validity().plane());
     let middle = grid.columns() / 2;
     let half_limit = (0.5 * config.region_width_m / grid.metres_per_pixel()) as usize;
@@ -330,7 +336,8 @@ fn region(view: &GroundView, config: &FarnebackMotionConfig) -> Option<Rect> {
             .take_while(|&k| pixels[middle + k] != 0 && pixels[middle - 1 - k] != 0)
             .count()
     };
-    let halves: Vec<usize> = (0..grid.rows()).map(seen_half).collect();
+    halves.clear();
+    halves.extend((0..grid.rows()).map(seen_half));
     (length..=grid.rows())
         .rev()
         .map(|bottom| (bottom, halves[bottom - length..bottom].iter().copied().min().unwrap_or(0)))

@@ -29,17 +29,26 @@ pub(super) struct RigidFit {
     pub(super) covariance: Matrix3<f64>,
 }
 
+/// Memory of the residuals' sizes, metres, reused from fit to fit.
+#[derive(Debug, Default)]
+pub(super) struct Residuals {
+    of_pairs_m: Vec<f64>,
+    sorted: Vec<f64>,
+}
+
 const ITERATIONS: usize = 8;
 /// Tukey's constant: 95 % efficiency on Gaussian residuals.
 const TUKEY: f64 = 4.685;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_SIGMA: f64 = 1.4826;
+
 /// Fits the motion, leaving each pair's final weight in it; none for fewer than six pairs.
 ///
 /// `scale_floor_m` keeps the re-weighting from rejecting pairs over differences below the flow's own accuracy;
 /// `independent` is how many of the pairs count as independent measurements.
 pub(super) fn fit(
     pairs: &mut [Pair],
+    residuals: &mut Residuals,
     viewpoint: Viewpoint,
     scale_floor_m: f64,
     independent: f64,
@@ -50,15 +59,14 @@ pub(super) fn fit(
     let mut motion = procrustes(pairs)?;
     let mut sway = SVector::<f64, 3>::zeros();
     let mut information = SMatrix::<f64, 6, 6>::zeros();
-    let mut residuals = Vec::with_capacity(pairs.len());
-    let mut sorted = Vec::with_capacity(pairs.len());
+    let Residuals { of_pairs_m, sorted } = residuals;
     for _ in 0..ITERATIONS {
-        residuals.clear();
-        residuals.extend(pairs.iter().map(|pair| residual(pair, &motion, &sway, viewpoint).norm()));
-        sorted.clone_from(&residuals);
+        of_pairs_m.clear();
+        of_pairs_m.extend(pairs.iter().map(|pair| residual(pair, &motion, &sway, viewpoint).norm()));
+        sorted.clone_from(of_pairs_m);
         sorted.sort_unstable_by(f64::total_cmp);
         let scale = (MAD_TO_SIGMA * sorted[sorted.len() / 2]).max(scale_floor_m);
-        for (pair, residual) in pairs.iter_mut().zip(&residuals) {
+        for (pair, residual) in pairs.iter_mut().zip(&*of_pairs_m) {
             let x = residual / (TUKEY * scale);
             pair.weight = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
         }
@@ -184,7 +192,7 @@ mod tests {
         for pair in pairs.iter_mut().step_by(4) {
             pair.current.y += 0.7;
         }
-        let fit = fit(&mut pairs, VIEWPOINT, 0.005, 50.0).unwrap();
+        let fit = fit(&mut pairs, &mut Residuals::default(), VIEWPOINT, 0.005, 50.0).unwrap();
         assert!((fit.current_from_previous.translation.vector - motion.translation.vector).norm() < 1e-6);
         assert!((fit.current_from_previous.rotation.angle() + 0.03).abs() < 1e-7);
         assert!((fit.accepted - 0.75).abs() < 0.01, "a quarter are outliers: {}", fit.accepted);
@@ -200,7 +208,7 @@ mod tests {
             let (by_pitch, by_roll) = sway_field(pair.current, VIEWPOINT);
             pair.current += by_pitch * pitch + by_roll * roll;
         }
-        let fit = fit(&mut pairs, VIEWPOINT, 0.0025, 100.0).unwrap();
+        let fit = fit(&mut pairs, &mut Residuals::default(), VIEWPOINT, 0.0025, 100.0).unwrap();
         let error = fit.current_from_previous.translation.vector - motion.translation.vector;
         assert!(error.norm() < 0.03, "{error}: pitch alone moves the road 8 m ahead by 6 cm");
         assert!((fit.current_from_previous.rotation.angle() - 0.01).abs() < 0.001);
@@ -208,6 +216,9 @@ mod tests {
 
     #[test]
     fn too_few_pairs_are_no_motion() {
-        assert!(fit(&mut pairs(Isometry2::identity())[..5], VIEWPOINT, 0.005, 50.0).is_none());
+        assert!(
+            fit(&mut pairs(Isometry2::identity())[..5], &mut Residuals::default(), VIEWPOINT, 0.005, 50.0)
+                .is_none()
+        );
     }
 }
