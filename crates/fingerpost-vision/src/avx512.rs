@@ -20,18 +20,24 @@ const COUNTING: [u8; BYTES] = {
     counting
 };
 
+/// Numbers of which any bytes are some.
+pub(crate) trait Number: Copy {}
+impl Number for u8 {}
+impl Number for u16 {}
+impl Number for f32 {}
+
 /// The pixels of `row` from `x` on, and 0 where it has none.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 #[allow(unsafe_code)]
-pub(crate) fn load_bytes(row: &[u8], x: usize) -> __m512i {
-    match row.get(x..x + BYTES) {
+pub(crate) fn load<T: Number>(row: &[T], x: usize) -> __m512i {
+    match row.get(x..x + BYTES / size_of::<T>()) {
         // SAFETY: 64 bytes.
         Some(block) => unsafe { _mm512_loadu_si512(block.as_ptr().cast()) },
         None => {
             let rest = row.get(x..).unwrap_or_default();
             // SAFETY: only the bytes of `rest`, fewer than 64, are read.
-            unsafe { _mm512_maskz_loadu_epi8(first_lanes(rest.len()), rest.as_ptr().cast()) }
+            unsafe { _mm512_maskz_loadu_epi8(first_lanes(size_of_val(rest)), rest.as_ptr().cast()) }
         }
     }
 }
@@ -40,14 +46,16 @@ pub(crate) fn load_bytes(row: &[u8], x: usize) -> __m512i {
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 #[allow(unsafe_code)]
-pub(crate) fn store_bytes(row: &mut [u8], x: usize, block: __m512i) {
-    match row.get_mut(x..x + BYTES) {
-        // SAFETY: 64 bytes.
+pub(crate) fn store<T: Number>(row: &mut [T], x: usize, block: __m512i) {
+    match row.get_mut(x..x + BYTES / size_of::<T>()) {
+        // SAFETY: 64 bytes, and any are numbers.
         Some(pixels) => unsafe { _mm512_storeu_si512(pixels.as_mut_ptr().cast(), block) },
         None => {
             let rest = row.get_mut(x..).unwrap_or_default();
-            // SAFETY: only the bytes of `rest`, fewer than 64, are written.
-            unsafe { _mm512_mask_storeu_epi8(rest.as_mut_ptr().cast(), first_lanes(rest.len()), block) }
+            // SAFETY: only the bytes of `rest`, fewer than 64, are written, and any are numbers.
+            unsafe {
+                _mm512_mask_storeu_epi8(rest.as_mut_ptr().cast(), first_lanes(size_of_val(rest)), block);
+            }
         }
     }
 }
@@ -69,5 +77,5 @@ pub(crate) fn right_by(distance: usize) -> __m512i {
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw")]
 pub(crate) fn left_by(distance: usize) -> __m512i {
-    _mm512_add_epi8(load_bytes(&COUNTING, 0), _mm512_set1_epi8(distance as i8))
+    _mm512_add_epi8(load(&COUNTING, 0), _mm512_set1_epi8(distance as i8))
 }

@@ -1,9 +1,12 @@
-//! Smoothing by a symmetric kernel along columns and rows.
+//! Smoothing by a symmetric kernel along columns and rows. Of small kernels there is a twin by hand for AVX-512.
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 
 use super::mirror;
 use crate::error::{PictureError, check_size};
 use crate::picture::Plane;
-use crate::simd::{CodePath, simd_kernel};
+use crate::simd::{CodePath, InstructionSet, simd_kernel};
 
 /// A smoothing by one symmetric row of weights, first along columns, then along rows.
 ///
@@ -42,6 +45,17 @@ impl SeparableFilter {
             return;
         }
         match self.weights.split_first() {
+            #[cfg(target_arch = "x86_64")]
+            Some((&middle, beside))
+                if path.instruction_set() == InstructionSet::Avx512
+                    && avx512::can_filter(source.width(), beside.len()) =>
+            {
+                // SAFETY: a `CodePath` exists only where the processor has its instruction set.
+                #[allow(unsafe_code)]
+                unsafe {
+                    avx512::filter(source, target, middle, beside);
+                }
+            }
             Some((&middle, beside)) => {
                 self.row_sum.resize(source.width() + 2 * beside.len(), 0.0);
                 filter(path, source, target, middle, beside, &mut self.row_sum);

@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 
 use super::super::element::{MAX_SIZE_PX, Rectangle, StructuringElement};
 use super::{FROM_NOTHING, FURTHER};
-use crate::avx512::{BYTES, left_by, load_bytes, right_by, store_bytes};
+use crate::avx512::{BYTES, left_by, load, right_by, store};
 use crate::picture::{Plane, PlaneView};
 
 /// Stands for a reach that a kernel is not compiled for.
@@ -86,9 +86,9 @@ fn raise<const ROWS: usize, const REACH: usize, const KEEP: bool>(
     let width = out[0].len();
     // Results come one block late: they need the next block's pixels.
     for x in (0..width + BYTES).step_by(BYTES) {
-        let columns = shared.iter().fold(nothing, |maxima, row| _mm512_max_epu8(maxima, load_bytes(row, x)));
+        let columns = shared.iter().fold(nothing, |maxima, row| _mm512_max_epu8(maxima, load(row, x)));
         for row in 0..ROWS {
-            let mut maxima = _mm512_max_epu8(columns, load_bytes(own[row], x));
+            let mut maxima = _mm512_max_epu8(columns, load(own[row], x));
             for doubling in 0..doublings {
                 let shifted = _mm512_permutex2var_epi8(last[row][doubling], by[doubling], maxima);
                 last[row][doubling] = maxima;
@@ -100,9 +100,9 @@ fn raise<const ROWS: usize, const REACH: usize, const KEEP: bool>(
                 let mut windows =
                     if distances[0] == distances[1] { early } else { _mm512_max_epu8(early, shifted(late)) };
                 if KEEP {
-                    windows = _mm512_max_epu8(windows, load_bytes(out[row], x));
+                    windows = _mm512_max_epu8(windows, load(out[row], x));
                 }
-                store_bytes(out[row], x, windows);
+                store(out[row], x, windows);
             }
             last_maxima[row] = maxima;
         }
