@@ -16,7 +16,7 @@ pub(crate) const BAND_ROWS: usize = 8;
 
 /// The fastest path of kernels that do little but load and store. Rows of pictures start anywhere, so that every access of
 /// 512 bits lies across two cache lines, and of 256 bits one in two: AVX2 is 1.1 to 1.25x faster than AVX-512 in Sobel's
-/// gradient and in dilation at 512x512 on Zen 4.
+/// gradient at 512x512 on Zen 4.
 pub(crate) fn fastest_for_unaligned_rows() -> CodePath {
     let set = CodePath::fastest().instruction_set().min(InstructionSet::Avx2);
     CodePath::with(set).unwrap_or(CodePath::PORTABLE)

@@ -26,6 +26,8 @@
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
 
 pub mod alignment;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 pub mod backprojection;
 mod bit_plane;
 mod blocks;
