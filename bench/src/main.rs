@@ -1,6 +1,7 @@
 //! Fingerpost beside its peers: one command measures kernels, the whole loop, motion estimates, candidate poses and whole
 //! runs, interleaved in one run on the same frames, after it has checked that the results agree.
 
+mod candidates;
 mod footage;
 mod growth;
 
@@ -73,6 +74,9 @@ fn main() -> Result<()> {
     }
     if timed("motion") {
         sections.push(motion::motion(&mut opencv, effort)?);
+    }
+    if timed("candidates") {
+        sections.push(candidates::candidates(effort, &footage)?);
     }
     if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
         sections.push(recording::recording(effort, &footage, program)?);

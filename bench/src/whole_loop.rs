@@ -12,6 +12,7 @@ use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::MotionEstimator;
 use fingerpost::road_surface::{Backprojection, RoadDetector, RoadInput, RoadSurface};
+use fingerpost::track::CandidateSearch;
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
 use fingerpost_vision::picture::RgbImage;
@@ -110,6 +111,7 @@ pub struct Loop {
     masks: MaskCache,
     motion: Box<dyn MotionEstimator>,
     node: Isometry2<f64>,
+    candidates: CandidateSearch,
 }
 
 impl Loop {
@@ -141,6 +143,7 @@ impl Loop {
             node: Isometry2::new(p_in_vehicle.coords, 0.0),
             ground: view.black_picture(),
             surface: RoadSurface::default(),
+            candidates: CandidateSearch::default(),
             masks,
             view,
             config,
@@ -173,6 +176,28 @@ impl Loop {
         laid.score(&mut self.masks, &(previous_from_current.inverse() * self.node), 0.0)?;
         lap(4);
         Ok(laps_ms)
+    }
+}
+
+/// The search about the crossroads' place, on the road surface of the last frame.
+impl Loop {
+    /// Tries candidates about the place, on the method's own lattice or one of so many pixels; says how many.
+    pub fn search(&mut self, step_px: Option<f64>) -> Result<usize> {
+        let mut config = self.config.track.clone();
+        if let Some(step_px) = step_px {
+            // The search about a prediction halves the steps.
+            config.search_forward_step_m = 2.0 * step_px * self.view.grid().metres_per_pixel();
+            config.search_left_step_m = config.search_forward_step_m;
+        }
+        let laid = self.matcher.laid(&self.surface, self.view.validity())?;
+        let threshold = config.confirm_threshold;
+        Ok(self.candidates.about(&config, &laid, &mut self.masks, threshold, &self.node)?.count)
+    }
+
+    /// Makes everything that is seen road.
+    pub fn set_all_road(&mut self) -> Result<()> {
+        self.surface.probability.as_mut_slice().fill(u8::MAX);
+        Ok(self.surface.sums.rebuild(self.surface.probability.view(), self.view.validity())?)
     }
 }
 

@@ -46,8 +46,11 @@ fn histogram(bench: &mut Bench<'_>, scene: &mut Scene) -> Result<Row> {
     let whole = SpanMask::from_rect(Rect { x: 0, y: 0, width: SIDE_PX, height: SIDE_PX });
     let Scene { bin, validity, hsv, histogram, .. } = scene;
     counter.count(bin.view(), validity, &whole, histogram)?;
-    let theirs =
-        bench.opencv_gives("histogram", &json!({"bins": [BINS.hue, BINS.saturation]}), &[hsv.clone()])?;
+    let theirs = bench.opencv_gives(
+        "histogram",
+        &json!({"bins": [BINS.hue, BINS.saturation]}),
+        std::slice::from_ref(hsv),
+    )?;
     let pairs = histogram.masses().iter().zip(theirs[0].f32s());
     let apart: f64 = pairs.map(|(ours, theirs)| (ours - f64::from(theirs)).abs()).sum();
     let pixels = (SIDE_PX * SIDE_PX) as f64;
