@@ -12,7 +12,9 @@ use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
 use crate::border::Border;
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
-use crate::simd::{CodePath, InstructionSet, simd_kernel};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// Widest odd window whose sum of 8-bit pixels fits 16 bits: 15 * 15 * 255, and half the divisor for rounding.
 const WIDEST_16_BIT_PX: usize = 15;
