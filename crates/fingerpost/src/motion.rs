@@ -73,19 +73,20 @@ pub struct Motion {
 /// How a motion was found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MotionEvidence {
-    /// The region in the newer ground view whose flow was measured, pixels.
+    /// The region of the ground view that was measured, pixels.
     pub region: Rect,
-    /// A grid of flow vectors.
+    /// Displacements of the road over the region: as measured, or, of a direct alignment, as the motion has them, each with
+    /// the weight that its place had.
     pub samples: Vec<FlowSample>,
     /// Mean displacement of the road in the region, pixels right and down.
     pub mean_flow_px: [f64; 2],
-    /// Root mean square of what the motion leaves unexplained of the accepted flow, pixels.
+    /// Root mean square of what the motion leaves unexplained, as a displacement, pixels.
     pub residual_px: f64,
-    /// Where the flow started from.
+    /// Where the estimate started from.
     pub start: FlowStart,
 }
 
-/// One flow vector.
+/// The displacement of one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowSample {
     /// Place in the older ground view, pixels right and down.
@@ -96,7 +97,7 @@ pub struct FlowSample {
     pub weight: f64,
 }
 
-/// Where the flow started from.
+/// Where the estimate started from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FlowStart {
     /// The vehicle stands.

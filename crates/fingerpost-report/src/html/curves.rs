@@ -153,7 +153,7 @@ fn speed(
         points.push((record.t_s, moved.zip(since).map(|(moved_m, since_s)| moved_m / since_s)));
         before = Some(record.t_s);
     }
-    let mut curves = vec![Curve { label: "by the flow", class: "one", points }];
+    let mut curves = vec![Curve { label: "by ego-motion", class: "one", points }];
     if !truth.is_empty() {
         let real = |record: &FrameRecord| truth.get(&record.frame).map(|truth| truth.speed_mps);
         curves.push(Curve { label: "truth", class: "two", points: series(records, real) });

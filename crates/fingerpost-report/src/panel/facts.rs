@@ -6,6 +6,7 @@ use fingerpost::route_progress::GpsUse;
 use fingerpost::track::CrossSectionUse;
 use nalgebra::Isometry2;
 
+use super::flow::REJECTED_WEIGHT;
 use crate::scene::Scene;
 
 /// A fact: what it is about, and what is known.
@@ -53,7 +54,7 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         facts.push(("moved", format!("{}; quality {:.2}", words(step), motion.quality)));
     }
     if let Some(flow) = &evidence.motion {
-        let used = flow.samples.iter().filter(|sample| sample.weight > 0.0).count();
+        let used = flow.samples.iter().filter(|sample| sample.weight >= REJECTED_WEIGHT).count();
         let start = match flow.start {
             FlowStart::Standing => "started from standing",
             FlowStart::SameAsBefore => "started as before",

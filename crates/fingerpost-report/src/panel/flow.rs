@@ -12,7 +12,7 @@ pub(crate) const LEGEND: &str = "Flow of the road since the frame before: cyan v
     weight; red ones were rejected (one of each in a small square). Dashed: the region that was measured.";
 
 /// Weight below which a vector counts as rejected.
-const REJECTED_WEIGHT: f64 = 0.05;
+pub(crate) const REJECTED_WEIGHT: f64 = 0.05;
 
 /// Side of the squares of which each shows one used and one rejected vector, pixels: more would run into one another.
 const CELL_PX: f64 = 13.0;

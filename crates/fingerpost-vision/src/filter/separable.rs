@@ -52,7 +52,8 @@ impl SeparableFilter {
                 if path.instruction_set() == InstructionSet::Avx512
                     && avx512::can_filter(source.width(), beside.len()) =>
             {
-                // SAFETY: a `CodePath` exists only where the processor has its instruction set.
+                // SAFETY: a `CodePath` exists only where the processor has its instruction set. Benefit: see the
+                // function.
                 #[allow(unsafe_code)]
                 unsafe {
                     avx512::filter(source, target, middle, beside);

@@ -60,7 +60,7 @@ impl Dilation {
         check_size("dilated picture", source.size(), target.size())?;
         #[cfg(target_arch = "x86_64")]
         if path.instruction_set() == InstructionSet::Avx512 {
-            // SAFETY: a `CodePath` exists only where the processor has its instruction set.
+            // SAFETY: a `CodePath` exists only where the processor has its instruction set. Benefit: see the function.
             #[allow(unsafe_code)]
             unsafe {
                 avx512::dilate(&self.element, source, target);
