@@ -1,7 +1,7 @@
 //! Decoding ahead: pictures are made in threads of their own while the ones before are worked on.
 //!
-//! Several decoders take turns, so that the order is that of the input; each may be a few pictures ahead and then waits,
-//! which bounds the memory. Buffers go round: a picture that is no longer needed is handed back for a later one.
+//! Several decoders take turns, so that the order is that of the input; together they may be a few pictures ahead and then
+//! wait, which bounds the memory. Buffers go round: a picture that is no longer needed is handed back for a later one.
 
 use std::{
     num::NonZeroUsize,
@@ -11,7 +11,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Pictures that wait behind each decoder: enough to go on with while a frame takes longer than others.
+/// Pictures that wait behind all decoders together: enough to go on with while a frame takes longer than others. Every
+/// decoder has one more in its hands, and where there are many of them, one that waits.
 const AHEAD: usize = 8;
 
 /// Makes pictures one after the other.
@@ -74,7 +75,10 @@ impl<D: Decode> Decoders<D> {
 
     /// Decoders that work ahead from now on; the first makes the first picture, the second the second, and so on in turns.
     pub(crate) fn ahead(decoders: impl IntoIterator<Item = D>) -> Self {
-        Self::Ahead { workers: decoders.into_iter().map(Worker::start).collect(), turn: 0, recycling: 0 }
+        let decoders: Vec<D> = decoders.into_iter().collect();
+        let waiting = AHEAD.div_ceil(decoders.len().max(1));
+        let workers = decoders.into_iter().map(|decoder| Worker::start(decoder, waiting)).collect();
+        Self::Ahead { workers, turn: 0, recycling: 0 }
     }
 
     /// The next picture; none behind the last.
@@ -105,8 +109,9 @@ impl<D: Decode> Decoders<D> {
 }
 
 impl<P: Send + 'static> Worker<P> {
-    fn start<D: Decode<Picture = P>>(mut decoder: D) -> Self {
-        let (sender, decoded) = sync_channel(AHEAD);
+    /// Starts a decoder behind which so many pictures may wait.
+    fn start<D: Decode<Picture = P>>(mut decoder: D, waiting: usize) -> Self {
+        let (sender, decoded) = sync_channel(waiting);
         let (spare, buffers) = channel();
         let thread = spawn(move || work(&mut decoder, &buffers, &sender));
         Self { decoded: Some(decoded), spare, thread: Some(thread) }
@@ -204,8 +209,8 @@ mod tests {
         assert_eq!(decoders.next().map(|decoded| decoded.picture), Some(0));
         std::thread::sleep(Duration::from_millis(50));
         drop(decoders);
-        // One taken; of each decoder, those that wait and the one in its hands.
-        assert!(made.load(Ordering::SeqCst) <= 1 + 2 * (AHEAD + 1), "{made:?}");
+        // One taken; those that wait, and the one in each decoder's hands.
+        assert!(made.load(Ordering::SeqCst) <= 1 + AHEAD + 2, "{made:?}");
     }
 
     #[test]

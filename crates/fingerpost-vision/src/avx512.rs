@@ -10,7 +10,7 @@ use std::arch::x86_64::*;
 pub(crate) const BYTES: usize = 64;
 
 /// 0, 1, 2, ... as bytes.
-const COUNTING: [u8; BYTES] = {
+pub(crate) const COUNTING: [u8; BYTES] = {
     let mut counting = [0; BYTES];
     let mut at = 0;
     while at < BYTES {

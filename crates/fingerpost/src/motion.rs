@@ -126,11 +126,12 @@ pub enum MotionError {
 
 /// A way to measure the vehicle's motion on the road.
 pub trait MotionEstimator: Send {
-    /// The motion from the frame given last to this one, and how it was found; none for the first. The evidence stays
-    /// with the estimator, so that a frame needs no new memory.
+    /// The motion from the frame given last to this one, and how it was found; none for the first, where the ground view
+    /// is another than the last frame's, and where nothing can be measured. The evidence stays with the estimator, so
+    /// that a frame needs no new memory.
     ///
     /// # Errors
-    /// [`MotionError`] when the ground view changed its size.
+    /// [`MotionError`] when too little road is seen ahead, or the picture has not the view's size.
     fn estimate(
         &mut self,
         view: &GroundView,

@@ -150,12 +150,14 @@ fn a_standing_vehicle_does_not_move_and_a_creeping_one_does() {
             *value = (i16::from(*value) + noise).clamp(0, 255) as u8;
         }
         view.render(&noisy, &mut picture).unwrap();
-        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
+        let found = estimator.estimate(&view, &picture).unwrap();
+        assert_eq!(found.is_some(), i > 0, "frame {i}");
+        if let Some((motion, _)) = found {
             assert_eq!(motion.previous_from_current, Isometry2::identity(), "frame {i}");
             assert!(motion.quality > 0.5 && motion.covariance.symmetric_eigenvalues().min() > 0.0);
         }
     }
-    // A tenth of a metre a second, a hundred times a second: a millimetre a frame is less than one frame tells.
+    // A metre a second, a thousand times a second: a millimetre a frame is less than one frame tells.
     let creeping = SimConfig { fps: 1000.0, cruise_speed_mps: 1.0, start_m: 30.0, ..SimConfig::default() };
     let drive = drive("creeping", &creeping, 40);
     let crept: f64 = drive.steps.iter().map(|step| step.translation.x).sum();
@@ -177,7 +179,9 @@ fn a_road_that_tells_nothing_is_not_believed() {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             *value = 110 + ((state >> 61) % 5) as u8;
         }
-        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
+        let found = estimator.estimate(&view, &picture).unwrap();
+        assert_eq!(found.is_some(), i > 0, "frame {i}");
+        if let Some((motion, _)) = found {
             assert!(motion.quality < 0.2, "frame {i}: quality {}", motion.quality);
             let now_m = motion.covariance[(0, 0)].sqrt();
             assert!(now_m > 0.5 && now_m >= sigma_m, "frame {i}: {now_m} m after {sigma_m} m");
@@ -186,9 +190,25 @@ fn a_road_that_tells_nothing_is_not_believed() {
     }
     for grey in [0, 90, 255] {
         picture.grey.as_mut_slice().fill(grey);
-        if let Some((motion, _)) = estimator.estimate(&view, &picture).unwrap() {
-            assert!(motion.quality < 0.2, "grey {grey}: quality {}", motion.quality);
-        }
+        let (motion, _) = estimator.estimate(&view, &picture).unwrap().unwrap();
+        assert!(motion.quality < 0.2, "grey {grey}: quality {}", motion.quality);
+    }
+}
+
+#[test]
+fn another_ground_view_starts_anew() {
+    let config = GroundViewConfig { metres_per_pixel: 0.1, ..GroundViewConfig::default() };
+    let (fine, coarse) = (view(), GroundView::new(&config, BINS, &camera()).unwrap());
+    let estimators: [&mut dyn MotionEstimator; 2] = [&mut direct(), &mut farneback(FlowModel::Rigid)];
+    for estimator in estimators {
+        let mut is_measured = |view: &GroundView| {
+            let mut picture = GroundPicture::new(view.grid().columns(), view.grid().rows(), BINS);
+            for (index, value) in picture.grey.as_mut_slice().iter_mut().enumerate() {
+                *value = (index * index % 251) as u8;
+            }
+            estimator.estimate(view, &picture).unwrap().is_some()
+        };
+        assert_eq!([&fine, &fine, &coarse, &coarse].map(&mut is_measured), [false, true, false, true]);
     }
 }
 

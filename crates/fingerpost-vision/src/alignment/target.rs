@@ -27,7 +27,8 @@ simd_kernel! {
         for y in 0..grey.height().saturating_sub(1) {
             let (upper, lower) = (grey.row(y), grey.row(y + 1));
             let out = &mut cells.row_mut(y)[..width];
-            let rights = upper[1..].iter().zip(&lower[1..]);
+            let [right_above, right_below] = [upper, lower].map(|row| row.get(1..).unwrap_or_default());
+            let rights = right_above.iter().zip(right_below);
             for (((out, &a), &c), (&b, &d)) in out.iter_mut().zip(upper).zip(lower).zip(rights) {
                 *out = u32::from(a) | u32::from(b) << 8 | u32::from(c) << 16 | u32::from(d) << 24;
             }

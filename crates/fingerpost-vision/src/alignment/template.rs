@@ -41,9 +41,9 @@ impl Template {
         self.points = 0;
         let cell = cell.clamp(1, MAX_CELL_PX);
         let left = region.x.max(1);
-        let right = (region.x + region.width).min(grey.width().saturating_sub(1));
+        let right = region.x.saturating_add(region.width).min(grey.width().saturating_sub(1));
         let top = region.y.max(1);
-        let bottom = (region.y + region.height).min(grey.height().saturating_sub(1));
+        let bottom = region.y.saturating_add(region.height).min(grey.height().saturating_sub(1));
         let columns = right.saturating_sub(left) / cell;
         let width = columns * cell;
         self.orders.clear();

@@ -76,7 +76,7 @@ fn fields(seed: &[f32]) -> [QuadraticField; UNKNOWNS] {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, rng_seed: RngSeed::Fixed(9), ..Default::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, rng_seed: RngSeed::Fixed(9), failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn points_are_the_strongest_seen_pixels_of_their_cells(
@@ -227,10 +227,10 @@ fn a_displaced_picture_is_found_again() {
 
 #[test]
 fn nothing_seen_is_no_residual_and_nothing_panics() {
-    for (width, height) in [(0, 0), (1, 1), (1, 40), (40, 1), (3, 3)] {
+    for (width, height) in [(0, 0), (0, 3), (3, 0), (1, 1), (1, 40), (40, 1), (3, 3)] {
         let grey = Plane::new(width, height, 0);
         let mut template = Template::default();
-        template.choose(&grey, Rect { x: 0, y: 0, width: 9, height: 9 }, 2);
+        template.choose(&grey, Rect { x: 1, y: 1, width: usize::MAX, height: usize::MAX }, 2);
         assert!(template.is_empty());
         let mut target = Target::default();
         target.fill(&grey);

@@ -1,10 +1,13 @@
 //! Look-up of a value for every pixel's bin.
 
-use crate::simd::{CodePath, InstructionSet};
+use crate::simd::CodePath;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 
 /// Bins that a pixel can hold.
 const ALL_BINS: usize = 1 << 16;
 /// Largest table that is kept in registers: 16 of AVX-512's 32.
+#[cfg(target_arch = "x86_64")]
 const IN_REGISTERS: usize = 1024;
 
 /// A value for every bin that a pixel can hold, so that no look-up needs a test.

@@ -6,7 +6,9 @@ mod avx512;
 use super::mirror;
 use crate::error::{PictureError, check_size};
 use crate::picture::Plane;
-use crate::simd::{CodePath, InstructionSet, simd_kernel};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// A smoothing by one symmetric row of weights, first along columns, then along rows.
 ///

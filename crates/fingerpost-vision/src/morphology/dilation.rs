@@ -9,7 +9,9 @@ use super::element::{MAX_SIZE_PX, Rectangle, StructuringElement};
 use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
-use crate::simd::{CodePath, InstructionSet, simd_kernel};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// A dilation of 8-bit pictures, with the buffer that it needs.
 ///

@@ -2,13 +2,18 @@
 //!
 //! Sums of columns run down the picture, a row entering and one leaving. Up to [`WIDEST_16_BIT_PX`] a window's sum fits 16
 //! bits; there the columns of each window are summed afresh, many windows at a time, and the division is a product.
-//! Beyond, sums run along the row too.
+//! Beyond, sums run along the row too. Up to there, too, wide pictures have a twin by hand for AVX-512.
+
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 
 use super::{SmoothingError, check_window};
 use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
 use crate::border::Border;
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 use crate::simd::{CodePath, simd_kernel};
 
 /// Widest odd window whose sum of 8-bit pixels fits 16 bits: 15 * 15 * 255, and half the divisor for rounding.
@@ -60,6 +65,15 @@ impl BoxBlur {
         check_size("blurred picture", source.size(), target.size())?;
         let (width, height) = source.size();
         if width == 0 || height == 0 {
+            return Ok(());
+        }
+        #[cfg(target_arch = "x86_64")]
+        if path.instruction_set() == InstructionSet::Avx512 && avx512::can_blur(width, self.size_px) {
+            // SAFETY: a `CodePath` exists only where the processor has its instruction set.
+            #[allow(unsafe_code)]
+            unsafe {
+                avx512::blur(self.size_px, source, target, &mut self.band);
+            }
             return Ok(());
         }
         let reach = self.size_px / 2;

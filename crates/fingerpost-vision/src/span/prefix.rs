@@ -1,7 +1,9 @@
 //! Prefix sums along the rows of a plane, laid out so that the sums of neighbouring columns can be read side by side.
 
 use crate::picture::{PlaneView, ValidityMask};
-use crate::simd::{CodePath, InstructionSet};
+use crate::simd::CodePath;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 
 /// Columns whose sums are read at once: two AVX-512 registers of 16-bit sums. Over so many the compiler writes loops on
 /// vectors; shorter ones it unrolls into single numbers, which is eight times slower.

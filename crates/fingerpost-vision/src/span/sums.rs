@@ -8,6 +8,8 @@ use crate::simd::{CodePath, simd_kernel};
 
 /// Probability 1 in an 8-bit probability plane.
 const ONE: f64 = 255.0;
+/// Largest mask whose sum of 8-bit values surely fits 32 bits.
+const MAX_WIDE_PX: u64 = u32::MAX as u64 / u8::MAX as u64;
 
 /// What a mask covers of a probability plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -151,6 +153,12 @@ impl RowSums {
         d_row: i32,
         covers: &mut [Cover],
     ) {
+        if mask.area() > MAX_WIDE_PX {
+            for (cover, place) in covers.iter_mut().zip(0..) {
+                *cover = self.cover(mask, d_col.saturating_add(place), d_row);
+            }
+            return;
+        }
         let spans = self.spans_in_view(mask, d_row);
         let mut sums = [[0; LANES]; 3];
         let mut d_col = i64::from(d_col);
@@ -248,7 +256,7 @@ fn widen(narrow: &mut [[u16; LANES]; 3], sums: &mut [[u32; LANES]; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::picture::Plane;
+    use crate::picture::{Plane, Rect};
 
     #[test]
     fn every_path_covers_alike() {
@@ -269,5 +277,19 @@ mod tests {
             }
             assert!(covers.iter().all(|cover| cover.seen < cover.in_view && cover.in_view < cover.area));
         }
+    }
+
+    #[test]
+    fn a_mask_whose_sum_exceeds_32_bits_is_covered_whole() {
+        let side = 4200;
+        let probability = Plane::new(side, side, u8::MAX);
+        let mut sums = RowSums::default();
+        sums.rebuild(probability.view(), &ValidityMask::all_seen(side, side)).unwrap();
+        let mask = SpanMask::from_rect(Rect { x: 0, y: 0, width: side, height: side });
+        let mut covers = [Cover::default(); 3];
+        sums.covers(&mask, -1, 0, &mut covers);
+        let pixels = [side - 1, side, side - 1].map(|columns| (columns * side) as u64);
+        assert_eq!(covers.map(|cover| cover.seen), pixels);
+        assert_eq!(covers.map(|cover| cover.sum), pixels.map(|count| 255 * count));
     }
 }

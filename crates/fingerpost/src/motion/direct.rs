@@ -164,7 +164,12 @@ impl DirectMotion {
         self.last = Some(Last {
             current_from_previous: previous_from_current.inverse(),
             covariance: Some(estimate.covariance),
-            bearable: (BEARABLE * left_over.max(COST_FLOOR)).max(shifted),
+            // Where too little is seen to judge by, the next frame is searched for.
+            bearable: if left_over.is_finite() && shifted.is_finite() {
+                (BEARABLE * left_over.max(COST_FLOOR)).max(shifted)
+            } else {
+                0.0
+            },
         });
         Some(Motion { previous_from_current, covariance, quality })
     }

@@ -269,7 +269,8 @@ impl MotionEstimator for FarnebackMotion {
         view: &GroundView,
         picture: &GroundPicture,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
-        let Some(mut previous) = self.previous.take() else {
+        let same_size = |previous: &Plane<u8>| previous.size() == picture.grey.size();
+        let Some(mut previous) = self.previous.take().filter(same_size) else {
             self.previous = Some(picture.grey.clone());
             return Ok(None);
         };
