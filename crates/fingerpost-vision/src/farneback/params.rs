@@ -13,7 +13,7 @@ const MAX_POLY_N_PX: usize = 31;
 /// Range of the scale between levels: outside it levels would repeat, or skip what the window can follow.
 const SCALES: std::ops::RangeInclusive<f64> = 0.1..=0.95;
 
-/// Parameters of [`Farneback`]; the defaults suit ground views.
+/// Parameters of [`Farneback`](super::Farneback); the defaults suit ground views.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarnebackParams {
     /// Size of each level of the pyramid relative to the next finer one, 0.1 to 0.95.
