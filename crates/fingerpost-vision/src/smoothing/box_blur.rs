@@ -69,7 +69,7 @@ impl BoxBlur {
         }
         #[cfg(target_arch = "x86_64")]
         if path.instruction_set() == InstructionSet::Avx512 && avx512::can_blur(width, self.size_px) {
-            // SAFETY: a `CodePath` exists only where the processor has its instruction set.
+            // SAFETY: a `CodePath` exists only where the processor has its instruction set. Benefit: see the function.
             #[allow(unsafe_code)]
             unsafe {
                 avx512::blur(self.size_px, source, target, &mut self.band);
