@@ -61,11 +61,7 @@ impl Footage {
     }
 
     fn simulated() -> Result<Self> {
-        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/fingerpost-sim/assets");
-        let read =
-            |name: &str| std::fs::read(assets.join(name)).with_context(|| format!("{name} of the demo"));
-        let graph = RoadGraph::from_osm(&OsmData::from_bytes(&read("town.osm")?)?)?;
-        let route = read_route(&String::from_utf8(read("town_route.geojson")?)?)?;
+        let (graph, route) = town()?;
         let camera = dashcam(WIDTH_PX, HEIGHT_PX)?;
         let config = SimConfig::default();
         let simulator = Simulator::new(&graph, &route, &camera, &config)?;

@@ -84,6 +84,9 @@ fn main() -> Result<()> {
     if timed("growth") {
         sections.push(growth::growth(effort, &footage)?);
     }
+    if sections.is_empty() {
+        bail!("no section has \"{}\" in its title; bench/README.md lists them", arguments.only);
+    }
     let machine = Machine::this(opencv.version.clone());
     let results = Results { machine, footage: footage.description.clone(), sections };
     if arguments.json {

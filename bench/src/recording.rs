@@ -34,20 +34,19 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
     );
     let out = folder.path().join("run");
     for (threads, what) in [
-        (None, "run without --video, ffmpeg on all cores"),
-        (Some(1), "run without --video, ffmpeg on one thread"),
+        (None, "run without --video, both on all cores"),
+        (Some("1"), "run without --video, both with one thread"),
     ] {
         let ours = whole_command("fingerpost run", frames, || {
             let mut command = Command::new(program);
             command.arg("run").arg(&video).arg("--camera").arg(&camera).arg("--out").arg(&out);
+            command.args(threads.iter().flat_map(|threads| ["--threads", threads]));
             command
         });
         let theirs = whole_command("ffmpeg", frames, || {
             let mut command = Command::new("ffmpeg");
             command.args(["-v", "error", "-nostdin"]);
-            if let Some(threads) = threads {
-                command.args(["-threads", &format!("{threads}")]);
-            }
+            command.args(threads.iter().flat_map(|threads| ["-threads", threads]));
             command.arg("-i").arg(&video).args(["-map", "0:v:0", "-f", "null", "-"]);
             command
         });

@@ -82,7 +82,7 @@ pub(super) fn align(
 ) -> Option<Estimate> {
     let raster = level.raster;
     level.template.set_directions(&raster.directions(&estimate.displacement));
-    for _ in 0..iterations {
+    for left in (0..iterations).rev() {
         let warp = raster.warp(&estimate.displacement);
         residuals.measure(&level.template, &level.target, &warp, estimate.brightness, estimate.scale as f32);
         if residuals.seen < 1.0 {
@@ -101,7 +101,7 @@ pub(super) fn align(
         estimate.brightness = brightness(residuals, estimate.brightness);
         let step_m = change.x.hypot(change.y) + REACH_M * change.z.abs();
         estimate.has_converged = step_m < SMALL_STEP_PX * raster.metres_per_pixel;
-        if estimate.has_converged {
+        if estimate.has_converged || left == 0 {
             estimate.covariance = factors.inverse().fixed_view::<3, 3>(0, 0).into();
             let slope = f64::from(sums.hessian[0][0] + sums.hessian[1][1]).max(f64::MIN_POSITIVE);
             estimate.residual_m = (f64::from(residuals.square_sum) / slope).sqrt();
