@@ -48,7 +48,7 @@ struct Arguments {
     /// Only sections whose title has this in it.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
-    /// Print JSON instead of the table.
+    /// Print JSON on standard output; the table then goes to standard error.
     #[arg(long)]
     json: bool,
 }
@@ -90,6 +90,7 @@ fn main() -> Result<()> {
     let machine = Machine::this(opencv.version.clone());
     let results = Results { machine, footage: footage.description.clone(), sections };
     if arguments.json {
+        eprintln!("{}", results.table());
         println!("{}", serde_json::to_string_pretty(&results)?);
     } else {
         println!("{}", results.table());
