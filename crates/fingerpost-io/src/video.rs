@@ -11,6 +11,7 @@
 //! Limits: a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
 //! varying rate (some telephones) are timed as if theirs were constant.
 
+mod pipe;
 mod ppm;
 mod probe;
 mod y4m;
@@ -19,13 +20,14 @@ use std::{
     io::{self, BufReader, ErrorKind},
     num::NonZeroUsize,
     path::Path,
-    process::{Child, ChildStdout, Command, Stdio},
+    process::{Child, Command, Stdio},
     time::Duration,
 };
 
 use fingerpost_vision::picture::RgbImage;
 
 use self::{
+    pipe::PicturePipe,
     ppm::read_ppm,
     probe::{Rate, Stream},
     y4m::Y4mReader,
@@ -37,7 +39,6 @@ use crate::{
 
 /// Bytes that a pipe is to hold: the most that Linux allows everyone, and a frame of 960 x 540 pixels.
 #[cfg(target_os = "linux")]
-const PIPE_BYTES: usize = 1 << 20;
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
 
@@ -57,7 +58,7 @@ pub(crate) struct VideoReader {
 /// The pictures that ffmpeg writes.
 #[derive(Debug)]
 pub(crate) struct PictureStream {
-    pipe: BufReader<ChildStdout>,
+    pipe: BufReader<PicturePipe>,
     format: Format,
 }
 
@@ -109,8 +110,7 @@ impl VideoReader {
             let cause = io::Error::from(ErrorKind::BrokenPipe);
             return Err(start_error(&Command::new(&programs.ffmpeg), cause));
         };
-        enlarge(&stdout);
-        let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, stdout);
+        let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, PicturePipe::new(stdout));
         let stream = PictureStream { pipe, format };
         let pictures = if threads == Some(NonZeroUsize::MIN) {
             Decoders::on_demand(stream)
@@ -185,16 +185,6 @@ impl Drop for VideoReader {
         stop(&mut self.child);
     }
 }
-
-/// Lets a pipe hold more than the usual 64 kB, so that ffmpeg decodes on while a frame waits to be read.
-#[cfg(target_os = "linux")]
-fn enlarge(pipe: &ChildStdout) {
-    // Where the system does not allow it, the pipe stays as it is.
-    let _ = rustix::pipe::fcntl_setpipe_size(pipe, PIPE_BYTES);
-}
-
-#[cfg(not(target_os = "linux"))]
-fn enlarge(_pipe: &ChildStdout) {}
 
 /// Ends a child and takes its exit status; one that has ended already is left in peace.
 fn stop(child: &mut Child) {
