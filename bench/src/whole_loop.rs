@@ -10,8 +10,8 @@ use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache};
 use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
-use fingerpost::motion::MotionEstimator;
-use fingerpost::road_surface::{Backprojection, RoadDetector, RoadInput, RoadSurface};
+use fingerpost::motion::{Motion, MotionEstimator};
+use fingerpost::road_surface::{Backprojection, Perspective, RoadDetector, RoadInput, RoadSurface};
 use fingerpost::track::CandidateSearch;
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
@@ -110,6 +110,7 @@ pub struct Loop {
     matcher: Matcher,
     masks: MaskCache,
     motion: Box<dyn MotionEstimator>,
+    moved: Option<Motion>,
     node: Isometry2<f64>,
     candidates: CandidateSearch,
 }
@@ -140,6 +141,7 @@ impl Loop {
             detector: Backprojection::new(&config.road_surface.backprojection)?,
             matcher: Matcher::new(&config.matching, view.grid()),
             motion: config.motion.estimator()?,
+            moved: None,
             node: Isometry2::new(p_in_vehicle.coords, 0.0),
             ground: view.black_picture(),
             surface: RoadSurface::default(),
@@ -163,15 +165,17 @@ impl Loop {
         lap(0);
         let sample = self.config.road_surface.sample_region(&self.view);
         let validity = self.view.validity();
-        let input = RoadInput { colour: &self.ground.colour, bin: &self.ground.bin, validity, sample };
+        let perspective = Perspective::Ground { view: &self.view, frame };
+        let input =
+            RoadInput { picture: &self.ground, validity, sample, perspective, motion: self.moved.as_ref() };
         self.detector.detect(input, &mut self.surface)?;
         lap(1);
         let laid = self.matcher.laid(&self.surface, validity)?;
         laid.score(&mut self.masks, &self.node, 0.0)?;
         lap(2);
-        let moved = self.motion.estimate(&self.view, &self.ground)?;
+        self.moved = self.motion.estimate(&self.view, &self.ground)?.map(|(motion, _)| motion);
         let previous_from_current =
-            moved.map_or_else(Isometry2::identity, |(motion, _)| motion.previous_from_current);
+            self.moved.map_or_else(Isometry2::identity, |motion| motion.previous_from_current);
         lap(3);
         laid.score(&mut self.masks, &(previous_from_current.inverse() * self.node), 0.0)?;
         lap(4);

@@ -13,7 +13,9 @@ use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
-use crate::road_surface::{Backprojection, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
+use crate::road_surface::{
+    Backprojection, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
+};
 use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::why::Why;
 
@@ -29,10 +31,10 @@ pub struct Sensors {
 pub enum Stage {
     /// Picture to ground view.
     GroundView,
-    /// Ground view to road probability.
-    Road,
     /// Ground views to ego-motion.
     Motion,
+    /// Ground view to road probability.
+    Road,
     /// Masks, match and track.
     Match,
     /// Driving line in the vehicle frame.
@@ -168,13 +170,14 @@ impl Pipeline {
         view.render(frame, ground)?;
         finished(Stage::GroundView);
 
-        let sample = config.road_surface.sample_region(view);
-        let input = RoadInput { colour: &ground.colour, bin: &ground.bin, validity, sample };
-        let road = self.detector.detect(input, surface)?;
-        finished(Stage::Road);
-
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
         finished(Stage::Motion);
+
+        let sample = config.road_surface.sample_region(view);
+        let perspective = Perspective::Ground { view, frame };
+        let input = RoadInput { picture: ground, validity, sample, perspective, motion: motion.as_ref() };
+        let road = self.detector.detect(input, surface)?;
+        finished(Stage::Road);
 
         let laid = self.matcher.laid(surface, validity)?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));

@@ -18,7 +18,8 @@ use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
 
-use crate::ground_view::GroundView;
+use crate::ground_view::{GroundPicture, GroundView};
+use crate::motion::Motion;
 
 /// Settings of road surface detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -57,14 +58,33 @@ impl RoadSurfaceConfig {
 /// What a detector looks at.
 #[derive(Debug, Clone, Copy)]
 pub struct RoadInput<'a> {
-    /// Ground view (or camera picture).
-    pub colour: &'a RgbImage,
-    /// Index of each pixel's hue-saturation bin; the same size.
-    pub bin: &'a Plane<u16>,
-    /// Where `colour` shows something; the same size.
+    /// The picture in which road is wanted: ground view or camera picture.
+    pub picture: &'a GroundPicture,
+    /// Where `picture` shows something; the same size.
     pub validity: &'a ValidityMask,
-    /// The region in front of the vehicle that is assumed to be road, pixels.
+    /// The region in front of the vehicle that is assumed to be road, pixels of `picture`.
     pub sample: Rect,
+    /// How `picture` shows the road.
+    pub perspective: Perspective<'a>,
+    /// How the vehicle moved since the frame before, where that is known.
+    pub motion: Option<&'a Motion>,
+}
+
+/// How a picture shows the road.
+#[derive(Debug, Clone, Copy)]
+pub enum Perspective<'a> {
+    /// As the camera does; rows above `horizon_row` show no road.
+    Camera {
+        /// Row of the horizon, pixels from the centre of the top row.
+        horizon_row: f64,
+    },
+    /// From above.
+    Ground {
+        /// The ground view.
+        view: &'a GroundView,
+        /// The frame that it was made from.
+        frame: &'a RgbImage,
+    },
 }
 
 /// The road surface of one frame.

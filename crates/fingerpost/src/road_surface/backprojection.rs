@@ -111,7 +111,7 @@ impl Region {
             (self.rect, self.spans) = (rect, SpanMask::from_rect(rect));
         }
         self.histogram.clear();
-        counter.count(input.bin.view(), input.validity, &self.spans, &mut self.histogram)?;
+        counter.count(input.picture.bin.view(), input.validity, &self.spans, &mut self.histogram)?;
         smoothing.apply(&mut self.histogram)?;
         self.histogram.normalise();
         Ok(())
@@ -189,7 +189,7 @@ impl Backprojection {
 
 impl RoadDetector for Backprojection {
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
-        let (width, height) = input.bin.size();
+        let (width, height) = input.picture.bin.size();
         let whole = Rect { x: 0, y: 0, width, height };
         self.whole.measure(whole, &input, &mut self.counter, &mut self.smoothing)?;
         self.sample.measure(input.sample, &input, &mut self.counter, &mut self.smoothing)?;
@@ -206,7 +206,7 @@ impl RoadDetector for Backprojection {
         if surface.probability.size() != (width, height) {
             surface.probability.reset(width, height, 0);
         }
-        self.projector.project(input.bin, input.validity, &self.lookup, &mut surface.probability)?;
+        self.projector.project(&input.picture.bin, input.validity, &self.lookup, &mut surface.probability)?;
         surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(RoadEvidence {
             detector: "backprojection",
