@@ -9,6 +9,8 @@ use super::{
 };
 use crate::motion::Motion;
 
+/// Least standard deviation of a change of the pitch: what a single pair of frames makes of a few corners.
+const CHANGE_FLOOR_RAD: f64 = 0.06 * DEGREE;
 /// Frames over which the suspension swings back to its rest: a second or two at ten frames a second, which covers braking
 /// as well as the body's own bounce.
 const SUSPENSION_FRAMES: f64 = 15.0;
@@ -129,7 +131,7 @@ impl MountFilter {
         let keep = (-1.0 / SUSPENSION_FRAMES).exp();
         let PitchAndSuspension { mean, covariance, .. } = &mut self.pitch;
         let (change, noise) = match pitch_change {
-            Some(seen) => (seen.angle_rad, seen.variance_rad2.min((1.0 - keep * keep) * rest)),
+            Some(seen) => (seen.angle_rad, seen.variance_rad2.max(CHANGE_FLOOR_RAD.powi(2))),
             None => (0.0, (1.0 - keep * keep) * rest),
         };
         mean[1] = keep * mean[1] + change;
