@@ -84,7 +84,7 @@ impl CornerFinder {
             let Some(middle) = (y + 1).checked_sub(SIDE).map(|top| top + REACH).filter(|_| y >= SIDE) else {
                 continue;
             };
-            if (middle - EDGE) % cell == 0 {
+            if (middle - EDGE).is_multiple_of(cell) {
                 first_of_band = corners.len();
                 let cells = self.strength.len().div_ceil(cell);
                 corners.extend((0..cells).map(|_| Corner { x: 0, y: 0, strength: 0.0 }));

@@ -20,7 +20,11 @@ fn texture(width: usize, height: usize, shift: [f32; 2], brightness: f32) -> Pla
 
 fn pyramid(plane: &Plane<u8>) -> GreyPyramid {
     let mut pyramid = GreyPyramid::default();
-    pyramid.fill(plane.view(), 3, 16);
+    let painted = pyramid.fill(plane.size(), 3, 16, |base| {
+        base.clone_from(plane);
+        Ok::<(), ()>(())
+    });
+    painted.unwrap();
     pyramid
 }
 

@@ -1,7 +1,7 @@
 //! A picture at full, half, quarter, ... size.
 
 use super::reduce;
-use crate::picture::{Plane, PlaneView};
+use crate::picture::Plane;
 
 /// Grey pictures, each [reduced](super::reduce()) from the one before; pixel `(c, r)` of a level lies at `(2 c, 2 r)` of the one
 /// before.
@@ -11,14 +11,21 @@ pub struct GreyPyramid {
 }
 
 impl GreyPyramid {
-    /// Fills the pyramid with `base` and up to `reductions` smaller pictures, none with a side under `smallest` pixels. The
-    /// memory is reused.
-    pub fn fill(&mut self, base: PlaneView<'_, u8>, reductions: usize, smallest: usize) {
-        self.resize(base.size(), reductions, smallest);
-        let Some((first, rest)) = self.levels.split_first_mut() else { return };
-        for y in 0..base.height() {
-            first.row_mut(y).copy_from_slice(base.row(y));
-        }
+    /// Fills the pyramid: `paint` is given the largest picture, of `size` (width, height), in place of what it was, and up to
+    /// `reductions` smaller ones are made from it, none with a side under `smallest` pixels. The memory is reused.
+    ///
+    /// # Errors
+    /// What `paint` returns; the smaller pictures are then those of before.
+    pub fn fill<E>(
+        &mut self,
+        size: (usize, usize),
+        reductions: usize,
+        smallest: usize,
+        paint: impl FnOnce(&mut Plane<u8>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.resize(size, reductions, smallest);
+        let Some((first, rest)) = self.levels.split_first_mut() else { return Ok(()) };
+        paint(first)?;
         let mut larger = &*first;
         for level in rest {
             // The sizes fit: they were set from each other.
@@ -26,6 +33,7 @@ impl GreyPyramid {
             debug_assert!(reduced.is_ok());
             larger = level;
         }
+        Ok(())
     }
 
     /// The pictures, the largest first.

@@ -134,6 +134,9 @@ pub enum CalibrationError {
     Frame(#[from] PictureError),
 }
 
+/// Full size and all corners checked: precision counts here, time does not.
+const PRECISE: SparseSetting =
+    SparseSetting { find_level: 0, cell_px: 20, follow_level: 0, iterations: 10, check: BackCheck::All };
 /// Straight frames that are needed: two seconds at ten frames a second.
 const LEAST_STRAIGHT: usize = 20;
 /// Frames with the road's plane that roll and height need.
@@ -197,8 +200,7 @@ impl MountCalibrator {
         Ok(Self {
             mount: *mount,
             camera: camera.clone(),
-            // Full size and all corners checked: precision counts here, time does not.
-            sightings: Sightings::new(SparseSetting { level: 0, cell_px: 20, check: BackCheck::All }),
+            sightings: Sightings::new(PRECISE),
             planes: PlaneFit::default(),
             looks: Vec::new(),
             travel: Vector3::zeros(),

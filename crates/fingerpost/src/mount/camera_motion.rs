@@ -44,7 +44,7 @@ const MAD_TO_SIGMA: f64 = 1.4826;
 /// Least standard deviation of a residual, radians: a twentieth of a pixel of most cameras.
 const SIGMA_FLOOR_RAD: f64 = 5e-5;
 /// Changes smaller than this end the fit, radians.
-const SETTLED_RAD: f64 = 1e-6;
+const SETTLED_RAD: f64 = 1e-5;
 
 impl MotionFit {
     /// Makes room for so many pairs, so that no later fit needs more.

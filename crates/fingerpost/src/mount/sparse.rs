@@ -7,17 +7,21 @@ use fingerpost_vision::colour::grey;
 use fingerpost_vision::corners::{Corner, CornerFinder};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::lucas_kanade::LucasKanade;
-use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 use fingerpost_vision::pyramid::GreyPyramid;
 use nalgebra::Vector3;
 
 /// How densely and how carefully corners are followed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SparseSetting {
-    /// Level of the pyramid at which corners are looked for and followed to the end: 0 is the picture itself.
-    pub(super) level: usize,
+    /// Level of the pyramid at which corners are looked for: 0 is the picture itself.
+    pub(super) find_level: usize,
     /// Side of the cells that hold a corner each, pixels of that level.
     pub(super) cell_px: usize,
+    /// Level down to which they are followed.
+    pub(super) follow_level: usize,
+    /// Most steps of following at each level.
+    pub(super) iterations: usize,
     /// Which corners are also followed back, and dropped if they do not come back to where they began.
     pub(super) check: BackCheck,
 }
@@ -53,7 +57,7 @@ const MOST_RETURN_PX: f32 = 0.5;
 #[derive(Debug)]
 pub(super) struct SparseTracks {
     setting: SparseSetting,
-    grey: Plane<u8>,
+    size: (usize, usize),
     previous: GreyPyramid,
     current: GreyPyramid,
     finder: CornerFinder,
@@ -66,7 +70,7 @@ impl SparseTracks {
     pub(super) fn new(setting: SparseSetting) -> Self {
         Self {
             setting,
-            grey: Plane::default(),
+            size: (0, 0),
             previous: GreyPyramid::default(),
             current: GreyPyramid::default(),
             finder: CornerFinder::default(),
@@ -86,15 +90,15 @@ impl SparseTracks {
         frame: &RgbImage,
     ) -> Result<Option<&[RayPair]>, PictureError> {
         std::mem::swap(&mut self.previous, &mut self.current);
-        if self.grey.size() != (camera.width(), camera.height()) {
-            self.grey.reset(camera.width(), camera.height(), 0);
+        let size = (camera.width(), camera.height());
+        if self.size != size {
+            self.size = size;
             self.seen = false;
             let most = self.most_pairs(camera);
             self.corners.reserve(most);
             self.pairs.reserve(most);
         }
-        grey(frame, &mut self.grey)?;
-        self.current.fill(self.grey.view(), REDUCTIONS, SMALLEST_PX);
+        self.current.fill(size, REDUCTIONS, SMALLEST_PX, |base| grey(frame, base))?;
         self.pairs.clear();
         let had_one = std::mem::replace(&mut self.seen, true);
         if had_one {
@@ -106,14 +110,14 @@ impl SparseTracks {
 
     /// Most pairs of a frame: one a cell.
     pub(super) fn most_pairs(&self, camera: &Camera) -> usize {
-        let cells = |side: usize| (side >> self.setting.level).div_ceil(self.setting.cell_px) + 1;
+        let cells = |side: usize| (side >> self.setting.find_level).div_ceil(self.setting.cell_px) + 1;
         cells(camera.width()) * cells(camera.height())
     }
 
     fn follow(&mut self, camera: &Camera) {
         let Self { setting, previous, current, corners, pairs, .. } = self;
-        let tracker = LucasKanade { least_strength: LEAST_STRENGTH, ..LucasKanade::default() };
-        let scale = (1_u32 << setting.level) as f32;
+        let tracker = LucasKanade { iterations: setting.iterations, least_strength: LEAST_STRENGTH };
+        let scale = (1_u32 << setting.find_level) as f32;
         let ray = |place: [f32; 2]| {
             camera
                 .ray_in_camera(Pixel::new(f64::from(place[0]), f64::from(place[1])))
@@ -121,7 +125,7 @@ impl SparseTracks {
         };
         for corner in corners.iter() {
             let from = [corner.x as f32 * scale, corner.y as f32 * scale];
-            let Some(track) = tracker.track(previous, current, setting.level, from, [0.0, 0.0]) else {
+            let Some(track) = tracker.track(previous, current, setting.follow_level, from, [0.0, 0.0]) else {
                 continue;
             };
             if track.residual > MOST_RESIDUAL {
@@ -129,7 +133,8 @@ impl SparseTracks {
             }
             if setting.check == BackCheck::All {
                 let back = [from[0] - track.to[0], from[1] - track.to[1]];
-                let Some(back) = tracker.track(current, previous, setting.level, track.to, back) else {
+                let Some(back) = tracker.track(current, previous, setting.follow_level, track.to, back)
+                else {
                     continue;
                 };
                 if (back.to[0] - from[0]).hypot(back.to[1] - from[1]) > MOST_RETURN_PX {
@@ -144,7 +149,7 @@ impl SparseTracks {
 
     fn find_corners(&mut self) {
         self.corners.clear();
-        if let Some(level) = self.current.levels().get(self.setting.level) {
+        if let Some(level) = self.current.levels().get(self.setting.find_level) {
             self.finder.find(level.view(), self.setting.cell_px, LEAST_STRENGTH, &mut self.corners);
         }
     }
