@@ -226,6 +226,7 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
         feature.sub.retain(|_, p| weakest.is_some_and(|weakest| p.total_cmp(&weakest).is_eq()));
     }
     FrameRecord {
+        surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         stage_ms: BTreeMap::new(),

@@ -41,6 +41,9 @@ pub struct FrameRecord {
     /// Where the camera looks against its calibration; none for a camera known by points and in broken frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<MountRecord>,
+    /// The road's surface; none after a broken frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<RoadSurfaceRecord>,
     /// The driving line through the feature: `[forward, left]` in the vehicle frame, metres.
     pub driving_line_m: Vec<[f64; 2]>,
     /// Signed curvature at each point of the driving line, 1/m, positive to the left.
@@ -172,6 +175,24 @@ pub struct MountFaultRecord {
     pub by_deg: f64,
     /// The frame in which it began, as far as can be told.
     pub since_frame: u64,
+}
+
+/// The road's surface as it was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoadSurfaceRecord {
+    /// Name of the detector.
+    pub detector: String,
+    /// Mean probability of road just ahead of the vehicle, where road is assumed, 0 to 1.
+    pub p: f64,
+    /// The known surface under way, for a detector that knows any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// How like that the road just ahead is, 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub likeness: Option<f64>,
+    /// Share of the ground view that is not seen but remembered, for a detector with a memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remembered_share: Option<f64>,
 }
 
 /// The road's middle near the vehicle.

@@ -16,7 +16,7 @@ pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_f
 pub use camera_yaml::camera_from_yaml;
 pub use frame_record::{
     CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord,
-    MountFaultRecord, MountRecord, MountRecordState, SoughtRecord, TrackState,
+    MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SoughtRecord, TrackState,
 };
 pub use lines::{LinesError, from_json_lines, to_json_line};
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};

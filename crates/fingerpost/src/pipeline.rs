@@ -228,6 +228,16 @@ impl Pipeline {
         &self.view
     }
 
+    /// The road detector.
+    pub fn road_detector(&self) -> &dyn RoadDetector {
+        &*self.detector
+    }
+
+    /// The road detector, to be given what is known from earlier drives.
+    pub fn road_detector_mut(&mut self) -> &mut dyn RoadDetector {
+        &mut *self.detector
+    }
+
     /// The tracker with the features of the route.
     pub const fn tracker(&self) -> &Tracker {
         &self.tracker

@@ -4,7 +4,10 @@
 //! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
 
 mod backprojection;
+mod bank;
 mod memory;
+mod named;
+mod region;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -18,7 +21,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
+pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
 pub use memory::{Memory, MemoryConfig, MemoryEvidence};
+
+use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::Motion;
@@ -27,8 +33,9 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// "backprojection": the papers' histogram back-projection; "memory": the same, remembered as the vehicle moves on;
-    /// default "backprojection".
+    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "memory": the road
+    /// of the papers' detector, remembered as the vehicle moves on; "combined": the same, with the surface named by the
+    /// bank; default "combined".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -36,6 +43,8 @@ pub struct RoadSurfaceConfig {
     pub sample_width_m: f64,
     /// The papers' detector.
     pub backprojection: BackprojectionConfig,
+    /// The bank of known surfaces.
+    pub bank: BankConfig,
     /// The memory.
     pub memory: MemoryConfig,
 }
@@ -47,6 +56,7 @@ impl Default for RoadSurfaceConfig {
             sample_length_m: 4.0,
             sample_width_m: 1.8,
             backprojection: BackprojectionConfig::default(),
+            bank: BankConfig::default(),
             memory: MemoryConfig::default(),
         }
     }
@@ -57,21 +67,27 @@ impl Default for RoadSurfaceConfig {
 #[serde(rename_all = "snake_case")]
 pub enum RoadMethod {
     /// [`Backprojection`].
-    #[default]
     Backprojection,
+    /// [`Bank`].
+    Bank,
     /// [`Memory`] of what back-projection finds.
     Memory,
+    /// [`Memory`] of what back-projection finds, with the surface under way named by the bank.
+    #[default]
+    Combined,
 }
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 2] = [Self::Backprojection, Self::Memory];
+    pub const ALL: [Self; 4] = [Self::Backprojection, Self::Bank, Self::Memory, Self::Combined];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Backprojection => "backprojection",
+            Self::Bank => "bank",
             Self::Memory => "memory",
+            Self::Combined => "combined",
         }
     }
 }
@@ -89,7 +105,12 @@ impl RoadSurfaceConfig {
         let backprojection = Box::new(Backprojection::new(&self.backprojection)?);
         Ok(match self.detector {
             RoadMethod::Backprojection => backprojection,
-            RoadMethod::Memory => Box::new(Memory::new(&self.memory, backprojection)),
+            RoadMethod::Bank => Box::new(Bank::new(&self.bank)?),
+            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, backprojection)),
+            RoadMethod::Combined => {
+                let named = Box::new(Named::new(&self.bank, backprojection)?);
+                Box::new(Memory::new(self.detector, &self.memory, named))
+            }
         })
     }
 
@@ -199,6 +220,8 @@ pub struct RoadEvidence {
     pub sample_probability: f64,
     /// Histograms in the rolling mean; 0 for a detector without one.
     pub histograms: usize,
+    /// Which known surface is under way; none for a detector that knows none.
+    pub bank: Option<BankEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
     pub memory: Option<MemoryEvidence>,
 }
@@ -232,6 +255,9 @@ pub enum RoadError {
     /// Picture and validity do not fit together.
     #[error("road_surface: {0}")]
     Picture(#[from] PictureError),
+    /// The known surfaces cannot be used.
+    #[error(transparent)]
+    Surfaces(#[from] SurfacesError),
 }
 
 /// A way to tell road from everything else.
@@ -255,6 +281,19 @@ pub trait RoadDetector: Send {
         let evidence = self.estimate(input, &mut surface.probability)?;
         surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(evidence)
+    }
+
+    /// Takes over surfaces known from earlier drives, in place of what was learned; a detector that knows none passes them by.
+    ///
+    /// # Errors
+    /// [`RoadError::Surfaces`] when they cannot be used.
+    fn know(&mut self, _surfaces: &SurfaceFile) -> Result<(), RoadError> {
+        Ok(())
+    }
+
+    /// The surfaces known by now; none of a detector that knows none.
+    fn known_surfaces(&self) -> Option<SurfaceFile> {
+        None
     }
 
     /// Forgets what was learned, as at the start of a drive.
