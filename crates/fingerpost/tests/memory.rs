@@ -3,6 +3,7 @@
 
 mod painted;
 
+use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 
 use fingerpost::Config;
@@ -37,7 +38,7 @@ struct TrueRoad {
     world: World,
     view: GroundView,
     /// Of the frames to come.
-    poses: std::vec::IntoIter<Isometry2<f64>>,
+    poses: VecDeque<Isometry2<f64>>,
 }
 
 impl RoadDetector for TrueRoad {
@@ -46,7 +47,7 @@ impl RoadDetector for TrueRoad {
         input: RoadInput<'_>,
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
-        let map_from_vehicle = self.poses.next().unwrap();
+        let map_from_vehicle = self.poses.pop_front().unwrap();
         let (width, height) = input.validity.size();
         probability.reset(width, height, 0);
         for row in 0..height {
@@ -77,7 +78,7 @@ impl Drive {
     fn new(world: World, poses: &[Isometry2<f64>]) -> Self {
         let bins = Config::default().road_surface.backprojection.bins();
         let view = || GroundView::new(&Config::default().ground_view, bins, &camera()).unwrap();
-        let seeing = TrueRoad { world, view: view(), poses: poses.to_vec().into_iter() };
+        let seeing = TrueRoad { world, view: view(), poses: poses.iter().copied().collect() };
         let memory = Memory::new(RoadMethod::Memory, &MemoryConfig::default(), Box::new(seeing));
         let view = view();
         let (surface, evidence) = (RoadSurface::default(), RoadEvidence::default());
