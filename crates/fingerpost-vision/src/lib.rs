@@ -13,6 +13,7 @@
 //! | [`log_colour`], [`colour_clusters`] | log-chromaticity over blocks; distance to known colours | Finlayson et al. 2002 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
+//! | [`fusion`] | probability from two independent ones | Bayes 1763 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
@@ -24,6 +25,7 @@
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
+//! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
@@ -39,15 +41,18 @@ pub mod canny;
 pub mod colour;
 pub mod colour_clusters;
 pub mod components;
+pub mod corners;
 mod elementary;
 pub mod error;
 pub mod farneback;
 pub mod filter;
+pub mod fusion;
 pub mod geodesic;
 pub mod histogram;
 pub mod hough;
 pub mod line_gradient;
 pub mod log_colour;
+pub mod lucas_kanade;
 pub mod morphology;
 pub mod passage;
 pub mod picture;

@@ -155,11 +155,7 @@ simd_kernel! {
     ) {
         let pixels = sums.as_chunks::<3>().0.as_chunks::<WIDTH>().0;
         for (((block, red), green), blue) in pixels.iter().zip(red).zip(green).zip(blue) {
-            let mut total = [0_u32; 3];
-            for pixel in block {
-                (0..3).for_each(|channel| total[channel] += u32::from(pixel[channel]));
-            }
-            [*red, *green, *blue] = total.map(|total| total as f32 * scale);
+            [*red, *green, *blue] = total(block).map(|total| total as f32 * scale);
         }
     }
 }
@@ -170,13 +166,18 @@ simd_kernel! {
     ) {
         let pixels = sums.as_chunks::<3>().0.chunks_exact(width);
         for (((block, red), green), blue) in pixels.zip(red).zip(green).zip(blue) {
-            let mut total = [0_u32; 3];
-            for pixel in block {
-                (0..3).for_each(|channel| total[channel] += u32::from(pixel[channel]));
-            }
-            [*red, *green, *blue] = total.map(|total| total as f32 * scale);
+            [*red, *green, *blue] = total(block).map(|total| total as f32 * scale);
         }
     }
+}
+
+#[inline(always)]
+fn total(pixels: &[[u16; 3]]) -> [u32; 3] {
+    let mut total = [0; 3];
+    for pixel in pixels {
+        (0..3).for_each(|channel| total[channel] += u32::from(pixel[channel]));
+    }
+    total
 }
 
 simd_kernel! {

@@ -28,7 +28,7 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface, SampleUse};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 use discriminant::{Discriminant, Kind, Weights};
 use layout::Layout;
 use surfaces::{Colour, Surfaces};
@@ -118,7 +118,6 @@ pub struct Online {
     surfaces: Surfaces,
     discriminant: Discriminant,
     blocks: Blocks,
-    evidence: OnlineEvidence,
 }
 
 /// The blocks' values, stage by stage, and the tools that make them.
@@ -149,16 +148,11 @@ impl Online {
             surfaces: Surfaces::new(config.surfaces),
             discriminant: Discriminant::default(),
             blocks: Blocks::default(),
-            evidence: OnlineEvidence::default(),
         }
     }
+}
 
-    /// How it came to the surface of the last frame.
-    pub const fn evidence(&self) -> &OnlineEvidence {
-        &self.evidence
-    }
-
-    /// The probability of road of every pixel of `input`, 0 where nothing is seen, into `probability`.
+impl RoadDetector for Online {
     fn estimate(
         &mut self,
         input: RoadInput<'_>,
@@ -185,7 +179,7 @@ impl Online {
         );
         let weights = self.discriminant.weights();
         self.blocks.reach(layout, &self.config, &weights)?;
-        self.evidence = OnlineEvidence {
+        let evidence = OnlineEvidence {
             grid: (layout.columns, layout.rows),
             block_px: (layout.block.width, layout.block.height),
             road_blocks: layout.sample.len(),
@@ -216,16 +210,9 @@ impl Online {
                 (false, _) => SampleUse::SurfaceChanged,
             },
             sample_probability: self.blocks.sample_likeness(layout),
-            histograms: 0,
+            online: Some(evidence),
+            ..RoadEvidence::default()
         })
-    }
-}
-
-impl RoadDetector for Online {
-    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
-        let evidence = self.estimate(input, &mut surface.probability)?;
-        surface.sums.rebuild(surface.probability.view(), input.validity)?;
-        Ok(evidence)
     }
 
     fn reset(&mut self) {

@@ -56,7 +56,7 @@ struct Asked {
 #[derive(Debug, Clone, PartialEq)]
 enum Place {
     Camera { horizon_row: f64 },
-    Ground { camera: Camera, grid: GroundGrid },
+    Ground { camera: Box<Camera>, grid: GroundGrid },
 }
 
 impl Layout {
@@ -75,7 +75,7 @@ impl Layout {
                 known.to_bits() == horizon_row.to_bits()
             }
             (Place::Ground { camera, grid }, Perspective::Ground { view, .. }) => {
-                camera == view.camera() && grid == view.grid()
+                camera.as_ref() == view.camera() && grid == view.grid()
             }
             _ => false,
         };
@@ -110,7 +110,7 @@ impl Layout {
                 (Place::Camera { horizon_row }, Pixel::new(0.5 * (width as f64 - 1.0), horizon_row))
             }
             Perspective::Ground { view, .. } => (
-                Place::Ground { camera: view.camera().clone(), grid: *view.grid() },
+                Place::Ground { camera: Box::new(view.camera().clone()), grid: *view.grid() },
                 vanishing_point(view).unwrap_or(Pixel::new(0.5 * (width as f64 - 1.0), 0.0)),
             ),
         };

@@ -186,8 +186,9 @@ mod tests {
     fn the_same_road_joins_and_the_weakest_makes_room() {
         let mut surfaces = Surfaces::new(2);
         assert_eq!(surfaces.learn(&sample(|_| 2.0)), 1);
+        assert_eq!(surfaces.learn(&sample(|_| 4.0)), 1);
         for _ in 0..5 {
-            assert_eq!(surfaces.learn(&sample(|_| 4.0)), usize::from(surfaces.len() < 2));
+            assert_eq!(surfaces.learn(&sample(|_| 4.0)), 0);
         }
         assert_eq!(surfaces.learn(&sample(|_| 6.0)), 1);
         let mut clusters = Vec::new();
