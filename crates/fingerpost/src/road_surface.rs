@@ -7,6 +7,7 @@ mod backprojection;
 mod bank;
 mod memory;
 mod named;
+mod online;
 mod region;
 
 use fingerpost_vision::backprojection::BackProjectionError;
@@ -22,7 +23,8 @@ use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
 pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
-pub use memory::{Memory, MemoryConfig, MemoryEvidence};
+pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
+pub use online::{Online, OnlineConfig, OnlineEvidence};
 
 use named::Named;
 
@@ -33,9 +35,9 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "memory": the road
-    /// of the papers' detector, remembered as the vehicle moves on; "combined": the same, with the surface named by the
-    /// bank; default "combined".
+    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online": a
+    /// classifier trained as the drive goes; "memory": what one of these sees, remembered as the vehicle moves on; "combined":
+    /// the same, with the surface named by the bank; default "combined".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -45,6 +47,8 @@ pub struct RoadSurfaceConfig {
     pub backprojection: BackprojectionConfig,
     /// The bank of known surfaces.
     pub bank: BankConfig,
+    /// The classifier trained as the drive goes.
+    pub online: OnlineConfig,
     /// The memory.
     pub memory: MemoryConfig,
 }
@@ -57,6 +61,7 @@ impl Default for RoadSurfaceConfig {
             sample_width_m: 1.8,
             backprojection: BackprojectionConfig::default(),
             bank: BankConfig::default(),
+            online: OnlineConfig::default(),
             memory: MemoryConfig::default(),
         }
     }
@@ -70,16 +75,18 @@ pub enum RoadMethod {
     Backprojection,
     /// [`Bank`].
     Bank,
-    /// [`Memory`] of what back-projection finds.
+    /// [`Online`].
+    Online,
+    /// [`Memory`] of what another detector sees.
     Memory,
-    /// [`Memory`] of what back-projection finds, with the surface under way named by the bank.
+    /// The same, with the surface under way named by the bank.
     #[default]
     Combined,
 }
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 4] = [Self::Backprojection, Self::Bank, Self::Memory, Self::Combined];
+    pub const ALL: [Self; 5] = [Self::Backprojection, Self::Bank, Self::Online, Self::Memory, Self::Combined];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
@@ -88,6 +95,7 @@ impl RoadMethod {
             Self::Bank => "bank",
             Self::Memory => "memory",
             Self::Combined => "combined",
+            Self::Online => "online",
         }
     }
 }
@@ -102,16 +110,26 @@ impl RoadSurfaceConfig {
     /// # Errors
     /// [`RoadError`] when its settings are out of range.
     pub fn detector(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
-        let backprojection = Box::new(Backprojection::new(&self.backprojection)?);
         Ok(match self.detector {
-            RoadMethod::Backprojection => backprojection,
+            RoadMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
             RoadMethod::Bank => Box::new(Bank::new(&self.bank)?),
-            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, backprojection)),
+            RoadMethod::Online => Box::new(Online::new(&self.online)),
+            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing()?)),
             RoadMethod::Combined => {
-                let named = Box::new(Named::new(&self.bank, backprojection)?);
+                let named = Box::new(Named::new(&self.bank, self.seeing()?)?);
                 Box::new(Memory::new(self.detector, &self.memory, named))
             }
         })
+    }
+
+    /// The detector whose surfaces are remembered.
+    fn seeing(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        let detector = match self.memory.of {
+            RememberedMethod::Backprojection => RoadMethod::Backprojection,
+            RememberedMethod::Bank => RoadMethod::Bank,
+            RememberedMethod::Online => RoadMethod::Online,
+        };
+        Self { detector, ..self.clone() }.detector()
     }
 
     /// The region assumed to be road in a camera picture of `width` x `height` pixels: the bottom middle, 0.35 to 0.65 of
@@ -222,6 +240,8 @@ pub struct RoadEvidence {
     pub histograms: usize,
     /// Which known surface is under way; none for a detector that knows none.
     pub bank: Option<BankEvidence>,
+    /// What was learned and weighed; none for a detector that is not trained online.
+    pub online: Option<OnlineEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
     pub memory: Option<MemoryEvidence>,
 }

@@ -27,6 +27,8 @@ use road_map::{RoadMap, SensorModel};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
+    /// Detector whose surfaces are remembered: "backprojection", "bank" or "online"; default "online".
+    pub of: RememberedMethod,
     /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
     pub cell_m: f64,
     /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1 less this,
@@ -45,8 +47,29 @@ pub struct MemoryConfig {
 
 impl Default for MemoryConfig {
     fn default() -> Self {
-        Self { cell_m: 0.2, doubt: 0.1, half_trust_m: 12.0, keep_seen: 0.5, fade_m: 20.0, min_known: 0.65 }
+        Self {
+            of: RememberedMethod::default(),
+            cell_m: 0.2,
+            doubt: 0.1,
+            half_trust_m: 12.0,
+            keep_seen: 0.5,
+            fade_m: 20.0,
+            min_known: 0.65,
+        }
     }
+}
+
+/// Detectors whose surfaces can be remembered.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RememberedMethod {
+    /// [`super::Backprojection`].
+    Backprojection,
+    /// [`super::Bank`].
+    Bank,
+    /// [`super::Online`].
+    #[default]
+    Online,
 }
 
 /// What the memory added.
