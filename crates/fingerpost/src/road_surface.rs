@@ -5,6 +5,7 @@
 
 mod backprojection;
 mod bank;
+mod fused;
 mod memory;
 mod named;
 mod online;
@@ -26,6 +27,7 @@ pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, Surfa
 pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
 
+use fused::Fused;
 use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -37,7 +39,7 @@ use crate::motion::Motion;
 pub struct RoadSurfaceConfig {
     /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online": a
     /// classifier trained as the drive goes; "memory": what one of these sees, remembered as the vehicle moves on; "combined":
-    /// the same, with the surface named by the bank; default "combined".
+    /// the same, with the surface named by the bank, and "online" in camera pictures; default "combined".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -79,7 +81,7 @@ pub enum RoadMethod {
     Online,
     /// [`Memory`] of what another detector sees.
     Memory,
-    /// The same, with the surface under way named by the bank.
+    /// The same, with the surface under way named by the bank, and [`Online`] in camera pictures.
     #[default]
     Combined,
 }
@@ -116,7 +118,8 @@ impl RoadSurfaceConfig {
             RoadMethod::Online => Box::new(Online::new(&self.online)),
             RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing()?)),
             RoadMethod::Combined => {
-                let named = Box::new(Named::new(&self.bank, self.seeing()?)?);
+                let in_camera = Box::new(Online::new(&self.online));
+                let named = Box::new(Named::new(&self.bank, in_camera, self.seeing()?)?);
                 Box::new(Memory::new(self.detector, &self.memory, named))
             }
         })
@@ -124,12 +127,15 @@ impl RoadSurfaceConfig {
 
     /// The detector whose surfaces are remembered.
     fn seeing(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
-        let detector = match self.memory.of {
-            RememberedMethod::Backprojection => RoadMethod::Backprojection,
-            RememberedMethod::Bank => RoadMethod::Bank,
-            RememberedMethod::Online => RoadMethod::Online,
-        };
-        Self { detector, ..self.clone() }.detector()
+        Ok(match self.memory.of {
+            RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
+            RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
+            RememberedMethod::Online => Box::new(Online::new(&self.online)),
+            RememberedMethod::Fused => {
+                let colours = Backprojection::new(&self.backprojection)?;
+                Box::new(Fused::new(Online::new(&self.online), colours))
+            }
+        })
     }
 
     /// The region assumed to be road in a camera picture of `width` x `height` pixels: the bottom middle, 0.35 to 0.65 of

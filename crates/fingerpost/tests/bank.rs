@@ -125,7 +125,7 @@ fn surfaces_survive_a_file_and_are_known_at_once() {
         let bank = second.look(&picture(0, |_| CONCRETE)).bank.unwrap();
         assert_eq!((bank.surface.as_deref(), bank.founded, bank.surfaces), (Some("the bridge"), false, 3));
         assert!(bank.likeness > 0.9, "{bank:?}");
-        assert!(second.mean(ROAD) > 0.9);
+        assert!(detector != RoadMethod::Bank || second.mean(ROAD) > 0.9);
         let kept = second.detector.known_surfaces().unwrap();
         assert_eq!(kept.surfaces.iter().map(|surface| surface.frames).sum::<u64>(), {
             1 + file.surfaces.iter().map(|surface| surface.frames).sum::<u64>()

@@ -1,19 +1,24 @@
-//! Another detector, with the surface under way named by the bank of known surfaces.
+//! Another detector for each perspective, with the surface under way named by the bank of known surfaces.
 
 use fingerpost_vision::picture::Plane;
 
 use super::bank::SurfaceMemory;
-use super::{BankConfig, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile};
+use super::{BankConfig, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile};
 
-/// A detector whose evidence names the surface under way; its probabilities are those of the detector alone.
+/// A detector whose evidence names the surface under way; its probabilities are those of the perspective's detector alone.
 pub(super) struct Named {
     surfaces: SurfaceMemory,
-    seeing: Box<dyn RoadDetector>,
+    in_camera: Box<dyn RoadDetector>,
+    in_ground: Box<dyn RoadDetector>,
 }
 
 impl Named {
-    pub(super) fn new(config: &BankConfig, seeing: Box<dyn RoadDetector>) -> Result<Self, RoadError> {
-        Ok(Self { surfaces: SurfaceMemory::new(config)?, seeing })
+    pub(super) fn new(
+        config: &BankConfig,
+        in_camera: Box<dyn RoadDetector>,
+        in_ground: Box<dyn RoadDetector>,
+    ) -> Result<Self, RoadError> {
+        Ok(Self { surfaces: SurfaceMemory::new(config)?, in_camera, in_ground })
     }
 }
 
@@ -23,7 +28,11 @@ impl RoadDetector for Named {
         input: RoadInput<'_>,
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
-        let mut evidence = self.seeing.estimate(input, probability)?;
+        let seeing = match input.perspective {
+            Perspective::Camera { .. } => &mut self.in_camera,
+            Perspective::Ground { .. } => &mut self.in_ground,
+        };
+        let mut evidence = seeing.estimate(input, probability)?;
         evidence.bank = Some(self.surfaces.consider(&input)?.0);
         Ok(evidence)
     }
@@ -38,6 +47,7 @@ impl RoadDetector for Named {
 
     fn reset(&mut self) {
         self.surfaces.forget();
-        self.seeing.reset();
+        self.in_camera.reset();
+        self.in_ground.reset();
     }
 }
