@@ -5,6 +5,7 @@
 
 mod bad_inputs;
 mod broken_frames;
+mod calibrating;
 mod drive;
 mod evaluating;
 mod evaluating_road;

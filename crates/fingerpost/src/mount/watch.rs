@@ -8,10 +8,9 @@ use super::AttitudeObservation;
 use super::sighting::Sightings;
 use super::sparse::{BackCheck, SparseSetting};
 
-/// A corner for every 64 x 64 pixels of the picture, found at a quarter of its size and followed at half of it: a hundred or
-/// so of them tell the motion.
+/// A corner for every 64 x 64 pixels of the picture, found at a quarter of its size: some 70 of them tell the motion.
 const QUICK: SparseSetting =
-    SparseSetting { find_level: 2, cell_px: 16, follow_level: 1, iterations: 6, check: BackCheck::Off };
+    SparseSetting { find_level: 2, cell_px: 16, follow_level: 0, iterations: 6, check: BackCheck::Off };
 
 /// Watches where the camera moves to in its own picture, which needs no road.
 #[derive(Debug)]
