@@ -83,7 +83,7 @@ fn calibrations_that_cannot_be_right() {
 fn run_with_camera(changes: &[(&str, &str)]) -> crate::program::Called {
     let text = fs::read_to_string(Drive::get().camera()).unwrap();
     let change = |line: &str| {
-        let changed = changes.iter().find(|(key, _)| line.starts_with(key));
+        let changed = changes.iter().find(|(key, _)| line.split(' ').next() == Some(key));
         changed.map_or(format!("{line}\n"), |(key, value)| format!("{key} = {value}\n"))
     };
     let contents: String = text.lines().map(change).collect();
@@ -93,7 +93,7 @@ fn run_with_camera(changes: &[(&str, &str)]) -> crate::program::Called {
 
 #[test]
 fn calibrations_that_do_not_fit_the_road_or_the_pictures() {
-    run_with_camera(&[("width", "240"), ("height =", "320"), ("cx", "119.5"), ("cy", "159.5")])
+    run_with_camera(&[("width", "240"), ("height", "320"), ("cx", "119.5"), ("cy", "159.5")])
         .refused(1, &["320 x 240", "240 x 320", "exchanged"]);
     run_with_camera(&[("height_m", "0.06")]).refused(1, &["far edge", "mount.height_m"]);
     run_with_camera(&[("pitch_deg", "-60.0")]).refused(1, &["sees", "pitch"]);

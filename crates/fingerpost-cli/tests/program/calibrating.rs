@@ -4,6 +4,7 @@ use std::fs;
 
 use fingerpost_format::camera_from_toml;
 use fingerpost_geometry::{Mount, View};
+use fingerpost_io::read_truth;
 use tempfile::TempDir;
 
 use crate::drive::Drive;
@@ -57,8 +58,11 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     assert!((mount.pitch_rad.to_degrees() - PITCH_DEG).abs() < 0.2, "{mount:?}");
     assert!((mount.yaw_rad.to_degrees() - YAW_DEG).abs() < 0.2, "{mount:?}");
 
-    // The simulated vehicle drives at a steady 8 m/s here.
-    call_line(&format!("{line} --speed-mps 8")).done();
+    let truth = read_truth(&folder.path().join("drive/truth.jsonl")).unwrap();
+    let steps = truth.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m));
+    let distance_m: f64 = steps.sum();
+    let speed_mps = distance_m / (truth.last().unwrap().t_s - truth[0].t_s);
+    call_line(&format!("{line} --speed-mps {speed_mps}")).done();
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
