@@ -154,7 +154,7 @@ impl Pipeline {
             detector: config.road_surface.detector()?,
             motion: config.motion.estimator()?,
             camera: camera.clone(),
-            attitude: AttitudeWatch::new(),
+            attitude: AttitudeWatch::new(camera),
             mount: MountFilter::new(&config.mount),
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
