@@ -4,6 +4,7 @@
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
 mod arguments;
+mod campaign;
 mod demo;
 mod driver;
 mod evaluate;
@@ -38,6 +39,7 @@ enum Command {
     Route(route::RouteArgs),
     Run(run::RunArgs),
     Simulate(simulate::SimulateArgs),
+    Campaign(campaign::CampaignArgs),
     #[command(subcommand)]
     Evaluate(evaluate::EvaluateCommand),
     Schema(schema::SchemaArgs),
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Campaign(args) => campaign::campaign(&args),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Schema(args) => schema::schema(&args),
     };
