@@ -71,7 +71,7 @@ pub(crate) struct CampaignArgs {
 }
 
 /// The difficult days.
-const DEFAULT_CONDITIONS: [&str; 2] = ["shadows", "rough"];
+const DEFAULT_CONDITIONS: [&str; 5] = ["shadows", "wet", "mixed", "dusk", "dust"];
 
 /// What all drives share.
 struct Setting<'a> {
@@ -155,8 +155,8 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
     };
     thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let ends = workers.into_iter().map(|worker| worker.join());
-        ends.map(|end| end.unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect::<Result<()>>()
+        let mut ends = workers.into_iter().map(|worker| worker.join());
+        ends.try_for_each(|end| end.unwrap_or_else(|fault| std::panic::resume_unwind(fault)))
     })?;
     let tally = tally.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     Ok(tally.campaign())

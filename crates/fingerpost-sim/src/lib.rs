@@ -11,10 +11,12 @@
 
 mod conditions;
 mod config;
+mod dirt;
 mod drive;
 mod error;
 mod ground;
 mod lens;
+mod light;
 mod noise;
 mod object;
 mod path;
@@ -29,6 +31,7 @@ mod surface;
 mod texture;
 mod tone;
 mod truth;
+mod wet;
 
 pub use conditions::{Conditions, Markings};
 pub use config::{SimConfig, TrafficSide};
