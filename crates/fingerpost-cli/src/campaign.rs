@@ -51,7 +51,7 @@ pub(crate) struct CampaignArgs {
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Size of the pictures, pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x480")]
+    #[arg(long, value_name = "WxH", default_value = "480x360")]
     size: PictureSize,
     /// Frames a second.
     #[arg(long, default_value_t = 10.0)]

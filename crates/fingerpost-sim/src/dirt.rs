@@ -79,6 +79,6 @@ mod tests {
             dirt.taken.iter().filter(|&&taken| taken > 0.0).count() as f64 / dirt.taken.len() as f64;
         assert!((0.08..0.3).contains(&covered), "{covered}");
         let clean = Dirt::new(160, 120, &Conditions::CLEAR, 3);
-        assert!(clean.through([0.5; 3], 7) == [0.5; 3]);
+        assert!(clean.through([0.5; 3], 7).iter().all(|c| (c - 0.5).abs() < 1e-9));
     }
 }

@@ -258,22 +258,22 @@ impl<'a> Shot<'a> {
         if scene.wetness > 0.0 {
             let water = Water::at(scene.wetness, &point, road);
             let grain = scene.painter.grain(x, y, footprint.fineness_m());
-            let mirrored = self.mirrored_light(water.mirrored(d, grain), &candidates.mirrored);
+            let mirrored = self.mirrored_light(water.mirrored(d, grain), water.clear, &candidates.mirrored);
             lit = mixed(lit.map(|c| c * water.brightness), mirrored, water.mirrored_share(d));
         }
         let thickness = scene.sky.thickness(x, y, self.t_s);
         (scene.sky.hazed(lit, t * thickness), if road >= 0.5 { 255 } else { 0 })
     }
 
-    /// What a mirrored ray meets, taken from the mirror image of the camera.
+    /// What a mirrored ray meets, in a mirror that is `clear` or rough, taken from the mirror image of the camera.
     #[inline(never)]
-    fn mirrored_light(&self, direction: [f32; 3], candidates: &[Neighbour]) -> Colour {
+    fn mirrored_light(&self, direction: [f32; 3], clear: f32, candidates: &[Neighbour]) -> Colour {
         let ray = Ray { origin: mirrored(self.origin, self.ground_m), direction };
         // Below ground it meets nothing.
         let from_ground = (self.origin[2] - self.ground_m).max(0.0) / direction[2];
         match first_hit(self.scene.scenery.objects(), &ray, from_ground..f32::INFINITY, candidates) {
             Some((object, hit)) => self.object_light(object, &hit),
-            None => self.scene.sky.colour(direction),
+            None => mixed(self.scene.sky.blurred(direction[2]), self.scene.sky.colour(direction), clear),
         }
     }
 

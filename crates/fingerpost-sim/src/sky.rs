@@ -12,6 +12,8 @@ const DUST: Colour = [0.66, 0.56, 0.42];
 /// Colour of a covered sky, and the light of its clouds' relief.
 const COVER: Colour = [0.60, 0.62, 0.65];
 const COVER_RELIEF: f32 = 0.35;
+/// Colour of the clear sky overhead.
+const TOP: Colour = [0.20, 0.38, 0.72];
 /// Glow of a sun below the horizon.
 const GLOW: Colour = [1.0, 0.62, 0.38];
 /// Height of the distant woods, tangent of the angle.
@@ -66,7 +68,7 @@ impl Sky {
             }
         }
         let blue = (1.0 - 1.0 / (1.0 + 5.0 * z.max(0.0))).min(1.0);
-        let top = [0.20 * b, 0.38 * b, 0.72 * b];
+        let top = TOP.map(|c| c * b);
         // Clouds lie on a plane high above; the look-up fades towards the horizon, where they crowd together.
         let (u, v) = (x / (z + 0.12), y / (z + 0.12));
         let layers = self.clouds.sample(0.7 * u, 0.7 * v, 0.03)[0]
@@ -77,6 +79,14 @@ impl Sky {
             clear + (0.92 * b - clear) * cloud
         });
         if self.overcast > 0.0 { self.covered(sky, layers, z) } else { sky }
+    }
+
+    /// Colour in a direction of the sky without its clouds, as a rough mirror shows it.
+    #[inline]
+    pub(crate) fn blurred(&self, z: f32) -> Colour {
+        let blue = 1.0 - 1.0 / (1.0 + 5.0 * z.max(0.0));
+        let clear = mixed(self.haze, TOP.map(|c| c * self.brightness), blue);
+        mixed(clear, COVER.map(|c| c * self.brightness), self.overcast)
     }
 
     /// A sky behind its cover, with the glow of a low sun.

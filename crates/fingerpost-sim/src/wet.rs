@@ -31,6 +31,8 @@ pub(crate) struct Water {
     mirrors: f32,
     /// How far mirrored rays are turned.
     spread: f32,
+    /// Share of a clear mirror in what mirrors; the rest shows no more than the sky's gradient.
+    pub(crate) clear: f32,
 }
 
 impl Water {
@@ -43,7 +45,7 @@ impl Water {
         let on_road = wetness * (FILM_DARKENS + (PUDDLE_DARKENS - FILM_DARKENS) * puddle);
         let darkens = wetness * VERGE_DARKENS * (1.0 - road) + on_road * road;
         let mirrors = wetness * (FILM_MIRRORS + (PUDDLE_MIRRORS - FILM_MIRRORS) * puddle) * road;
-        Self { brightness: 1.0 - darkens, mirrors, spread: FILM_SPREADS * (1.0 - puddle) }
+        Self { brightness: 1.0 - darkens, mirrors, spread: FILM_SPREADS * (1.0 - puddle), clear: puddle }
     }
 
     /// Share of the light that comes mirrored along a ray (unit vector) that goes down.

@@ -59,7 +59,7 @@ fn a_day_changes_the_light_and_leaves_the_road_where_it_is() {
     let [clear, wet, dusk, dust] =
         [Conditions::CLEAR, Conditions::WET, Conditions::DUSK, Conditions::DUST].map(frame);
     for other in [&wet, &dusk, &dust] {
-        assert!(other.road == clear.road && other.truth.x_m == clear.truth.x_m);
+        assert!(other.road == clear.road && other.truth == clear.truth);
     }
     let [clear, wet, dusk, dust] = [&clear, &wet, &dusk, &dust].map(road_brightness);
     assert!(dusk < 0.6 * clear && wet < 0.95 * clear && dust > clear, "{clear} {wet} {dusk} {dust}");
