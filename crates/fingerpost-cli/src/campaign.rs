@@ -59,7 +59,7 @@ pub(crate) struct CampaignArgs {
     /// Drives at the same time; as many as the machine has processor cores by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// Write a run folder with report and pictures for every drive.
+    /// Write a run folder with report, pictures, route and truth for every drive.
     #[arg(long)]
     reports: bool,
     /// Folder to write campaign.json and the run folders into.

@@ -1,10 +1,13 @@
 //! One drive of a campaign: drawn, simulated, run and evaluated in memory.
 
+use std::path::PathBuf;
+
 use anyhow::{Error, Result};
 use fingerpost::Sensors;
 use fingerpost_eval::{evaluate_junctions, feature_summaries};
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
-use fingerpost_map::Route;
+use fingerpost_io::{JsonLinesFile, write_file};
+use fingerpost_map::{Route, write_route};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use indicatif::ProgressBar;
 
@@ -54,6 +57,8 @@ struct Run {
     driver: Driver,
     /// Where a report is wanted.
     recorder: Option<Recorder>,
+    /// The folder that it goes to.
+    folder: PathBuf,
     records: Vec<FrameRecord>,
     truth: Vec<TruthRecord>,
 }
@@ -77,12 +82,19 @@ impl Run {
             if setting.args.reports { Pictures::Every(PICTURE_EVERY_FRAMES) } else { Pictures::None };
         let wishes = Wishes { title: format!("Fingerpost campaign: {name}"), pictures, video_fps: None };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
+        let folder = setting.args.out.join(name);
         let recorder = setting.args.reports.then(|| {
             let subject = driver.subject(run_setting)?;
-            Recorder::create(&setting.args.out.join(name), subject, wishes, ProgressBar::hidden())
+            Recorder::create(&folder, subject, wishes, ProgressBar::hidden())
         });
         let recorder = recorder.transpose()?;
-        Ok(Self { driver, recorder, records: Vec::with_capacity(frames), truth: Vec::with_capacity(frames) })
+        Ok(Self {
+            driver,
+            recorder,
+            folder,
+            records: Vec::with_capacity(frames),
+            truth: Vec::with_capacity(frames),
+        })
     }
 
     fn take(&mut self, time: FrameTime, result: FrameResult) -> Result<()> {
@@ -95,8 +107,13 @@ impl Run {
     }
 
     fn finish(self, named: &CampaignDrive, route: &Route) -> Result<Driven> {
-        let Self { driver, recorder, records, truth } = self;
-        recorder.map(|recorder| recorder.finish(RunEnd::Complete, Some(&truth))).transpose()?;
+        let Self { driver, recorder, folder, records, truth } = self;
+        if let Some(recorder) = recorder {
+            recorder.finish(RunEnd::Complete, Some(&truth))?;
+            write_file(&folder.join("route.geojson"), write_route(route)?)?;
+            let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
+            truth.iter().try_for_each(|truth| lines.append(truth))?;
+        }
         let ids: Vec<i64> = route.features.iter().map(|feature| feature.id).collect();
         let evaluation = evaluate_junctions(&records, &truth, &ids)?;
         let is_lost = |record: &FrameRecord| record.state == TrackState::Lost;

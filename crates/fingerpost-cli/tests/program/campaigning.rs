@@ -38,7 +38,7 @@ fn a_drive_can_be_had_again_with_its_report() {
     let out = TempDir::new().unwrap();
     call_line(&format!("{} --reports", small(out.path(), "").replace("--drives 2", "--drives 1"))).done();
     let run = out.path().join("ideal_5");
-    for name in ["report.html", "frames.jsonl", "summary.json", "pictures/frame_000010.png"] {
+    for name in ["report.html", "frames.jsonl", "truth.jsonl", "route.geojson", "pictures/frame_000010.png"] {
         assert!(run.join(name).exists(), "{name}");
     }
 }

@@ -8,6 +8,7 @@ mod broken_frames;
 mod campaigning;
 mod drive;
 mod evaluating;
+mod evaluating_road;
 mod interrupts;
 mod program;
 mod running;
