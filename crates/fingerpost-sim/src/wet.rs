@@ -17,8 +17,8 @@ const VERGE_DARKENS: f32 = 0.25;
 const FILM_MIRRORS: f32 = 0.30;
 const PUDDLE_MIRRORS: f32 = 0.95;
 /// Stains darker than this are hollows in which water stands; the depth over which a puddle's rim fades.
-const HOLLOW_TONE: f32 = 0.06;
-const RIM_TONE: f32 = 0.05;
+const HOLLOW_TONE: f32 = 0.28;
+const RIM_TONE: f32 = 0.06;
 /// How far the chippings of a film turn mirrored rays, tangent of the angle, for a grain of one.
 const FILM_SPREADS: f32 = 0.22;
 
