@@ -4,6 +4,7 @@
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
 mod arguments;
+mod calibrate;
 mod campaign;
 mod demo;
 mod driver;
@@ -41,6 +42,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     Campaign(campaign::CampaignArgs),
     #[command(subcommand)]
+    Calibrate(calibrate::CalibrateCommand),
+    #[command(subcommand)]
     Evaluate(evaluate::EvaluateCommand),
     Schema(schema::SchemaArgs),
 }
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Campaign(args) => campaign::campaign(&args),
+        Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Schema(args) => schema::schema(&args),
     };
