@@ -11,24 +11,24 @@ use crate::{Conditions, SimConfig, SimError};
 /// What is asked of a drawn route.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomRouteOptions {
-    /// Length, metres (default 120 to 320).
+    /// Length, metres (default 100 to 260).
     pub length_m: RangeInclusive<f64>,
     /// Features on it (default 2 to 4).
     pub features: RangeInclusive<usize>,
-    /// Least distance of the first feature from the route's start, metres (default 35: a ground view's length and the
-    /// metres behind the vehicle).
-    pub first_feature_m: f64,
+    /// Distance of the first feature from the route's start, metres (default 35 to 80: at the least a ground view's
+    /// length and the metres behind the vehicle).
+    pub first_feature_m: RangeInclusive<f64>,
     /// Least distance of the last feature from the route's end, metres (default 20: the vehicle passes it).
     pub behind_last_m: f64,
 }
 
 impl Default for RandomRouteOptions {
     fn default() -> Self {
-        Self { length_m: 120.0..=320.0, features: 2..=4, first_feature_m: 35.0, behind_last_m: 20.0 }
+        Self { length_m: 100.0..=260.0, features: 2..=4, first_feature_m: 35.0..=80.0, behind_last_m: 20.0 }
     }
 }
 
-/// Pairs of nodes that are tried; a town has a fitting one in about ten.
+/// Pairs of nodes that are tried; a town has a fitting one in some tens.
 const ATTEMPTS: usize = 5000;
 
 /// Slowest and fastest cruising speed, m/s: 22 and 36 km/h, as on side streets.
@@ -76,7 +76,7 @@ fn fits(route: &Route, options: &RandomRouteOptions) -> bool {
     let (first, last) = (route.features.first(), route.features.last());
     options.length_m.contains(&line.length_m())
         && options.features.contains(&route.features.len())
-        && first.is_none_or(|feature| feature.route_m >= options.first_feature_m)
+        && first.is_none_or(|feature| options.first_feature_m.contains(&feature.route_m))
         && last.is_none_or(|feature| line.length_m() - feature.route_m >= options.behind_last_m)
 }
 
