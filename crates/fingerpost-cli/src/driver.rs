@@ -91,6 +91,11 @@ impl Driver {
         })
     }
 
+    /// What the route's features are called.
+    pub(crate) fn features(&self) -> &[FeatureIdentity] {
+        &self.features
+    }
+
     /// Takes one frame in.
     pub(crate) fn step(
         &mut self,

@@ -6,6 +6,7 @@
 mod bad_inputs;
 mod broken_frames;
 mod calibrating;
+mod campaigning;
 mod drive;
 mod evaluating;
 mod evaluating_road;
