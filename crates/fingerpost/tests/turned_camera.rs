@@ -67,8 +67,8 @@ fn a_turned_camera_is_noticed_within_five_seconds_and_found_again() {
         assert_eq!(estimates[BEFORE - 1].state, MountState::Valid);
         assert!(estimates[..BEFORE].iter().all(|estimate| estimate.fault.is_none()), "alarmed too early");
         let noticed = estimates.iter().position(|estimate| estimate.fault.is_some());
-        let frame = noticed.unwrap_or_else(|| panic!("{angle:?} was not noticed"));
-        let fault = estimates[frame].fault.unwrap();
+        assert!(noticed.is_some(), "{angle:?} was not noticed");
+        let fault = estimates[noticed.unwrap()].fault.unwrap();
         assert_eq!(fault.angle, angle, "{fault:?}");
         let by = mount.pitch_rad - MOUNT.pitch_rad + mount.yaw_rad + mount.roll_rad;
         assert!((fault.by_rad - by).abs() < 0.4 * TURNED_RAD, "{fault:?}");
