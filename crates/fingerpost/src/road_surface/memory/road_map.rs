@@ -247,19 +247,23 @@ impl RoadMap {
             let step = step.map(fixed);
             let cells = self.cells.row_mut(row as usize & mask);
             for column in *columns.start() + first..*columns.start() + end {
-                let pixel = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
+                // A place before the first becomes one far behind the last.
+                let (line, across) = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
                 (u, v) = (u + step[0], v + step[1]);
-                let index = pixel.0 * width + pixel.1;
+                // Rounding may lead a place at the edge out of the view.
+                if line >= height || across >= width {
+                    continue;
+                }
+                let index = line * width + across;
                 let shown = validity.plane().as_slice().get(index).is_some_and(|&shown| shown != 0);
-                let (Some(&p), Some(&trust)) = (seen.as_slice().get(index), self.row_trust.get(pixel.0))
+                let (Some(&p), Some(&trust), true) =
+                    (seen.as_slice().get(index), self.row_trust.get(line), shown)
                 else {
                     continue;
                 };
-                if shown && pixel.1 < width {
-                    let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
-                    let cell = &mut cells[column as usize & mask];
-                    *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
-                }
+                let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
+                let cell = &mut cells[column as usize & mask];
+                *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
             }
         }
     }
