@@ -4,6 +4,8 @@
 //! frame with the lens folded in. Limits: the road is taken as flat; whatever stands on it is smeared away from the
 //! camera.
 
+mod turn;
+
 use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel, View};
 use fingerpost_vision::colour::{BinDivision, ColourError, HueSaturationBins};
 use fingerpost_vision::error::PictureError;
@@ -13,6 +15,8 @@ use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+pub use turn::{CameraTurn, Viewpoint};
 
 /// Which part of the road the ground view shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,8 +72,7 @@ pub struct GroundView {
     table: WarpTable,
     division: BinDivision,
     nearest_seen_m: f64,
-    camera_foot: Point2<f64>,
-    camera_height_m: f64,
+    viewpoint: Viewpoint,
 }
 
 /// The ground view of one frame.
@@ -131,11 +134,13 @@ impl GroundView {
             return Err(nothing_seen);
         }
         let Some(nearest_seen_m) = nearest_seen_m(&grid, validity.plane()) else { return Err(nothing_seen) };
-        let (camera_foot, camera_height_m) = match camera.view() {
-            View::Calibrated { mount, .. } => (Point2::new(mount.x_m, mount.y_m), mount.height_m),
-            View::RoadPlane(_) => (Point2::origin(), CAR_CAMERA_HEIGHT_M),
+        let viewpoint = match camera.view() {
+            View::Calibrated { mount, .. } => {
+                Viewpoint { foot: Point2::new(mount.x_m, mount.y_m), height_m: mount.height_m }
+            }
+            View::RoadPlane(_) => Viewpoint { foot: Point2::origin(), height_m: CAR_CAMERA_HEIGHT_M },
         };
-        Ok(Self { grid, table, division, nearest_seen_m, camera_foot, camera_height_m })
+        Ok(Self { grid, table, division, nearest_seen_m, viewpoint })
     }
 
     /// The raster of the ground view.
@@ -153,14 +158,19 @@ impl GroundView {
         self.nearest_seen_m
     }
 
-    /// The place on the road below the camera, vehicle frame, metres.
-    pub const fn camera_foot(&self) -> Point2<f64> {
-        self.camera_foot
+    /// Where the camera looks from; for a camera known by points its height is that of a car's.
+    pub const fn viewpoint(&self) -> Viewpoint {
+        self.viewpoint
     }
 
-    /// Height of the camera above the road, metres; for a camera known by points that of a car's.
+    /// The place on the road below the camera, vehicle frame, metres.
+    pub const fn camera_foot(&self) -> Point2<f64> {
+        self.viewpoint.foot
+    }
+
+    /// Height of the camera above the road, metres.
     pub const fn camera_height_m(&self) -> f64 {
-        self.camera_height_m
+        self.viewpoint.height_m
     }
 
     /// A picture for [`GroundView::render`] to fill.

@@ -14,6 +14,7 @@ pub mod feature_model;
 pub mod ground_view;
 pub mod matching;
 pub mod motion;
+pub mod mount;
 pub mod pipeline;
 pub mod road_surface;
 pub mod route_progress;

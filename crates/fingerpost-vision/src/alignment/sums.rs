@@ -1,6 +1,6 @@
 //! Residuals of a warp and the sums over them.
 
-use super::{LANES, Lanes, QuadraticField, Target, Template, UNKNOWNS};
+use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
 use crate::simd::{CodePath, simd_kernel};
 
 /// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
@@ -77,7 +77,7 @@ impl Residuals {
         &mut self,
         template: &Template,
         target: &Target,
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         scale: f32,
     ) {
@@ -89,7 +89,7 @@ impl Residuals {
         path: CodePath,
         template: &Template,
         target: &Target,
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         scale: f32,
     ) {
@@ -182,7 +182,7 @@ simd_kernel! {
         points: [&[Lanes]; 3],
         cells: &[u32],
         size: [usize; 2],
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         inverse_variance: f32,
         residuals: &mut [Lanes],

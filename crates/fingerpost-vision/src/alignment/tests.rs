@@ -126,9 +126,10 @@ proptest! {
         gain in 0.8_f32..1.2, offset in -9.0_f32..9.0, scale in 1.0_f32..20.0,
     ) {
         let (older, newer) = (holey(width, height, &bytes), holey(width, height, &bytes[3..]));
-        let warp = QuadraticField {
-            u: [shift[0], 1.0, bend, 0.01 * bend, 0.0, 0.02 * bend],
-            v: [shift[1], -bend, 1.0, 0.0, -0.01 * bend, 0.0],
+        let warp = ProjectiveMap {
+            right: [shift[0], 1.0, bend],
+            down: [shift[1], -bend, 1.0],
+            scale: [1.0, 0.05 * bend, -0.1 * bend],
         };
         let (brightness, fields) = (Brightness { gain, offset }, fields(&seed));
         let mut results = Vec::new();
@@ -212,16 +213,16 @@ fn a_displaced_picture_is_found_again() {
     template.set_directions(&fields);
     let mut target = Target::default();
     target.fill(&newer);
-    let (mut warp, mut residuals, mut agreeing) = (QuadraticField::IDENTITY, Residuals::default(), 0.0);
+    let (mut warp, mut residuals, mut agreeing) = (ProjectiveMap::IDENTITY, Residuals::default(), 0.0);
     for _ in 0..6 {
         residuals.measure(&template, &target, &warp, Brightness::default(), 5.0);
         let Sums { hessian: h, gradient: g, unweighted } = residuals.sums(&template);
         agreeing = h[0][0] / unweighted[0];
         let determinant = h[0][0] * h[1][1] - h[0][1] * h[0][1];
-        warp.u[0] -= (h[1][1] * g[0] - h[0][1] * g[1]) / determinant;
-        warp.v[0] -= (h[0][0] * g[1] - h[0][1] * g[0]) / determinant;
+        warp.right[0] -= (h[1][1] * g[0] - h[0][1] * g[1]) / determinant;
+        warp.down[0] -= (h[0][0] * g[1] - h[0][1] * g[0]) / determinant;
     }
-    assert!((warp.u[0] - 0.8).abs() < 0.02 && (warp.v[0] + 0.6).abs() < 0.02, "{warp:?}");
+    assert!((warp.right[0] - 0.8).abs() < 0.02 && (warp.down[0] + 0.6).abs() < 0.02, "{warp:?}");
     assert!(agreeing > 0.9, "all of the picture agrees: {agreeing}");
 }
 
@@ -235,13 +236,13 @@ fn nothing_seen_is_no_residual_and_nothing_panics() {
         let mut target = Target::default();
         target.fill(&grey);
         let mut residuals = Residuals::default();
-        residuals.measure(&template, &target, &QuadraticField::IDENTITY, Brightness::default(), 1.0);
+        residuals.measure(&template, &target, &ProjectiveMap::IDENTITY, Brightness::default(), 1.0);
         assert!(residuals.seen < 0.5);
     }
     let mut template = Template::default();
     template.choose(&hills(20, 20, |u, v| [u, v]), Rect { x: 0, y: 0, width: 20, height: 20 }, 1);
     let mut residuals = Residuals::default();
-    let lost = QuadraticField { u: [f32::NAN; 6], v: [f32::INFINITY; 6] };
+    let lost = ProjectiveMap { right: [f32::NAN; 3], down: [f32::INFINITY; 3], scale: [0.0; 3] };
     residuals.measure(&template, &Target::default(), &lost, Brightness::default(), 0.0);
     assert!(residuals.seen < 0.5 && residuals.sums(&template).hessian[0][0].abs() < 1e-9);
 }

@@ -17,15 +17,16 @@ mod patch;
 mod plane_warp;
 mod start;
 
-use fingerpost_vision::alignment::Residuals;
+use fingerpost_vision::alignment::{Brightness, Residuals};
 use nalgebra::{Isometry2, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::gauss_newton::{Estimate, Prior, align};
 use self::patch::Patch;
-use self::plane_warp::Displacement;
+use self::plane_warp::{Displacement, Views};
 use self::start::{cost, start};
+use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
 };
@@ -87,6 +88,7 @@ pub struct DirectMotion {
     residuals: Residuals,
     evidence: MotionEvidence,
     last: Option<Last>,
+    turn: TurnFilter,
 }
 
 /// What the next frame is to know of this one.
@@ -116,6 +118,7 @@ impl DirectMotion {
             residuals: Residuals::default(),
             evidence: MotionEvidence::default(),
             last: None,
+            turn: TurnFilter::default(),
         }
     }
 
@@ -123,33 +126,48 @@ impl DirectMotion {
         let patch = self.patch.as_mut()?;
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
-        let (start, motion) = start(coarsest, residuals, last.current_from_previous, last.bearable);
+        let views = Views::default();
+        let expected_turn = self.turn.predicted();
+        let turn_before_rad = self.turn.turn_rad();
+        let displaced = |motion| Displacement::of(motion, turn_before_rad);
+        let mut cost_of =
+            |motion| cost(coarsest, residuals, &displaced(motion), &views, Brightness::default());
+        let (start, motion) = start(&mut cost_of, last.current_from_previous, last.bearable);
         let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
         // A search is for what was not expected.
-        let prior = match start {
-            FlowStart::CoarseSearch => Prior::new(motion, diagonal(UNKNOWN_SIGMA))?,
-            _ => Prior::new(last.current_from_previous, expected)?,
+        let (current_from_previous, spread) = match start {
+            FlowStart::CoarseSearch => (motion, diagonal(UNKNOWN_SIGMA)),
+            _ => (last.current_from_previous, expected),
         };
-        let mut estimate = Estimate::at(motion);
+        let information = spread.try_inverse()?;
+        let prior = Prior { current_from_previous, information, turn: expected_turn.prior()? };
+        let mut estimate = Estimate::at(displaced(motion));
         for level in patch.levels[patch.finest..].iter_mut().rev() {
-            estimate = align(level, residuals, &prior, self.config.iterations, estimate)?;
+            estimate = align(level, residuals, (&prior, &views), self.config.iterations, estimate)?;
         }
-        show(patch, residuals, &estimate, start, &mut self.evidence);
+        show(patch, residuals, (&estimate, &views), start, &mut self.evidence);
 
         let coarsest = patch.levels.last()?;
         let Estimate { displacement, brightness, .. } = estimate;
-        let left_over = cost(coarsest, residuals, &displacement, brightness);
-        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(|shift| {
+        let mut cost_when_moved = |shift_m| {
             let current_from_previous =
-                Isometry2::translation(shift, 0.0) * displacement.current_from_previous;
-            cost(coarsest, residuals, &Displacement { current_from_previous, ..displacement }, brightness)
-        });
+                Isometry2::translation(shift_m, 0.0) * displacement.current_from_previous;
+            let displacement = Displacement { current_from_previous, ..displacement };
+            cost(coarsest, residuals, &displacement, &views, brightness)
+        };
+        let left_over = cost_when_moved(0.0);
+        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(cost_when_moved);
         let shifted = shifted[0].min(shifted[1]);
         let quality = quality(&estimate, told_apart(left_over, shifted));
+        let mut seen_turn = estimate.seen_turn;
         if quality < BELIEVED {
-            estimate.displacement = Displacement::of(last.current_from_previous);
+            estimate.displacement = displaced(last.current_from_previous);
             estimate.covariance = expected;
+            seen_turn = SeenTurn::default();
         }
+        self.turn = expected_turn.updated(&seen_turn);
+        self.evidence.attitude = seen_turn.observation();
+        self.evidence.turn_rad = self.turn.turn_rad();
         let displacement = estimate.displacement;
         let mut previous_from_current = displacement.current_from_previous.inverse();
         let covariance = covariance(&previous_from_current, &estimate.covariance);
@@ -197,6 +215,7 @@ impl MotionEstimator for DirectMotion {
 
     fn reset(&mut self) {
         self.last = None;
+        self.turn = TurnFilter::default();
     }
 }
 
@@ -226,12 +245,12 @@ fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
 fn show(
     patch: &Patch,
     residuals: &Residuals,
-    estimate: &Estimate,
+    (estimate, views): (&Estimate, &Views),
     start: FlowStart,
     evidence: &mut MotionEvidence,
 ) {
     let Some(level) = patch.levels.get(patch.finest) else { return };
-    let warp = level.raster.warp(&estimate.displacement);
+    let warp = level.raster.warp(&estimate.displacement, views);
     let ground = |pixel: [f32; 2]| {
         let pixel = patch.grid.ground_from_vehicle(level.raster.vehicle_from_pixel(pixel));
         [pixel.column, pixel.row]

@@ -11,18 +11,11 @@
 
 use nalgebra::{Point2, Vector2};
 
+use crate::ground_view::Viewpoint;
+
 /// Standard deviations of the change of pitch and of roll between frames, and of a standing roll, radians; a car on its
 /// springs moves by a few tenths of a degree and leans by half a degree in a bend.
 pub(super) const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
-
-/// Where the camera looks from, in the vehicle frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Viewpoint {
-    /// Place on the road below the camera, metres.
-    pub(super) foot: Point2<f64>,
-    /// Height of the camera, metres.
-    pub(super) height_m: f64,
-}
 
 /// How a place moves in the ground view for a unit of pitch and of roll.
 pub(super) fn sway_field(p: Point2<f64>, viewpoint: Viewpoint) -> (Vector2<f64>, Vector2<f64>) {
