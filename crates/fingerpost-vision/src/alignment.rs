@@ -24,7 +24,7 @@ mod tests;
 
 pub use sums::{Brightness, Residuals, Sums};
 pub use target::{Target, mark_unseen};
-pub use template::Template;
+pub use template::{Corridor, Template};
 
 /// Lanes in which sums over points are kept, on every code path.
 pub(crate) const LANES: usize = 16;

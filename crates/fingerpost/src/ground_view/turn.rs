@@ -3,7 +3,7 @@
 //! The ground view is made for one direction of the camera. A camera turned from it by a small rotation shows the road at
 //! other places of the view: the road is a plane, so the places are related by a projective map. With a pitch p and a roll
 //! r, seen from height h, the place (X, Y) is shown at
-//! (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h) to first order; a degree is too much for that at 10 m.
+//! (X + p (X^2 + h^2)/h - r XY/h, Y + p XY/h - r (Y^2 + h^2)/h) to first order; a degree is too much for that at 10 m.
 
 use nalgebra::{Matrix3, Point2, Rotation3};
 

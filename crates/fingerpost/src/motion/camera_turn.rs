@@ -17,16 +17,39 @@ use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 use crate::mount::{AttitudeObservation, ObservedAngle};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
-/// How far a calibration's pitch and roll may be off, one standard deviation.
-const CONFIGURED_SIGMA_RAD: f64 = DEGREE;
-/// How far the slow part goes in a frame: a quarter of a degree in a minute at ten frames a second.
-const SLOW_STEP_RAD: f64 = 0.01 * DEGREE;
-/// How far the body swings on its springs.
-const SWING_SIGMA_RAD: f64 = 0.15 * DEGREE;
-/// Share of a swing that is left in the next frame: it is over in about half a second at ten frames a second.
-const SWING_KEPT: f64 = 0.72;
+/// How one of the two angles may go.
+struct Way {
+    /// How far a calibration may be off, one standard deviation.
+    configured_sigma_rad: f64,
+    /// How far the slow part goes in a frame.
+    slow_step_rad: f64,
+    /// How far the body swings on its springs, and the road ahead bends.
+    swing_sigma_rad: f64,
+    /// Share of a swing that is left in the next frame.
+    swing_kept: f64,
+}
+/// Half a degree of slow change in a minute at ten frames a second; a swing lasts a second, as braking does.
+const PITCH: Way = Way {
+    configured_sigma_rad: 1.5 * DEGREE,
+    slow_step_rad: 0.02 * DEGREE,
+    swing_sigma_rad: 0.25 * DEGREE,
+    swing_kept: 0.9,
+};
+/// Calibrated cameras are level to half a degree, because the horizon shows it. In a bend the body leans by half a degree.
+const ROLL: Way = Way {
+    configured_sigma_rad: 0.5 * DEGREE,
+    slow_step_rad: 0.01 * DEGREE,
+    swing_sigma_rad: 0.4 * DEGREE,
+    swing_kept: 0.85,
+};
 /// What a frame by itself is given for pitch and roll, so that an angle of which nothing is seen has a variance.
 const UNSEEN_SIGMA_RAD: f64 = 10.0 * DEGREE;
+
+impl Way {
+    fn swing_step_variance(&self) -> f64 {
+        (1.0 - self.swing_kept * self.swing_kept) * self.swing_sigma_rad * self.swing_sigma_rad
+    }
+}
 
 /// What is known of change of pitch, change of roll, pitch before and roll before, radians: the inverse of its covariance,
 /// and that times its mean.
@@ -63,7 +86,13 @@ fn seen_from_state() -> SMatrix<f64, 4, 6> {
 
 impl Default for TurnFilter {
     fn default() -> Self {
-        let sigma = Vector4::new(CONFIGURED_SIGMA_RAD, SWING_SIGMA_RAD, CONFIGURED_SIGMA_RAD, SWING_SIGMA_RAD);
+        let sigma = [
+            PITCH.configured_sigma_rad,
+            PITCH.swing_sigma_rad,
+            ROLL.configured_sigma_rad,
+            ROLL.swing_sigma_rad,
+        ];
+        let sigma = Vector4::from(sigma);
         Self { mean: Vector4::zeros(), covariance: Matrix4::from_diagonal(&sigma.component_mul(&sigma)) }
     }
 }
@@ -80,16 +109,22 @@ impl TurnFilter {
         for (row, column, share) in [
             (0, 0, 1.0),
             (1, 1, 1.0),
-            (2, 1, SWING_KEPT),
+            (2, 1, PITCH.swing_kept),
             (3, 2, 1.0),
             (4, 3, 1.0),
-            (5, 3, SWING_KEPT),
+            (5, 3, ROLL.swing_kept),
         ] {
             forward[(row, column)] = share;
         }
-        let (slow, swing) =
-            (SLOW_STEP_RAD * SLOW_STEP_RAD, (1.0 - SWING_KEPT * SWING_KEPT) * SWING_SIGMA_RAD * SWING_SIGMA_RAD);
-        let steps = SVector::<f64, 6>::from([slow, 0.0, swing, slow, 0.0, swing]);
+        let slow = |way: &Way| way.slow_step_rad * way.slow_step_rad;
+        let steps = SVector::<f64, 6>::from([
+            slow(&PITCH),
+            0.0,
+            PITCH.swing_step_variance(),
+            slow(&ROLL),
+            0.0,
+            ROLL.swing_step_variance(),
+        ]);
         PredictedTurn {
             mean: forward * self.mean,
             covariance: forward * self.covariance * forward.transpose() + SMatrix::from_diagonal(&steps),
@@ -110,11 +145,15 @@ impl PredictedTurn {
         let seen = seen_from_state();
         let across = self.covariance * seen.transpose();
         let expected = seen * across;
-        let (mean, covariance) = match (Matrix4::identity() + seen_turn.information * expected).try_inverse() {
+        let (mean, covariance) = match (Matrix4::identity() + seen_turn.information * expected).try_inverse()
+        {
             Some(shrunk) => {
                 let gain = across * shrunk;
                 let surprise = seen_turn.vector - seen_turn.information * (seen * self.mean);
-                (self.mean + gain * surprise, self.covariance - gain * seen_turn.information * across.transpose())
+                (
+                    self.mean + gain * surprise,
+                    self.covariance - gain * seen_turn.information * across.transpose(),
+                )
             }
             None => (self.mean, self.covariance),
         };
@@ -130,9 +169,9 @@ impl PredictedTurn {
 impl SeenTurn {
     /// Each angle by itself, as this frame alone shows it: pitch and roll now, and their changes.
     pub(super) fn observation(&self) -> Option<AttitudeObservation> {
-        let swing = 2.0 * (1.0 - SWING_KEPT) * SWING_SIGMA_RAD * SWING_SIGMA_RAD;
         let unseen = UNSEEN_SIGMA_RAD * UNSEEN_SIGMA_RAD;
-        let weak = Vector4::new(swing, swing, unseen, unseen).map(f64::recip);
+        let weak = Vector4::new(PITCH.swing_step_variance(), ROLL.swing_step_variance(), unseen, unseen)
+            .map(f64::recip);
         let covariance = (self.information + Matrix4::from_diagonal(&weak)).try_inverse()?;
         let mean = covariance * self.vector;
         let angle = |of: Vector4<f64>| {

@@ -36,8 +36,8 @@ use crate::ground_view::{GroundPicture, GroundView};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectMotionConfig {
-    /// Width of the strip of road that is aligned, metres, 1 to 40; default 6.4: a lane with its edges. A wider one knows the
-    /// turn better on an open road, but sees more of what is no road.
+    /// Width of the strip of road that is aligned, metres, 1 to 40; default 10: a street with its kerbs. Half a lane to either
+    /// side of the path counts with all its texture, what is farther off with edges along the direction of travel alone.
     pub width_m: f64,
     /// Its length from the nearest place seen, metres, 1 to 40; default 8.
     pub length_m: f64,
@@ -47,7 +47,7 @@ pub struct DirectMotionConfig {
 
 impl Default for DirectMotionConfig {
     fn default() -> Self {
-        Self { width_m: 6.4, length_m: 8.0, iterations: 10 }
+        Self { width_m: 10.0, length_m: 8.0, iterations: 10 }
     }
 }
 
@@ -77,6 +77,10 @@ const NOT_CONVERGED: f64 = 0.5;
 /// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
 /// standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
+/// A shorter step does not tell how the path bends, metres.
+const LEAST_ARC_M: f64 = 0.05;
+/// No car turns tighter, 1/m.
+const TIGHTEST_PER_M: f64 = 0.2;
 /// About how many displacements the evidence shows.
 const SAMPLES: usize = 400;
 
@@ -177,7 +181,7 @@ impl DirectMotion {
         if stands {
             previous_from_current = Isometry2::identity();
         } else {
-            patch.keep();
+            patch.keep(curvature_per_m(&previous_from_current));
         }
         self.last = Some(Last {
             current_from_previous: previous_from_current.inverse(),
@@ -208,7 +212,7 @@ impl MotionEstimator for DirectMotion {
         let motion = self.last.and_then(|last| self.between(last));
         if let (None, Some(patch)) = (&motion, &mut self.patch) {
             self.last = Some(Last::first());
-            patch.keep();
+            patch.keep(0.0);
         }
         Ok(motion.map(|motion| (motion, &self.evidence)))
     }
@@ -217,6 +221,12 @@ impl MotionEstimator for DirectMotion {
         self.last = None;
         self.turn = TurnFilter::default();
     }
+}
+
+/// How the path bends, 1/m, positive to the left; straight when the vehicle hardly moves.
+fn curvature_per_m(previous_from_current: &Isometry2<f64>) -> f64 {
+    let (forward_m, yaw_rad) = (previous_from_current.translation.x, previous_from_current.rotation.angle());
+    if forward_m > LEAST_ARC_M { (yaw_rad / forward_m).clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) } else { 0.0 }
 }
 
 /// How far a motion is to be believed, 0 to 1: whether the picture tells it from a longer one, whether the road's texture

@@ -1,7 +1,7 @@
 //! The body's sway on its springs, as the ground view shows it.
 //!
 //! The ground view is made for the camera at rest. A camera turned by a small rotation (pitch p, roll r) shows the place
-//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h). Left out, a tenth of a
+//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h - r XY/h, Y + p XY/h - r (Y^2 + h^2)/h). Left out, a tenth of a
 //! degree of roll between two frames would read as half a degree of turn. So estimators carry three unknowns beside the
 //! motion: the change of pitch, the change of roll, and a standing roll, as in a bend, which shears the displacement. They
 //! are held small by priors and thrown away.
@@ -21,7 +21,7 @@ pub(super) const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
 pub(super) fn sway_field(p: Point2<f64>, viewpoint: Viewpoint) -> (Vector2<f64>, Vector2<f64>) {
     let (d, h) = (p - viewpoint.foot, viewpoint.height_m);
     let by_pitch = Vector2::new((d.x * d.x + h * h) / h, d.x * d.y / h);
-    let by_roll = Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
+    let by_roll = -Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
     (by_pitch, by_roll)
 }
 
@@ -46,6 +46,6 @@ mod tests {
         let angle = 1e-5;
         assert!((shown(Mount { pitch_rad: angle, ..mount }) / angle - by_pitch).norm() < 0.01);
         let roll = shown(Mount { roll_rad: angle, ..mount }) / angle;
-        assert!((roll - by_roll).norm().min((roll + by_roll).norm()) < 0.01, "{roll} {by_roll}");
+        assert!((roll - by_roll).norm() < 0.01, "{roll} {by_roll}");
     }
 }

@@ -64,7 +64,7 @@ pub(super) const FIRST_SCALE: f64 = 4.0;
 const SCALE_FLOOR: f64 = 0.5;
 /// Share of the points that count as independent measurements: what is left of a good alignment is not noise but a road
 /// that is not quite flat, alike over metres. Found from the errors of simulated drives (`tests/motion_accuracy.rs`).
-const INDEPENDENT: f64 = 0.03;
+const INDEPENDENT: f64 = 0.06;
 /// Distance at which a turn is counted as a displacement, metres: the far end of the patch.
 const REACH_M: f64 = 10.0;
 /// A step below this ends a level, pixels.
@@ -113,12 +113,7 @@ pub(super) fn align(
     Some(estimate)
 }
 
-fn add_motion_prior(
-    information: &mut Matrix7,
-    gradient: &mut Vector7,
-    prior: &Prior,
-    now: &Displacement,
-) {
+fn add_motion_prior(information: &mut Matrix7, gradient: &mut Vector7, prior: &Prior, now: &Displacement) {
     let off = prior.current_from_previous.inverse() * now.current_from_previous;
     let off = Vector3::new(off.translation.x, off.translation.y, off.rotation.angle());
     let mut motion = information.fixed_view_mut::<3, 3>(0, 0);

@@ -132,10 +132,11 @@ impl Patch {
         Ok(())
     }
 
-    /// Makes the frame taken in last the older one.
-    pub(super) fn keep(&mut self) {
+    /// Makes the frame taken in last the older one, on a path that bends so.
+    pub(super) fn keep(&mut self, curvature_per_m: f64) {
         for level in &mut self.levels[self.finest..] {
-            level.template.choose(&level.grey, level.region, level.cell_px);
+            let corridor = level.raster.corridor(curvature_per_m);
+            level.template.choose(&level.grey, level.region, level.cell_px, &corridor);
         }
     }
 }

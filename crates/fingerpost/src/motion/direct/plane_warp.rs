@@ -1,7 +1,7 @@
 //! The vehicle's motion and the camera's turning as warps of the ground view's pixels.
 
 use fingerpost_geometry::{GroundGrid, GroundPixel};
-use fingerpost_vision::alignment::{ProjectiveMap, QuadraticField, UNKNOWNS};
+use fingerpost_vision::alignment::{Corridor, ProjectiveMap, QuadraticField, UNKNOWNS};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use crate::ground_view::{CameraTurn, Viewpoint};
@@ -10,6 +10,15 @@ use crate::ground_view::{CameraTurn, Viewpoint};
 type Quadratic = [f64; 6];
 /// Coefficients of 1, u, v.
 type Affine = [f64; 3];
+
+/// Half the width of the road that a vehicle is about to drive over and that counts with all its texture, metres: half a
+/// lane.
+const CORRIDOR_HALF_WIDTH_M: f64 = 2.0;
+/// Curvature of a path from which the camera looks past the road, 1/m: at a radius of a dozen metres, as in a turn at a
+/// junction, the path leaves the view a few metres ahead, and what lies straight ahead is the pavement and its houses.
+const LOOKS_ASIDE_PER_M: f64 = 0.08;
+/// Trust that is left for what lies beside the path then: without any, a turn over a bare road would not be seen at all.
+const LEAST_OUTSIDE: f64 = 0.05;
 
 /// What is estimated.
 #[derive(Debug, Clone, Copy)]
@@ -72,11 +81,8 @@ impl Raster {
         let road_from_road = displacement.current_from_previous.to_homogeneous();
         let places_from_pixels = self.places_from_pixels();
         let pixels_from_places = self.pixels_from_places();
-        let warp = pixels_from_places
-            * newer_from_road
-            * road_from_road
-            * road_from_older
-            * places_from_pixels;
+        let warp =
+            pixels_from_places * newer_from_road * road_from_road * road_from_older * places_from_pixels;
         let row = |i: usize| [2, 0, 1].map(|column| (warp[(i, column)] / warp[(2, 2)]) as f32);
         ProjectiveMap { right: row(0), down: row(1), scale: row(2) }
     }
@@ -128,6 +134,20 @@ impl Raster {
         })
     }
 
+    /// The road that a vehicle is about to drive over when its path bends with `curvature_per_m`.
+    pub(super) fn corridor(&self, curvature_per_m: f64) -> Corridor {
+        let (scale, ahead) = (self.metres_per_pixel, self.corner.x);
+        // Left of the vehicle's axis by c x^2 / 2, with x = ahead - scale v.
+        let bend = 0.5 * curvature_per_m;
+        let left = [bend * ahead * ahead - self.corner.y, -2.0 * bend * ahead * scale, bend * scale * scale];
+        let straightness = (-(curvature_per_m / LOOKS_ASIDE_PER_M).powi(2)).exp();
+        Corridor {
+            middle: left.map(|coefficient| (-coefficient / scale) as f32),
+            half_width: (CORRIDOR_HALF_WIDTH_M / scale) as f32,
+            outside: straightness.max(LEAST_OUTSIDE) as f32,
+        }
+    }
+
     /// The place that a pixel shows, metres.
     pub(super) fn vehicle_from_pixel(&self, [u, v]: [f32; 2]) -> Point2<f64> {
         self.corner - self.metres_per_pixel * Vector2::new(f64::from(v), f64::from(u))
@@ -152,7 +172,7 @@ impl Raster {
             square
         };
         let across = product(x, y).map(|c| c / height);
-        ([along(x), across], [across, along(y)])
+        ([along(x), across], [across.map(|c| -c), along(y).map(|c| -c)])
     }
 }
 
