@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use fingerpost::FrameOutput;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
+use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::track::{Followed, RouteStop, Sought, State};
 use fingerpost_eval::FeatureIdentity;
-use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, SoughtRecord, TrackState};
+use fingerpost_format::{
+    ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, SoughtRecord, TrackState,
+};
 use fingerpost_map::FeatureKind;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -64,6 +68,7 @@ pub(crate) fn frame_record(
         state: track_state(output.track.state),
         feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
+        mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
         driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
         driving_line_curvature_per_m: output
             .driving_line_curvature_per_m
@@ -94,6 +99,7 @@ pub(crate) fn broken_record(
         state: before.map_or(at_first, |record| record.state),
         feature: None,
         motion: None,
+        mount: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
@@ -103,6 +109,32 @@ pub(crate) fn broken_record(
         stage_ms: BTreeMap::new(),
         why: "the frame could not be used and was passed over".to_owned(),
         error: Some(error),
+    }
+}
+
+fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
+    let degrees = |rad: f64| rounded(rad.to_degrees(), DIGITS);
+    MountRecord {
+        pitch_deg: degrees(mount.pitch_rad),
+        yaw_deg: degrees(mount.yaw_rad),
+        roll_deg: degrees(mount.roll_rad),
+        suspension_pitch_deg: degrees(mount.suspension_pitch_rad),
+        sigma_deg: mount.sigma_rad.map(degrees),
+        state: match mount.state {
+            MountState::NotYetValid => MountRecordState::NotYetValid,
+            MountState::Valid => MountRecordState::Valid,
+            MountState::Moved => MountRecordState::Moved,
+        },
+        fault: mount.fault.map(|fault| MountFaultRecord {
+            angle: match fault.angle {
+                MountAngle::Pitch => "pitch",
+                MountAngle::Yaw => "yaw",
+                MountAngle::Roll => "roll",
+            }
+            .to_owned(),
+            by_deg: degrees(fault.by_rad),
+            since_frame: frame.saturating_sub(fault.frames_since as u64),
+        }),
     }
 }
 
@@ -125,6 +157,8 @@ fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRec
         kind: identity.kind.clone(),
         p: followed.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&followed.matched),
+        contrast: contrast_record(&followed.matched),
+        confidence: followed.matched.confidence().map(|p| rounded(p, DIGITS)),
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
@@ -138,6 +172,7 @@ fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
         id: identity.id,
         p: sought.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&sought.matched),
+        contrast: contrast_record(&sought.matched),
         forward_m: rounded(place.x, DIGITS),
         left_m: rounded(place.y, DIGITS),
     }
@@ -147,6 +182,16 @@ fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
 fn sub_probabilities(matched: &Match) -> BTreeMap<String, f64> {
     let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
     taking_part.filter_map(|sub| Some((sub.label.to_string(), rounded(sub.p?, DIGITS)))).collect()
+}
+
+/// How much more the sub-masks that take part are road than their verges.
+fn contrast_record(matched: &Match) -> ContrastRecord {
+    let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
+    let arms = taking_part.filter_map(|sub| Some((sub.label.to_string(), rounded(sub.contrast()?, DIGITS))));
+    ContrastRecord {
+        overall: matched.contrast().map(|contrast| rounded(contrast, DIGITS)),
+        arms: arms.collect(),
+    }
 }
 
 fn motion_record(motion: &Motion) -> MotionRecord {

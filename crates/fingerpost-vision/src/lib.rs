@@ -12,6 +12,7 @@
 //! | [`colour`] | grey, hue and saturation, histogram bins, planar YUV | ITU-R BT.601, BT.709; Smith 1978 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
+//! | [`fusion`] | probability from two independent ones | Bayes 1763 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
@@ -21,6 +22,7 @@
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
+//! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
@@ -35,11 +37,14 @@ mod border;
 pub mod canny;
 pub mod colour;
 pub mod components;
+pub mod corners;
 pub mod error;
 pub mod farneback;
 pub mod filter;
+pub mod fusion;
 pub mod histogram;
 pub mod hough;
+pub mod lucas_kanade;
 pub mod morphology;
 pub mod picture;
 pub mod pyramid;
