@@ -28,12 +28,13 @@ struct Way {
     /// Share of a swing that is left in the next frame.
     swing_kept: f64,
 }
-/// Half a degree of slow change in a minute at ten frames a second; a swing lasts a second, as braking does.
+/// A camera that was set up by eye; half a degree of slow change in a minute at ten frames a second; a swing lasts half a
+/// second. A wider swing explains more of an uneven road and takes longer to find the slow part.
 const PITCH: Way = Way {
-    configured_sigma_rad: 1.5 * DEGREE,
+    configured_sigma_rad: 2.0 * DEGREE,
     slow_step_rad: 0.02 * DEGREE,
-    swing_sigma_rad: 0.25 * DEGREE,
-    swing_kept: 0.9,
+    swing_sigma_rad: 0.3 * DEGREE,
+    swing_kept: 0.8,
 };
 /// Calibrated cameras are level to half a degree, because the horizon shows it. In a bend the body leans by half a degree.
 const ROLL: Way = Way {

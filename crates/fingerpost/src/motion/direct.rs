@@ -2,8 +2,9 @@
 //!
 //! The road is a plane and the vehicle moves on it in three degrees of freedom, so nothing need be known of where single
 //! pixels go: the strip of road ahead is laid over that of the frame before, and forward, left and yaw are changed until
-//! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The body's sway is fitted
-//! beside them, and a change of the light; kerbs, cars and walls are told from the road by weights. The motion of the frame
+//! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The camera's pitch and
+//! roll against the road are fitted beside them ([`super::camera_turn`]), and a change of the light; kerbs, cars and walls
+//! are told from the road by weights, and by lying beside the path. The motion of the frame
 //! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its uncertainty grows.
 //!
 //! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and

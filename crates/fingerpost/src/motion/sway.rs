@@ -2,12 +2,12 @@
 //!
 //! The ground view is made for the camera at rest. A camera turned by a small rotation (pitch p, roll r) shows the place
 //! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h - r XY/h, Y + p XY/h - r (Y^2 + h^2)/h). Left out, a tenth of a
-//! degree of roll between two frames would read as half a degree of turn. So estimators carry three unknowns beside the
-//! motion: the change of pitch, the change of roll, and a standing roll, as in a bend, which shears the displacement. They
-//! are held small by priors and thrown away.
+//! degree of roll between two frames would read as half a degree of turn. So the fit to a flow carries three unknowns
+//! beside the motion: the change of pitch, the change of roll, and a standing roll, as in a bend, which shears the
+//! displacement. They are held small by priors and thrown away.
 //!
-//! A standing pitch is left out on purpose: it stretches the displacement much as distance does, and an unknown for it
-//! turns the estimate's own small errors into percents of the distance.
+//! A standing pitch is left out here: it stretches the displacement much as distance does, and is only told from it over
+//! many frames ([`super::camera_turn`]).
 
 use nalgebra::{Point2, Vector2};
 
