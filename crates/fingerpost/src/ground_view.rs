@@ -73,6 +73,7 @@ pub struct GroundView {
     division: BinDivision,
     nearest_seen_m: f64,
     viewpoint: Viewpoint,
+    camera: Camera,
 }
 
 /// The ground view of one frame.
@@ -140,7 +141,7 @@ impl GroundView {
             }
             View::RoadPlane(_) => Viewpoint { foot: Point2::origin(), height_m: CAR_CAMERA_HEIGHT_M },
         };
-        Ok(Self { grid, table, division, nearest_seen_m, viewpoint })
+        Ok(Self { grid, table, division, nearest_seen_m, viewpoint, camera: camera.clone() })
     }
 
     /// The raster of the ground view.
@@ -161,6 +162,11 @@ impl GroundView {
     /// Where the camera looks from; for a camera known by points its height is that of a car's.
     pub const fn viewpoint(&self) -> Viewpoint {
         self.viewpoint
+    }
+
+    /// The camera that the view is made from.
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     /// The place on the road below the camera, vehicle frame, metres.
