@@ -5,6 +5,7 @@
 
 mod bad_inputs;
 mod broken_frames;
+mod calibrating;
 mod campaigning;
 mod drive;
 mod evaluating;
