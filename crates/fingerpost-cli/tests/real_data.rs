@@ -211,3 +211,27 @@ fn largest_offset_from_straight(points: &[[f64; 2]]) -> f64 {
         / points.iter().map(|p| (p[0] - mean_x).powi(2)).sum::<f64>();
     points.iter().map(|p| (p[1] - mean_y - slope * (p[0] - mean_x)).abs()).fold(0.0, f64::max)
 }
+
+/// How well the online classifier tells the road of labelled street pictures, at one threshold for the whole set.
+fn online_iou(set: &str, labels: &str, further: &[&str]) -> f64 {
+    let (images, labels) = (data(set), data(labels));
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["evaluate", "road", "--images", text(&images), "--labels", text(&labels), "--road", "3"])
+        .args(["--void", "11", "--detector", "online", "--json"])
+        .args(further)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let numbers: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    numbers["detectors"][0]["iou"].as_f64().unwrap()
+}
+
+#[test]
+fn the_online_classifier_tells_the_road_from_the_pavement() {
+    let day = online_iou("camvid/val", "camvid/valannot", &[]);
+    assert!(day > 0.89, "by day {day}");
+    let first_frames = online_iou("camvid/val", "camvid/valannot", &["--stills"]);
+    assert!(first_frames > 0.88, "every frame the first {first_frames}");
+    let dusk = online_iou("camvid/dusk", "camvid/duskannot", &[]);
+    assert!(dusk > 0.77, "at dusk {dusk}");
+}
