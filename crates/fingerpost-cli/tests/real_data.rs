@@ -47,6 +47,15 @@ fn frames(run: &Path) -> Vec<FrameRecord> {
     from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap()
 }
 
+/// What `evaluate motion` says of a run against poses.
+fn motion_evaluation(run: &Path, poses: &Path) -> serde_json::Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["evaluate", "motion", text(run), "--kitti-poses", text(poses), "--json"])
+        .output()
+        .unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
 #[test]
 fn a_street_with_a_junction() {
     let folder = TempDir::new().unwrap();
@@ -80,14 +89,29 @@ fn a_street_with_a_junction() {
     assert!(report.contains("24546162") && report.contains("data:image/jpeg;base64,"));
     assert!(fs::metadata(run.join("annotated.mp4")).unwrap().len() > 100_000);
 
-    let poses = data("kitti/gt_00.txt");
-    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
-        .args(["evaluate", "motion", text(&run), "--kitti-poses", text(&poses), "--json"])
-        .output()
-        .unwrap();
-    let motion: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let motion = motion_evaluation(&run, &data("kitti/gt_00.txt"));
     assert_eq!(motion["steps"], 129);
     assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{motion}");
+}
+
+/// With the height and the intrinsics alone: the pitch, most of a degree, is found while driving.
+#[test]
+fn ego_motion_without_a_known_pitch() {
+    let drives = [
+        ("00", level_camera(1241, 376, 718.856, [607.1928, 185.2157]), 129),
+        ("06", level_camera(1226, 370, 707.0912, [601.8873, 183.1104]), 50),
+    ];
+    for (drive, camera, steps) in drives {
+        let folder = TempDir::new().unwrap();
+        let (file, run) = (folder.path().join("camera.toml"), folder.path().join("run"));
+        fs::write(&file, camera).unwrap();
+        let input = data(&format!("kitti/frames{drive}"));
+        fingerpost(&["run", text(&input), "--camera", text(&file), "--out", text(&run)]);
+        let motion = motion_evaluation(&run, &data(&format!("kitti/gt_{drive}.txt")));
+        assert_eq!(motion["steps"], steps);
+        assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{drive}: {motion}");
+        assert!(motion["end_heading_error_deg"].as_f64().unwrap() < 1.5, "{drive}: {motion}");
+    }
 }
 
 /// A street's camera as its calibration has it, with nothing known of the mount but the height.

@@ -187,7 +187,9 @@ impl Pipeline {
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
         finished(Stage::Motion);
 
-        if let (Some(seen), Some(motion)) = (self.attitude.look_at(&self.camera, frame)?, &motion) {
+        // A frame that shows nothing still lets the suspension swing back.
+        let seen = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
+        if let Some(motion) = &motion {
             self.mount.observe(&seen, motion);
         }
         finished(Stage::Mount);
