@@ -76,9 +76,6 @@ impl Default for AlignmentConfig {
 const EDGE_SIGMA_M: f64 = 0.12;
 /// Standard deviation of an edge of a whole arm of which no piece shows one, metres: far and soft.
 const SOFT_EDGE_SIGMA_M: f64 = 0.6;
-/// Least standard deviation of an arm's direction by its edges, radians: a road's outline in the picture is slanted by what
-/// stands beside it, in all of its pieces alike.
-const DIRECTION_SIGMA_RAD: f64 = 0.03;
 /// Standard deviation of a width that was measured on the same arm, metres.
 const MEASURED_WIDTH_SIGMA_M: f64 = 0.25;
 
@@ -260,7 +257,7 @@ fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
     let slope = sum(|x, y| x * y) / spread;
     let unexplained = (sum(|_, y| y * y) - slope * slope * spread).max(0.0);
     let scatter_m = (unexplained / (count - 2.0).max(1.0)).sqrt();
-    Some((slope.atan(), DIRECTION_SIGMA_RAD.hypot(EDGE_SIGMA_M.max(scatter_m) / spread.sqrt())))
+    Some((slope.atan(), EDGE_SIGMA_M.max(scatter_m) / spread.sqrt()))
 }
 
 /// The mean; none of nothing.

@@ -14,6 +14,11 @@ use crate::track::{Decision, PoseFilter, Sought, TrackConfig, TrackEvidence};
 const SETTLING_ROUNDS: usize = 3;
 /// A feature is only taken as detected when its distance is known to this standard deviation, metres.
 const KNOWN_SIGMA_M: f64 = 0.45;
+/// Standard deviations of the place at which a feature stands out most from its verges, against those of the frames before:
+/// metres, metres, radians.
+const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
+/// A candidate whose place is not sure after this many times the frames that are needed is another place.
+const CANDIDATE_PATIENCE: usize = 5;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
 const ON_ROAD_SIGMA_RAD: f64 = 0.052;
 /// Sums of weights that differ by less are equal.
@@ -35,10 +40,16 @@ impl Tracker {
             return Ok(());
         };
         let (config, index, masks) = (&self.config, self.next, &mut stop.masks);
-        let (mut filter, before, p) = match (candidate.take(), &range) {
+        let (mut filter, before, found) = match (candidate.take(), &range) {
             (Some(candidate), _) => {
-                let p = laid.probability(masks, candidate.filter.pose())?.unwrap_or(0.0);
-                (candidate.filter, (candidate.frames, candidate.weight), p)
+                let threshold = config.detect_threshold_at_verge;
+                let tried = self.search.about(config, laid, masks, threshold, candidate.filter.pose())?;
+                evidence.tried = tried.count;
+                let Some(found) = tried.best else {
+                    evidence.decision = Decision::NotFound { index };
+                    return Ok(());
+                };
+                (candidate.filter, (candidate.frames, candidate.weight), found)
             }
             (None, Some(range)) => {
                 let tried = self.search.along_approach(config, laid, &stop.model, masks, range)?;
@@ -48,23 +59,31 @@ impl Tracker {
                     laid.explain(masks, &closest, &mut matched)?;
                     evidence.sought = Some(Sought { index, matched });
                 }
-                let Some((pose, p)) = tried.best else {
+                let Some(found) = tried.best else {
                     evidence.decision = Decision::NotFound { index };
                     return Ok(());
                 };
                 // The search is coarse: until the place settles, each alignment starts anew from the one before.
-                let mut filter = PoseFilter::new(pose, FOUND_SIGMAS);
+                let mut filter = PoseFilter::new(found.0, FOUND_SIGMAS);
                 for _ in 0..SETTLING_ROUNDS {
                     stay_on_the_road(&stop.model, &mut filter);
                     self.aligner.align(laid, &stop.arms, &mut filter)?;
                     filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
                 }
                 stay_on_the_road(&stop.model, &mut filter);
-                (filter, (0, 0.0), p)
+                (filter, (0, 0.0), found)
             }
             (None, None) => return Ok(()),
         };
         evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
+        let (found_pose, p) = found;
+        let by_edges = |section: &CrossSection| {
+            section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
+        };
+        if before.0 > 0 && !evidence.sections.iter().any(by_edges) {
+            // Without an edge the place at which the arms stand out most is what is known, frame by frame anew.
+            filter.update_pose(&found_pose, STANDS_OUT_SIGMAS);
+        }
         // The match must hold where the edges say the feature is, and they must say it well enough.
         let mut aligned = self.spare.pop().unwrap_or_default();
         laid.explain(masks, filter.pose(), &mut aligned)?;
@@ -88,6 +107,8 @@ impl Tracker {
                 Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast },
                 None => Decision::EdgesDisagree { index, p, aligned_p },
             };
+        } else if frames > CANDIDATE_PATIENCE * config.detect_frames {
+            evidence.decision = Decision::NotFound { index };
         } else if frames < config.detect_frames
             || weight < enough - WEIGHT_ROUNDING
             || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M
