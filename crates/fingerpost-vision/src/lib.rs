@@ -22,6 +22,7 @@
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
+//! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
@@ -36,12 +37,14 @@ mod border;
 pub mod canny;
 pub mod colour;
 pub mod components;
+pub mod corners;
 pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod fusion;
 pub mod histogram;
 pub mod hough;
+pub mod lucas_kanade;
 pub mod morphology;
 pub mod picture;
 pub mod pyramid;
