@@ -132,6 +132,12 @@ impl FeatureModel {
 }
 
 impl FeatureModel {
+    /// How far the vehicle is beside the middle of the approach, metres, to either side.
+    pub fn beside_approach_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+        let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
+        self.approach().map_or(0.0, |arm| arm.course.nearest(p_in_feature).left_m.abs())
+    }
+
     /// How far the vehicle's nose is turned left of the approach where the vehicle is, radians; the inverse of the heading
     /// in [`FeatureModel::vehicle_from_feature`].
     pub fn heading_off_approach_rad(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {

@@ -21,6 +21,9 @@ const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
 const CANDIDATE_PATIENCE: usize = 5;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
 const ON_ROAD_SIGMA_RAD: f64 = 0.052;
+/// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
+/// beside the road.
+const OFF_ROAD_M: f64 = 1.0;
 /// Sums of weights that differ by less are equal.
 const WEIGHT_ROUNDING: f64 = 1e-9;
 /// A feature nearer than this many metres beyond the bottom of the view is not searched for: its arms are out of view.
@@ -88,7 +91,9 @@ impl Tracker {
         let mut aligned = self.spare.pop().unwrap_or_default();
         laid.explain(masks, filter.pose(), &mut aligned)?;
         let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
-        if aligned_p < config.detect_threshold_at_verge {
+        let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
+        let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
+        if off_road || aligned_p < config.detect_threshold_at_verge {
             self.spare.push(aligned);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
             return Ok(());
