@@ -91,6 +91,11 @@ impl Driver {
         })
     }
 
+    /// What the route's features are called.
+    pub(crate) fn features(&self) -> &[FeatureIdentity] {
+        &self.features
+    }
+
     /// Takes one frame in.
     pub(crate) fn step(
         &mut self,
@@ -123,8 +128,13 @@ impl Driver {
     /// frame will fit; a later one is a broken frame.
     fn misfit(&self, time: FrameTime, picture: &RgbImage) -> Result<FrameResult> {
         let (width, height) = (self.drawing.camera.width(), self.drawing.camera.height());
+        let exchanged = if (picture.height(), picture.width()) == (width, height) {
+            "; width and height are exchanged"
+        } else {
+            ""
+        };
         let cause = anyhow!(
-            "the picture has {} x {} pixels and the calibration is for {width} x {height}; give the calibration of this \
+            "the picture has {} x {} pixels and the calibration is for {width} x {height}{exchanged}; give the calibration of this \
              camera at this size",
             picture.width(),
             picture.height()

@@ -10,7 +10,7 @@ use std::{env, fs};
 use fingerpost::ground_view::{GroundView, GroundViewConfig};
 use fingerpost::road_surface::BackprojectionConfig;
 use fingerpost_format::{FrameRecord, Summary, from_json_lines};
-use fingerpost_geometry::GroundPixel;
+use fingerpost_geometry::{GroundPixel, View};
 use fingerpost_io::{FrameSource, SourceOptions, read_camera, read_picture};
 use fingerpost_map::{ArmRole, FeatureKind, read_route};
 use fingerpost_vision::picture::RgbImage;
@@ -88,6 +88,55 @@ fn a_street_with_a_junction() {
     let motion: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(motion["steps"], 129);
     assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{motion}");
+}
+
+/// A street's camera as its calibration has it, with nothing known of the mount but the height.
+fn level_camera(width: usize, height: usize, focal: f64, centre: [f64; 2]) -> String {
+    let [cx, cy] = centre;
+    format!(
+        "[image]\nwidth = {width}\nheight = {height}\n[intrinsics]\nfx = {focal}\nfy = {focal}\ncx = {cx}\ncy = {cy}\n\
+         [mount]\nheight_m = 1.65\n"
+    )
+}
+
+/// Two drives of one car: its mount from either must be the same.
+#[test]
+fn the_mount_of_two_streets() {
+    let folder = TempDir::new().unwrap();
+    let mounts = [
+        ("kitti/frames00", level_camera(1241, 376, 718.856, [607.1928, 185.2157])),
+        ("kitti/frames06", level_camera(1226, 370, 707.0912, [601.8873, 183.1104])),
+    ]
+    .map(|(drive, camera)| {
+        let (camera_path, out) = (folder.path().join("camera.toml"), folder.path().join("out.toml"));
+        fs::write(&camera_path, camera).unwrap();
+        let input = data(drive);
+        fingerpost(&[
+            "calibrate",
+            "mount",
+            text(&input),
+            "--camera",
+            text(&camera_path),
+            "--out",
+            text(&out),
+        ]);
+        let run = folder.path().join("run");
+        fingerpost(&["run", text(&input), "--camera", text(&camera_path), "--out", text(&run)]);
+        let records = frames(&run);
+        let faults = records.iter().filter(|record| record.mount.as_ref().is_some_and(|m| m.fault.is_some()));
+        assert_eq!(faults.count(), 0, "{drive}");
+        let camera = read_camera(&out).unwrap();
+        match camera.view() {
+            View::Calibrated { mount, .. } => Some(*mount),
+            View::RoadPlane(_) => None,
+        }
+        .unwrap()
+    });
+    let [pitch_deg, yaw_deg] =
+        [mounts.map(|mount| mount.pitch_rad.to_degrees()), mounts.map(|mount| mount.yaw_rad.to_degrees())];
+    assert!((pitch_deg[0] - pitch_deg[1]).abs() < 0.3, "{pitch_deg:?}");
+    assert!((yaw_deg[0] - yaw_deg[1]).abs() < 0.4, "{yaw_deg:?}");
+    assert!(pitch_deg.iter().all(|pitch| (0.5..1.3).contains(pitch)), "nose down: {pitch_deg:?}");
 }
 
 #[test]

@@ -174,6 +174,16 @@ pub struct MountFaultRecord {
     pub since_frame: u64,
 }
 
+impl std::fmt::Display for MountFaultRecord {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { angle, by_deg, since_frame } = self;
+        write!(
+            f,
+            "the camera was turned by {by_deg:.1} degrees ({angle}) about frame {since_frame}; calibrate its mount anew"
+        )
+    }
+}
+
 /// The road's middle near the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CentrelineRecord {
