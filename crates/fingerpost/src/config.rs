@@ -250,7 +250,14 @@ impl Config {
             ("match.min_seen_share", self.matching.min_seen_share, 0.0, 1.0, "a share, 0 to 1"),
             ("match.min_seen_length_m", self.matching.min_seen_length_m, 0.0, 20.0, "0 to 20 metres"),
             ("track.detect_threshold", self.track.detect_threshold, 0.0, 1.0, "a probability, 0 to 1"),
-            ("track.detect_contrast", self.track.detect_contrast, 0.0, 1.0, "0 to 1"),
+            (
+                "track.detect_threshold_at_verge",
+                self.track.detect_threshold_at_verge,
+                0.0,
+                self.track.detect_threshold,
+                "a probability, 0 to track.detect_threshold",
+            ),
+            ("track.detect_contrast", self.track.detect_contrast, 0.01, 1.0, "0.01 to 1"),
             (
                 "track.confirm_threshold",
                 self.track.confirm_threshold,

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use fingerpost_geometry::{GeometryError, Polyline, heading_of};
+use fingerpost_geometry::{GeometryError, Polyline, heading_of, wrap_angle};
 use fingerpost_map::{ArmRole, FeatureKind, RouteFeature, TangentPlane};
 use nalgebra::{Isometry2, Point2};
 
@@ -128,6 +128,25 @@ impl FeatureModel {
             None => Isometry2::translation(-before_m, 0.0),
         };
         (on_course * Isometry2::new(Point2::new(0.0, left_m).coords, heading_rad)).inverse()
+    }
+}
+
+impl FeatureModel {
+    /// How far the vehicle is beside the middle of the approach, metres, to either side.
+    pub fn beside_approach_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+        let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
+        self.approach().map_or(0.0, |arm| arm.course.nearest(p_in_feature).left_m.abs())
+    }
+
+    /// How far the vehicle's nose is turned left of the approach where the vehicle is, radians; the inverse of the heading
+    /// in [`FeatureModel::vehicle_from_feature`].
+    pub fn heading_off_approach_rad(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+        let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
+        let road_rad = self.approach().map_or(0.0, |arm| {
+            let (_, outwards) = arm.course.at(arm.course.nearest(p_in_feature).along_m);
+            heading_of(-outwards)
+        });
+        wrap_angle(-vehicle_from_feature.rotation.angle() - road_rad)
     }
 }
 

@@ -14,12 +14,12 @@ use std::sync::Arc;
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, ValidityMask};
-use fingerpost_vision::span::{Cover, RowSums, SpanError};
+use fingerpost_vision::span::{Cover, RowSums, SpanError, SpanMask};
 use nalgebra::Isometry2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, node_pixel};
+use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, VergeStrips, node_pixel};
 use crate::road_surface::RoadSurface;
 
 pub(crate) use pose_run::PoseRun;
@@ -92,14 +92,16 @@ pub struct SubMatch {
 }
 
 impl SubMatch {
-    /// How much more it is road than its verges, -1 to 1: the mean of the sides that are seen; none where none is.
+    /// How much more it is road than its verges, -1 to 1: the mean of its sides, of which one that is not seen counts as
+    /// without contrast; none where neither is seen.
     pub fn contrast(&self) -> Option<f64> {
-        mean(self.verges.iter().flatten().map(Verge::contrast))
+        verge::contrast(&self.verges)
     }
 
-    /// Probability that its verges are none but road, 0 to 1: the mean of the sides that are seen.
+    /// Probability that its verges are none but road, 0 to 1: the mean of its sides.
     fn verge_p(&self) -> f64 {
-        mean(self.verges.iter().flatten().map(|verge| verge.verge_p)).unwrap_or(verge::UNSEEN_P)
+        let [left, right] = self.verges.map(|verge| verge.map_or(verge::UNSEEN_P, |verge| verge.verge_p));
+        0.5 * (left + right)
     }
 
     /// Whether it takes part and would tell the feature from a plain road.
@@ -233,8 +235,7 @@ impl LaidSurface<'_> {
         let node = node_pixel(self.grid, vehicle_from_feature);
         let strips = masks.verges_at(vehicle_from_feature.rotation.angle())?;
         for (sub, strips) in matched.subs.iter_mut().zip(strips) {
-            sub.verges = [&strips[0], &strips[1]]
-                .map(|strip| Verge::of(strip.as_ref()?, self.sums, node, self.grid.metres_per_pixel()));
+            sub.verges = self.verges(strips, node);
         }
         let taking_part =
             matched.subs.iter().enumerate().filter(|(_, sub)| sub.participation == Participation::TakesPart);
@@ -243,6 +244,35 @@ impl LaidSurface<'_> {
         matched.p = weakest.map(|(_, p)| p);
         matched.weakest = weakest.map(|(index, _)| index);
         Ok(())
+    }
+
+    /// The contrast alone of [`LaidSurface::explain`].
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn contrast(
+        &self,
+        masks: &mut MaskCache,
+        vehicle_from_feature: &Isometry2<f64>,
+    ) -> Result<Option<f64>, SpanError> {
+        let (heading_rad, node) =
+            (vehicle_from_feature.rotation.angle(), node_pixel(self.grid, vehicle_from_feature));
+        masks.at(heading_rad)?;
+        masks.verges_at(heading_rad)?;
+        let (Some(drawn), Some(strips)) = (masks.drawn(heading_rad), masks.drawn_verges(heading_rad)) else {
+            return Ok(None);
+        };
+        let telling = drawn.subs.iter().zip(strips).filter(|(sub, _)| {
+            let cover = || self.sums.cover(&sub.spans, node.0, node.1);
+            sub.leaves_the_line && self.participation(sub, &cover()) == Participation::TakesPart
+        });
+        Ok(mean(telling.filter_map(|(_, strips)| verge::contrast(&self.verges(strips, node)))))
+    }
+
+    /// What lies beside an arm with the feature's node at a pixel.
+    fn verges(&self, strips: &VergeStrips<SpanMask>, node: (i32, i32)) -> [Option<Verge>; 2] {
+        [&strips[0], &strips[1]]
+            .map(|strip| Verge::of(strip.as_ref()?, self.sums, node, self.grid.metres_per_pixel()))
     }
 
     /// P(F) alone of [`LaidSurface::explain`].

@@ -31,8 +31,11 @@ pub use tracker::Tracker;
 pub struct TrackConfig {
     /// P(F) from which a feature counts as seen, 0 to 1; default 0.75.
     pub detect_threshold: f64,
-    /// Contrast of the arms that tell a feature with what lies beside them, from which it can be taken as seen, 0 to 1;
-    /// default 0.2.
+    /// P(F) that is enough where the arms that tell the feature stand out from their verges, 0 to detect_threshold;
+    /// default 0.5.
+    pub detect_threshold_at_verge: f64,
+    /// Contrast with the verge that is enough for detection in `detect_frames` frames, above 0 to 1: with less it takes
+    /// longer, and half of it or less is none; default 0.12.
     pub detect_contrast: f64,
     /// P(F) from which a tracked feature counts as confirmed, 0 to detect_threshold; default 0.65.
     pub confirm_threshold: f64,
@@ -62,7 +65,8 @@ impl Default for TrackConfig {
     fn default() -> Self {
         Self {
             detect_threshold: 0.75,
-            detect_contrast: 0.2,
+            detect_threshold_at_verge: 0.5,
+            detect_contrast: 0.12,
             confirm_threshold: 0.65,
             detect_frames: 3,
             lost_frames: 10,
@@ -74,6 +78,18 @@ impl Default for TrackConfig {
             bracket_left_m: 1.0,
             bracket_heading_deg: 6.0,
             alignment: AlignmentConfig::default(),
+        }
+    }
+}
+
+impl TrackConfig {
+    /// Whether a tracked feature with this P(F) and contrast counts as confirmed.
+    fn confirms(&self, p: f64, contrast: Option<f64>) -> bool {
+        let stands_out = contrast.is_some_and(|contrast| contrast >= self.detect_contrast);
+        p >= if stands_out {
+            self.detect_threshold_at_verge.min(self.confirm_threshold)
+        } else {
+            self.confirm_threshold
         }
     }
 }
@@ -156,7 +172,7 @@ pub enum Decision {
         /// P(F).
         p: f64,
     },
-    /// It matched, but none of the arms that tell it showed an edge of its road.
+    /// It matched, but none of the arms that tell it showed an edge of its road or a verge.
     Unbounded {
         /// Index of the feature.
         index: usize,

@@ -75,7 +75,7 @@ impl Display for Why<'_> {
             ),
             (Decision::Unbounded { index, p }, _) => write!(
                 f,
-                "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
+                "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road or a verge",
                 name(index)
             ),
             (Decision::NoVerge { index, p, contrast }, _) => write!(

@@ -119,6 +119,23 @@ fn a_straight_road_is_no_feature() {
 }
 
 #[test]
+fn a_paved_area_is_no_junction() {
+    // As wide as all that is seen: road under every mask.
+    let world = World::new(&[(SOUTH, 90.0), (NORTH, 90.0)]);
+    let junction = Junction {
+        kind: FeatureKind::Junction,
+        approach: SOUTH,
+        exit: EAST,
+        sides: &[WEST],
+        width_m: WIDTH_M,
+    };
+    let drive = drive(&world, &junction, &keeping(Traffic::Centre), 0.0, 0.6);
+    let matched = |o: &&FrameOutput| o.why.contains("not taken");
+    assert!(drive.outputs.iter().filter(matched).count() > 5, "it is road under every mask");
+    assert!(drive.outputs.iter().all(|o| o.track.followed.is_none()));
+}
+
+#[test]
 fn ego_motion_is_the_motion_and_a_standing_vehicle_does_not_move() {
     let world = World::new(&[(SOUTH, WIDTH_M), (NORTH, WIDTH_M)]);
     let camera = camera();

@@ -162,6 +162,10 @@ fn the_vehicle_on_a_bent_approach_sees_the_feature_round_the_bend() {
     let seen = model.vehicle_from_feature(15.0, 0.0, 0.0);
     assert!((seen.translation.vector - Vector2::new(5.0, 10.0)).norm() < 0.01, "{seen}");
     assert!((seen.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-3);
+    for heading in [-0.2, 0.0, 0.1] {
+        let seen = model.vehicle_from_feature(15.0, 0.5, heading);
+        assert!((model.heading_off_approach_rad(&seen) - heading).abs() < 1e-9);
+    }
     let left = model.vehicle_from_feature(15.0, 1.0, 0.0);
     assert!(
         (left.translation.vector - Vector2::new(5.0, 9.0)).norm() < 0.01,
@@ -205,7 +209,7 @@ fn an_endless_paved_area_matches_without_contrast() {
 }
 
 #[test]
-fn an_arm_of_which_one_verge_is_unseen_is_judged_by_the_other() {
+fn an_arm_of_which_one_verge_is_unseen_has_half_the_contrast() {
     let (_, mut masks) = crossroads();
     // Nothing is seen beyond the far edge of the crossing road.
     let (surface, validity) =
@@ -218,5 +222,6 @@ fn an_arm_of_which_one_verge_is_unseen_is_judged_by_the_other() {
     let [far, near] = sub("side_1").verges;
     assert!((near.unwrap().contrast() - 0.8).abs() < 1e-9, "{near:?}");
     assert_eq!(far, None, "nothing but road is seen there");
+    assert!((sub("side_1").contrast().unwrap() - 0.4).abs() < 1e-9);
     assert!(sub("exit").verges.iter().all(Option::is_none));
 }

@@ -58,3 +58,10 @@ impl Verge {
         self.arm_p - self.verge_p
     }
 }
+
+/// The contrast of an arm: the mean of its sides, of which one that is not seen counts as without; none where neither is
+/// seen.
+pub(super) fn contrast(verges: &[Option<Verge>; 2]) -> Option<f64> {
+    let seen = || verges.iter().flatten();
+    seen().next().map(|_| 0.5 * seen().map(Verge::contrast).sum::<f64>())
+}

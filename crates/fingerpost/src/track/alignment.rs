@@ -9,6 +9,7 @@
 //! Limits: a road whose edges are not seen, or which is far from as wide as the map says, measures nothing.
 
 mod pieces;
+mod profile;
 mod section;
 
 use fingerpost_vision::span::SpanError;
@@ -31,19 +32,21 @@ pub struct AlignmentConfig {
     pub piece_length_m: f64,
     /// Width of a piece, metres, 0.1 to 2; default 0.3.
     pub piece_width_m: f64,
-    /// How far beyond the road's half width a piece is slid, metres; default 2.
+    /// How far beyond the road's half width a piece is slid, metres; default 3.
     pub slide_beyond_m: f64,
     /// Step of the slide, metres; default 0.1.
     pub slide_step_m: f64,
-    /// Probability that separates road from verge, 0 to 1; default 0.35.
-    pub edge_probability: f64,
+    /// Least fall of the probability at an edge, 0 to 1; half of it for the mean of a whole arm, which has less noise;
+    /// default 0.15.
+    pub min_edge_step: f64,
     /// Narrowest road believed, as a share of the map's width; default 0.55.
     pub min_width_share: f64,
-    /// Widest road believed, as a share of the map's width; default 1.8.
-    pub max_width_share: f64,
+    /// How much wider than on the map a road may be, metres: room for parked cars, which the map does not count; default
+    /// 4.
+    pub max_wider_m: f64,
     /// Standard deviation of a road's middle between its edges, metres; default 0.2.
     pub sigma_m: f64,
-    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.08.
+    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.16.
     pub width_sigma_share: f64,
     /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
     pub kerb_radius_m: f64,
@@ -56,13 +59,13 @@ impl Default for AlignmentConfig {
         Self {
             piece_length_m: 1.5,
             piece_width_m: 0.3,
-            slide_beyond_m: 2.0,
+            slide_beyond_m: 3.0,
             slide_step_m: 0.1,
-            edge_probability: 0.35,
+            min_edge_step: 0.15,
             min_width_share: 0.55,
-            max_width_share: 1.8,
+            max_wider_m: 4.0,
             sigma_m: 0.2,
-            width_sigma_share: 0.08,
+            width_sigma_share: 0.16,
             kerb_radius_m: 4.0,
             pitch_sigma_deg: 0.2,
         }
@@ -71,6 +74,8 @@ impl Default for AlignmentConfig {
 
 /// Standard deviation of an edge within a piece, metres: what the direction of an arm is measured with.
 const EDGE_SIGMA_M: f64 = 0.12;
+/// Standard deviation of an edge of a whole arm of which no piece shows one, metres: far and soft.
+const SOFT_EDGE_SIGMA_M: f64 = 0.6;
 /// Standard deviation of a width that was measured on the same arm, metres.
 const MEASURED_WIDTH_SIGMA_M: f64 = 0.25;
 
@@ -101,6 +106,8 @@ pub(super) struct Aligner {
     sections: Vec<CrossSection>,
     lines: Vec<Option<LineMeasurement>>,
     headings: Vec<(f64, f64)>,
+    /// How much wider than on the map the arms are of which both edges are seen.
+    wider: Vec<f64>,
 }
 
 impl Aligner {
@@ -115,6 +122,7 @@ impl Aligner {
             sections: Vec::new(),
             lines: Vec::new(),
             headings: Vec::new(),
+            wider: Vec::new(),
         }
     }
 
@@ -132,11 +140,17 @@ impl Aligner {
         self.sections.clear();
         self.lines.clear();
         self.headings.clear();
+        self.wider.clear();
         for arm in arms {
             self.measure(laid, arm, &believed)?;
             self.headings.extend(heading(&self.arm));
             let first = self.lines.len();
-            let width = width(&self.config, arm.width_m, &self.arm);
+            let measured = measured_width_m(&self.arm);
+            self.wider.extend(measured.map(|width_m| width_m / arm.width_m));
+            let width = measured.map_or_else(
+                || assumed_width(&self.config, arm.width_m, mean(self.wider.iter().copied())),
+                |width_m| (width_m, MEASURED_WIDTH_SIGMA_M),
+            );
             let (config, height_m) = (&self.config, self.camera_height_m);
             self.lines.extend(self.arm.iter().map(|piece| line(config, height_m, piece, width, &believed)));
             // Pieces of one arm share the errors of map and pitch: together they are worth little more than one.
@@ -170,6 +184,7 @@ impl Aligner {
         vehicle_from_feature: &Isometry2<f64>,
     ) -> Result<(), SpanError> {
         self.arm.clear();
+        self.slide.start_arm();
         for piece in &arm.pieces {
             let Some(section) = self.slide.across(laid, arm, piece, vehicle_from_feature)? else { continue };
             let believable = section.section_use == CrossSectionUse::InTheMouth;
@@ -183,22 +198,32 @@ impl Aligner {
             });
             self.arm.push(Measured { section, along_m: piece.along_m, edges });
         }
+        if self.arm.iter().all(|piece| piece.section.edges_m == [None, None])
+            && let Some((section, along_m)) = self.slide.whole_arm(arm, vehicle_from_feature)
+        {
+            let believable = section.section_use == CrossSectionUse::InTheMouth;
+            let soft = |left_m: f64| Edge { left_m, sigma_m: SOFT_EDGE_SIGMA_M };
+            let edges = section.edges_m.map(|edge| edge.filter(|_| believable).map(soft));
+            self.arm.push(Measured { section, along_m, edges });
+        }
         Ok(())
     }
 }
 
-/// The arm's width and its standard deviation, metres: measured where both edges are seen, else the map's.
-fn width(config: &AlignmentConfig, map_width_m: f64, pieces: &[Measured]) -> (f64, f64) {
+/// The arm's width where both of its edges are seen, metres.
+fn measured_width_m(pieces: &[Measured]) -> Option<f64> {
     let widths_m = pieces.iter().filter_map(|piece| match piece.edges {
         [Some(left), Some(right)] if left.is_sharp() && right.is_sharp() => Some(left.left_m - right.left_m),
         _ => None,
     });
-    let (count, sum_m) = widths_m.fold((0.0, 0.0), |(count, sum_m), width_m| (count + 1.0, sum_m + width_m));
-    if count > 0.0 {
-        (sum_m / count, MEASURED_WIDTH_SIGMA_M)
-    } else {
-        (map_width_m, config.width_sigma_share * map_width_m)
-    }
+    mean(widths_m)
+}
+
+/// The width of an arm of which one edge is seen at most, and its standard deviation, metres: the map's, which is
+/// believed the less the more the arms with two edges are wider or narrower than it says.
+fn assumed_width(config: &AlignmentConfig, map_width_m: f64, wider: Option<f64>) -> (f64, f64) {
+    let beyond = (wider.unwrap_or(1.0) - 1.0).abs() - config.width_sigma_share;
+    (map_width_m, map_width_m * config.width_sigma_share.hypot(beyond.max(0.0)))
 }
 
 impl Edge {
@@ -212,16 +237,33 @@ impl Edge {
 fn heading(pieces: &[Measured]) -> Option<(f64, f64)> {
     let side = |side: usize| {
         let sharp = |piece: &Measured| piece.edges[side].filter(|edge| edge.is_sharp());
-        let mut seen = pieces.iter().filter_map(|piece| Some((piece.along_m, sharp(piece)?.left_m)));
-        let first = seen.next()?;
-        let last = seen.next_back()?;
-        let length_m = last.0 - first.0;
-        Some(((last.1 - first.1).atan2(length_m), 2_f64.sqrt() * EDGE_SIGMA_M / length_m))
+        slope(pieces.iter().filter_map(move |piece| Some((piece.along_m, sharp(piece)?.left_m))))
     };
     match (side(0), side(1)) {
         (Some(left), Some(right)) => Some((0.5 * (left.0 + right.0), 0.5 * left.1.hypot(right.1))),
         (left, right) => left.or(right),
     }
+}
+
+/// Slope of the line through an edge's places, and its standard deviation, radians: that of the edges, or more where they
+/// scatter more, as beside parked cars.
+fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
+    let (along_m, left_m) = (mean(edge.clone().map(|p| p.0))?, mean(edge.clone().map(|p| p.1))?);
+    let sum = |of: fn(f64, f64) -> f64| edge.clone().map(|(x, y)| of(x - along_m, y - left_m)).sum::<f64>();
+    let (spread, count) = (sum(|x, _| x * x), edge.clone().count() as f64);
+    if spread <= 0.0 {
+        return None;
+    }
+    let slope = sum(|x, y| x * y) / spread;
+    let unexplained = (sum(|_, y| y * y) - slope * slope * spread).max(0.0);
+    let scatter_m = (unexplained / (count - 2.0).max(1.0)).sqrt();
+    Some((slope.atan(), EDGE_SIGMA_M.max(scatter_m) / spread.sqrt()))
+}
+
+/// The mean; none of nothing.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value));
+    (count > 0.0).then(|| sum / count)
 }
 
 /// The measurement of a piece: how far the road's middle lies from it.
@@ -236,8 +278,8 @@ fn line(
         [Some(left), Some(right)] => {
             (0.5 * (left.left_m + right.left_m), 0.5 * left.sigma_m.hypot(right.sigma_m))
         }
-        [Some(edge), None] => (edge.left_m - 0.5 * width_m, edge.sigma_m.hypot(width_sigma_m)),
-        [None, Some(edge)] => (edge.left_m + 0.5 * width_m, edge.sigma_m.hypot(width_sigma_m)),
+        [Some(edge), None] => (edge.left_m - 0.5 * width_m, edge.sigma_m.hypot(0.5 * width_sigma_m)),
+        [None, Some(edge)] => (edge.left_m + 0.5 * width_m, edge.sigma_m.hypot(0.5 * width_sigma_m)),
         [None, None] => return None,
     };
     let own_sigma_m = config.sigma_m.hypot(seen_sigma_m);

@@ -3,7 +3,8 @@
 //! The search for a new feature puts the vehicle on the feature's approach, at every distance, offset and heading that
 //! is possible; bracketing (paper 1, section VI; paper 2, section 7.2) tries poses about a prediction. Either way
 //! P(F) is flat over the poses that keep the masks on the road, so the middle of the best ones is taken, not the
-//! first.
+//! first. Of those that reach the threshold the ones whose arms stand out most from their verges are the best: a wide
+//! street is road under any mask.
 //! Candidates are laid in rows of pixels and scored a row at a time, each row against the best of those before it.
 
 use std::ops::RangeInclusive;
@@ -27,10 +28,27 @@ pub struct Tried {
     pub closest: Option<Isometry2<f64>>,
 }
 
-/// Candidates within this of the best P(F) are as good as it: the noise of the road surface.
+/// Candidates within this of the best are as good as it: the noise of the road surface.
 const AS_GOOD: f64 = 0.03;
 /// Candidates farther than this from the best one belong to another place that also matches, metres.
-const SAME_PLACE_M: f64 = 2.5;
+const SAME_PLACE_M: f64 = 1.5;
+
+/// Least reach of the search across the road, metres: maps lie up to this far beside the road and make it too narrow.
+const MIN_LEFT_REACH_M: f64 = 2.0;
+/// Weight of P(F) against the contrast with the verge in the ranking of candidates that reach the threshold: on real
+/// streets P(F) falls with the distance by more than it differs between road and forecourt; the contrast does not.
+const P_WEIGHT: f64 = 0.25;
+
+/// The best of the candidates that were scored together.
+#[derive(Debug, Clone, Copy)]
+struct Ranked {
+    pose: Isometry2<f64>,
+    p: f64,
+    /// Row of pixels of the feature's node.
+    row: i32,
+    /// How good it is; minus infinity where that was not looked at.
+    rank: f64,
+}
 
 /// Tries candidate poses; its memory is reused from search to search.
 #[derive(Debug, Default)]
@@ -40,8 +58,10 @@ pub struct CandidateSearch {
     poses: Vec<Isometry2<f64>>,
     /// Best pose so far and its P(F).
     best: Option<(Isometry2<f64>, f64)>,
-    /// Poses that reached the threshold, with their P(F).
-    good: Vec<(Isometry2<f64>, f64)>,
+    /// Poses of the run that are as good as the best of them.
+    as_good: Vec<(Isometry2<f64>, f64)>,
+    /// The best of each run that reached the threshold.
+    ranked: Vec<Ranked>,
 }
 
 /// Which candidates can be scored together: those with the same drawn masks and the same row of the node's pixel.
@@ -60,7 +80,12 @@ impl CandidateSearch {
         masks: &mut MaskCache,
         before_m: &RangeInclusive<f64>,
     ) -> Result<Tried, SpanError> {
-        self.best_of(laid, masks, config.detect_threshold, poses_along_approach(config, feature, before_m))
+        self.best_of(
+            laid,
+            masks,
+            config.detect_threshold_at_verge,
+            poses_along_approach(config, feature, before_m),
+        )
     }
 
     /// Tries poses about a prediction; only those with P(F) from `threshold` on can be the best.
@@ -86,7 +111,7 @@ impl CandidateSearch {
         poses: impl Iterator<Item = Isometry2<f64>>,
     ) -> Result<Tried, SpanError> {
         self.start_run();
-        self.good.clear();
+        self.ranked.clear();
         self.best = None;
         let mut count = 0;
         let mut key: RunKey = (0, 0);
@@ -103,16 +128,16 @@ impl CandidateSearch {
         }
         self.score_run(laid, masks, threshold, key.1)?;
         let closest = self.best.map(|(pose, _)| pose);
-        let Some(best) = self.best.filter(|&(_, p)| p >= threshold) else {
+        let Some(best) = rank_all(laid, masks, &mut self.ranked)? else {
             return Ok(Tried { count, best: None, closest });
         };
-        let middle = middle_of(&self.good, &best);
+        let middle = middle_of(&self.ranked, &best);
         // The good poses may surround a hole; then the best itself stands.
         let best = match laid.score(masks, &middle, threshold)? {
-            Some(p) if p >= best.1 - 2.0 * AS_GOOD => (middle, p),
-            _ => best,
+            Some(p) if rank(laid, masks, &middle, p)? >= best.rank - 2.0 * AS_GOOD => (middle, p),
+            _ => (best.pose, best.p),
         };
-        Ok(Tried { count, best: Some(best), closest })
+        Ok(Tried { count, best: Some(best), closest: Some(best.0) })
     }
 
     fn start_run(&mut self) {
@@ -130,20 +155,70 @@ impl CandidateSearch {
     ) -> Result<(), SpanError> {
         let Some(first) = self.poses.first() else { return Ok(()) };
         let masks = masks.at(first.rotation.angle())?;
-        let at_least = self.best.map_or(0.0, |(_, p)| (p - AS_GOOD).max(0.0));
+        let at_least = self.best.map_or(0.0, |(_, p)| (p - AS_GOOD).clamp(0.0, threshold));
         let scores = laid.score_run(masks, row, &mut self.run, at_least);
         for (&pose, score) in self.poses.iter().zip(scores) {
             let Some(p) = score else { continue };
             if p >= threshold {
-                self.good.push((pose, p));
+                self.as_good.push((pose, p));
             }
             if self.best.is_none_or(|(_, best_p)| p > best_p) {
                 self.best = Some((pose, p));
             }
         }
+        self.keep_middle(row);
         self.start_run();
         Ok(())
     }
+
+    /// Keeps the middle one of the poses of the run that are as good as its best.
+    fn keep_middle(&mut self, row: i32) {
+        let highest = self.as_good.iter().map(|(_, p)| *p).fold(0.0, f64::max);
+        self.as_good.retain(|(_, p)| *p >= highest - AS_GOOD);
+        let middle = self.as_good.get(self.as_good.len() / 2);
+        self.ranked.extend(middle.map(|&(pose, p)| Ranked { pose, p, row, rank: f64::NEG_INFINITY }));
+        self.as_good.clear();
+    }
+}
+
+/// How good a candidate is that reaches the threshold.
+fn rank(
+    laid: &LaidSurface<'_>,
+    masks: &mut MaskCache,
+    pose: &Isometry2<f64>,
+    p: f64,
+) -> Result<f64, SpanError> {
+    Ok(laid.contrast(masks, pose)?.unwrap_or(0.0).max(0.0) + P_WEIGHT * p)
+}
+
+/// Ranks the candidates that can be the best, which is returned: first the most probable one of each row of pixels, then
+/// all about the best of those.
+fn rank_all(
+    laid: &LaidSurface<'_>,
+    masks: &mut MaskCache,
+    candidates: &mut [Ranked],
+) -> Result<Option<Ranked>, SpanError> {
+    for i in 0..candidates.len() {
+        let Ranked { pose, p, row, .. } = candidates[i];
+        let more_probable =
+            |(j, other): (usize, &Ranked)| other.row == row && (other.p > p || j < i && other.p >= p);
+        if !candidates.iter().enumerate().any(more_probable) {
+            candidates[i].rank = rank(laid, masks, &pose, p)?;
+        }
+    }
+    let Some(best) = highest(candidates) else { return Ok(None) };
+    let near_px = SAME_PLACE_M / laid.grid().metres_per_pixel();
+    for candidate in candidates.iter_mut() {
+        if candidate.rank < 0.0 && f64::from((candidate.row - best.row).abs()) < near_px {
+            candidate.rank = rank(laid, masks, &candidate.pose, candidate.p)?;
+        }
+    }
+    Ok(highest(candidates))
+}
+
+/// The first of the candidates with the highest rank.
+fn highest(candidates: &[Ranked]) -> Option<Ranked> {
+    candidates.iter().copied().reduce(|best, other| if other.rank > best.rank { other } else { best })
 }
 
 /// Poses along the approach, the farthest first.
@@ -152,7 +227,7 @@ fn poses_along_approach(
     feature: &FeatureModel,
     before_m: &RangeInclusive<f64>,
 ) -> impl Iterator<Item = Isometry2<f64>> {
-    let half_width_m = feature.approach().map_or(2.5, |arm| 0.5 * arm.width_m);
+    let half_width_m = feature.approach().map_or(0.0, |arm| 0.5 * arm.width_m).max(MIN_LEFT_REACH_M);
     let (step_m, left_step_m) = (config.search_forward_step_m, config.search_left_step_m);
     let (nearest_m, farthest_m) = (*before_m.start(), *before_m.end());
     let forward_steps = ((farthest_m - nearest_m) / step_m).floor().max(0.0) as usize;
@@ -190,17 +265,18 @@ fn spread(reach: f64, step: f64) -> impl Iterator<Item = f64> {
 }
 
 /// The middle of the candidates at the place of the best one that are as good as it.
-fn middle_of(good: &[(Isometry2<f64>, f64)], (best, best_p): &(Isometry2<f64>, f64)) -> Isometry2<f64> {
-    let near = good.iter().filter(|(pose, p)| {
-        *p >= best_p - AS_GOOD && (pose.translation.vector - best.translation.vector).norm() < SAME_PLACE_M
+fn middle_of(ranked: &[Ranked], best: &Ranked) -> Isometry2<f64> {
+    let near = ranked.iter().filter(|other| {
+        other.rank >= best.rank - AS_GOOD
+            && (other.pose.translation.vector - best.pose.translation.vector).norm() < SAME_PLACE_M
     });
     let (mut count, mut place, mut turn) = (0.0, Vector2::zeros(), 0.0);
-    for (pose, _) in near {
+    for Ranked { pose, .. } in near {
         count += 1.0;
         place += pose.translation.vector;
-        turn += best.rotation.angle_to(&pose.rotation);
+        turn += best.pose.rotation.angle_to(&pose.rotation);
     }
-    Isometry2::new(place / count, best.rotation.angle() + turn / count)
+    Isometry2::new(place / count, best.pose.rotation.angle() + turn / count)
 }
 
 #[cfg(test)]

@@ -90,6 +90,17 @@ impl PoseFilter {
         self.take(RowVector3::new(0.0, 0.0, 1.0), innovation_rad, sigma_rad)
     }
 
+    /// Takes in a pose that was found by a search, known to the given standard deviations (metres, metres, radians); each
+    /// of its parts unless that is too far off.
+    pub(crate) fn update_pose(&mut self, found: &Isometry2<f64>, sigmas: [f64; 3]) {
+        let off_forward_m = found.translation.x - self.vehicle_from_feature.translation.x;
+        self.take(RowVector3::new(1.0, 0.0, 0.0), off_forward_m, sigmas[0]);
+        let off_left_m = found.translation.y - self.vehicle_from_feature.translation.y;
+        self.take(RowVector3::new(0.0, 1.0, 0.0), off_left_m, sigmas[1]);
+        let turned_rad = self.vehicle_from_feature.rotation.angle_to(&found.rotation);
+        self.take(RowVector3::new(0.0, 0.0, 1.0), turned_rad, sigmas[2]);
+    }
+
     fn take(&mut self, h: RowVector3<f64>, innovation: f64, sigma: f64) -> Update {
         let variance = (h * self.covariance * h.transpose())[0] + sigma.powi(2);
         let sigmas = innovation.abs() / variance.sqrt();

@@ -29,6 +29,8 @@ enum Mode {
 struct Candidate {
     filter: PoseFilter,
     frames: usize,
+    /// What its frames say for it so far.
+    weight: f64,
 }
 
 #[derive(Debug)]

@@ -7,6 +7,7 @@ use nalgebra::{Isometry2, Point2, Vector2};
 
 use super::AlignmentConfig;
 use super::pieces::{ArmPieces, CutPiece};
+use super::profile::{Profile, Sample};
 use crate::matching::LaidSurface;
 
 /// One piece of an arm, slid across its road.
@@ -51,9 +52,13 @@ pub enum CrossSectionUse {
 
 /// Share of a piece that must be seen.
 const MIN_SEEN_SHARE: f64 = 0.7;
-
-/// Mean probability under a piece at a shift to the left, metres; none where too little is seen.
-type Sample = (f64, Option<f64>);
+/// Length on either side of an edge over which the probability is compared, metres: longer than a marking or a shadow's
+/// rim is wide, shorter than a pavement.
+const WINDOW_M: f64 = 0.8;
+/// The same for a whole arm of which no piece shows an edge: far from the camera a kerb is drawn out over metres.
+const WHOLE_WINDOW_M: f64 = 2.0;
+/// A piece beside which the kerbs stand back by no more than this belongs to the straight part of its arm, metres.
+const STRAIGHT_FLARE_M: f64 = 0.2;
 
 /// Slides pieces across roads; its memory is reused from piece to piece.
 #[derive(Debug)]
@@ -61,14 +66,25 @@ pub(super) struct Slide {
     config: AlignmentConfig,
     pixels: Vec<[f64; 2]>,
     mask: SpanMask,
-    profile: Vec<Sample>,
+    profile: Profile,
+    /// The mean of the arm's pieces beyond its kerbs.
+    whole: Profile,
+    /// Where along the arm they lie, metres.
+    used_m: Vec<f64>,
 }
 
 impl Slide {
     /// A slide of pieces as wide as `config` says.
     pub(super) fn new(config: &AlignmentConfig) -> Self {
         let mask = SpanMask::default();
-        Self { config: config.clone(), pixels: Vec::new(), mask, profile: Vec::new() }
+        Self {
+            config: config.clone(),
+            pixels: Vec::new(),
+            mask,
+            profile: Profile::default(),
+            whole: Profile::default(),
+            used_m: Vec::new(),
+        }
     }
 
     /// Slides a piece of `arm` across its road; none when too little of it is seen.
@@ -93,26 +109,56 @@ impl Slide {
         }
         let reach_m = 0.5 * arm.width_m + config.slide_beyond_m;
         let left_px_per_m = left / grid.metres_per_pixel();
-        self.profile.clear();
-        self.profile.extend(profile(config, laid.sums(), &self.mask, left_px_per_m, reach_m));
-        let edges_m = edges(&self.profile, config.edge_probability);
-        let believed = config.min_width_share * arm.width_m..=config.max_width_share * arm.width_m;
-        let section_use = match edges_m {
-            [None, None] => CrossSectionUse::NoEdges,
-            [Some(left_m), Some(right_m)] if !believed.contains(&(left_m - right_m)) => {
-                CrossSectionUse::WidthDisagrees { width_m: left_m - right_m, map_width_m: arm.width_m }
-            }
-            _ => CrossSectionUse::InTheMouth,
-        };
-        Ok(Some(CrossSection {
-            label: Arc::clone(&arm.label),
-            p_in_vehicle: vehicle_from_feature * piece.middle,
-            left,
-            edges_m,
-            leaves_the_line: arm.leaves_the_line,
-            section_use,
-        }))
+        self.profile.take(profile(config, laid.sums(), &self.mask, left_px_per_m, reach_m));
+        let edges_m = self.profile.edges_m(config.slide_step_m, WINDOW_M, config.min_edge_step);
+        if piece.flare_m.iter().all(|flare_m| flare_m.is_some_and(|flare_m| flare_m <= STRAIGHT_FLARE_M)) {
+            self.whole.add(&self.profile);
+            self.used_m.push(piece.along_m);
+        }
+        Ok(Some(section(config, arm, vehicle_from_feature * piece.middle, left, edges_m)))
     }
+
+    /// Starts a new arm.
+    pub(super) fn start_arm(&mut self) {
+        self.whole.clear();
+        self.used_m.clear();
+    }
+
+    /// The cross-section of all pieces of the arm together that were slid since its start, beyond its kerbs, and its
+    /// place along the arm, metres; none where there was none.
+    pub(super) fn whole_arm(
+        &mut self,
+        arm: &ArmPieces,
+        vehicle_from_feature: &Isometry2<f64>,
+    ) -> Option<(CrossSection, f64)> {
+        let middle_m = *self.used_m.get(self.used_m.len() / 2)?;
+        let piece = arm.pieces.iter().find(|piece| piece.along_m >= middle_m)?;
+        let along = vehicle_from_feature.rotation * piece.along;
+        let config = &self.config;
+        let edges_m = self.whole.edges_m(config.slide_step_m, WHOLE_WINDOW_M, 0.5 * config.min_edge_step);
+        let left = Vector2::new(-along.y, along.x);
+        Some((section(config, arm, vehicle_from_feature * piece.middle, left, edges_m), piece.along_m))
+    }
+}
+
+/// The cross-section with these edges, and whether they can be those of the arm's road.
+fn section(
+    config: &AlignmentConfig,
+    arm: &ArmPieces,
+    p_in_vehicle: Point2<f64>,
+    left: Vector2<f64>,
+    edges_m: [Option<f64>; 2],
+) -> CrossSection {
+    let believed = config.min_width_share * arm.width_m..=arm.width_m + config.max_wider_m;
+    let section_use = match edges_m {
+        [None, None] => CrossSectionUse::NoEdges,
+        [Some(left_m), Some(right_m)] if !believed.contains(&(left_m - right_m)) => {
+            CrossSectionUse::WidthDisagrees { width_m: left_m - right_m, map_width_m: arm.width_m }
+        }
+        _ => CrossSectionUse::InTheMouth,
+    };
+    let (label, leaves_the_line) = (Arc::clone(&arm.label), arm.leaves_the_line);
+    CrossSection { label, p_in_vehicle, left, edges_m, leaves_the_line, section_use }
 }
 
 /// What lies under the piece against its shift.
@@ -131,66 +177,4 @@ fn profile(
         let cover = sums.cover(mask, column.round() as i32, row.round() as i32);
         (shift_m, cover.probability().filter(|_| cover.seen_share() >= MIN_SEEN_SHARE))
     })
-}
-
-/// The two ends, left and right, of the stretch of the profile that is most road: the one with the largest sum of
-/// probability above the threshold. Holes (markings, a shadow's rim) do not end it. An end that is also the end of
-/// what is seen is no edge.
-fn edges(profile: &[Sample], edge_probability: f64) -> [Option<f64>; 2] {
-    let (Some(start), Some(end)) =
-        (profile.iter().position(|(_, p)| p.is_some()), profile.iter().rposition(|(_, p)| p.is_some()))
-    else {
-        return [None, None];
-    };
-    let profile = &profile[start..=end];
-    let (mut best, mut best_range, mut sum, mut start) = (0.0, None, 0.0, 0);
-    for (i, (_, p)) in profile.iter().enumerate() {
-        if sum <= 0.0 {
-            (sum, start) = (0.0, i);
-        }
-        sum += p.unwrap_or(0.0) - edge_probability;
-        if sum > best {
-            (best, best_range) = (sum, Some((start, i)));
-        }
-    }
-    let Some((first, last)) = best_range else { return [None, None] };
-    let crossing = |inside: usize, outside: usize| {
-        let ((x_in, p_in), (x_out, p_out)) = (profile[inside], profile[outside]);
-        let (p_in, p_out) = (p_in.unwrap_or(1.0), p_out.unwrap_or(0.0));
-        let share =
-            if p_in > p_out { ((p_in - edge_probability) / (p_in - p_out)).clamp(0.0, 1.0) } else { 0.5 };
-        x_in + share * (x_out - x_in)
-    };
-    let left = (last + 1 < profile.len()).then(|| crossing(last, last + 1));
-    let right = (first > 0).then(|| crossing(first, first - 1));
-    [left, right]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn edges_are_found_between_the_steps_and_over_holes() {
-        let road = |x: f64| if (-2.05..2.95).contains(&x) && !(0.0..0.3).contains(&x) { 0.95 } else { 0.1 };
-        let profile: Vec<_> = (-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, Some(road(x)))).collect();
-        let [Some(left), Some(right)] = edges(&profile, 0.5) else { panic!("both edges are there") };
-        assert!((left - 2.95).abs() < 0.06 && (right + 2.05).abs() < 0.06, "{left} {right}");
-    }
-
-    #[test]
-    fn a_plane_without_edges_measures_nothing() {
-        let everywhere: Vec<_> = (-50..=50).map(|k| (0.1 * f64::from(k), Some(0.9))).collect();
-        assert_eq!(edges(&everywhere, 0.5), [None, None]);
-        let nowhere: Vec<_> = (-50..=50).map(|k| (0.1 * f64::from(k), Some(0.1))).collect();
-        assert_eq!(edges(&nowhere, 0.5), [None, None]);
-        let half_seen: Vec<_> = (-50..=50)
-            .map(|k| (0.1 * f64::from(k), (k > -10).then_some(if k < 20 { 0.9 } else { 0.0 })))
-            .collect();
-        let [left, right] = edges(&half_seen, 0.5);
-        assert!(
-            left.is_some_and(|m| (m - 1.95).abs() < 0.06) && right.is_none(),
-            "the right edge is out of view"
-        );
-    }
 }

@@ -73,19 +73,38 @@ fn plain(
     poses: impl Iterator<Item = Isometry2<f64>>,
 ) -> Tried {
     let all: Vec<Isometry2<f64>> = poses.collect();
-    let mut scored = Vec::new();
-    for &pose in &all {
-        scored.extend(laid.score(masks, &pose, 0.0).unwrap().map(|p| (pose, p)));
-    }
     let mut tried = Tried { count: all.len(), ..Tried::default() };
-    let Some(highest) = scored.iter().map(|(_, p)| *p).max_by(f64::total_cmp) else { return tried };
-    let best = *scored.iter().find(|(_, p)| *p >= highest).unwrap();
-    tried.closest = Some(best.0);
-    if best.1 >= threshold {
-        scored.retain(|(_, p)| *p >= threshold);
-        let middle = middle_of(&scored, &best);
+    let mut closest: Option<(Isometry2<f64>, f64)> = None;
+    let mut ranked = Vec::new();
+    let key = |masks: &MaskCache, pose: &Isometry2<f64>| {
+        (masks.key(pose.rotation.angle()), node_pixel(laid.grid(), pose).1)
+    };
+    let mut rest = &all[..];
+    while let Some(first) = rest.first() {
+        let length = rest.iter().take_while(|pose| key(masks, pose) == key(masks, first)).count();
+        let mut scored = Vec::new();
+        for pose in &rest[..length] {
+            scored.extend(laid.score(masks, pose, 0.0).unwrap().map(|p| (*pose, p)));
+        }
+        for &(pose, p) in &scored {
+            if closest.is_none_or(|(_, best_p)| p > best_p) {
+                closest = Some((pose, p));
+            }
+        }
+        let highest = scored.iter().map(|(_, p)| *p).fold(0.0, f64::max);
+        scored.retain(|(_, p)| *p >= threshold.max(highest - AS_GOOD));
+        let row = node_pixel(laid.grid(), first).1;
+        let middle = scored.get(scored.len() / 2);
+        ranked.extend(middle.map(|&(pose, p)| Ranked { pose, p, row, rank: f64::NEG_INFINITY }));
+        rest = &rest[length..];
+    }
+    tried.closest = closest.map(|(pose, _)| pose);
+    if let Some(best) = rank_all(laid, masks, &mut ranked).unwrap() {
+        let middle = middle_of(&ranked, &best);
         let p = laid.score(masks, &middle, threshold).unwrap();
-        tried.best = Some(p.filter(|p| *p >= best.1 - 2.0 * AS_GOOD).map_or(best, |p| (middle, p)));
+        let as_good = p.filter(|p| rank(laid, masks, &middle, *p).unwrap() >= best.rank - 2.0 * AS_GOOD);
+        let best = as_good.map_or((best.pose, best.p), |p| (middle, p));
+        (tried.best, tried.closest) = (Some(best), Some(best.0));
     }
     tried
 }
@@ -112,7 +131,7 @@ fn rows_at_a_time_find_what_one_by_one_finds() {
             assert_eq!(by_rows, plain(&laid, &mut masks, threshold, poses_about(&config, &predicted)));
             found += usize::from(by_rows.best.is_some());
 
-            let config = TrackConfig { detect_threshold: threshold, ..config.clone() };
+            let config = TrackConfig { detect_threshold_at_verge: threshold, ..config.clone() };
             let range = 6.0..=18.0;
             let by_rows = search.along_approach(&config, &laid, &feature, &mut masks, &range).unwrap();
             let poses = poses_along_approach(&config, &feature, &range);

@@ -6,7 +6,7 @@ use super::{FOUND_SIGMAS, Mode, Tracker};
 use crate::matching::LaidSurface;
 use crate::track::{Decision, TrackEvidence};
 
-/// A bracketed place must match better than the predicted one by this much: less is the noise of the road surface.
+/// A bracketed place must match, or stand out from the verge, better than the predicted one by this much: less is the noise of the road surface.
 const CLEARLY_BETTER: f64 = 0.1;
 
 impl Tracker {
@@ -21,21 +21,32 @@ impl Tracker {
         else {
             return Ok(());
         };
-        let (predicted, threshold) = (*filter.pose(), self.config.confirm_threshold);
+        let (config, predicted) = (&self.config, *filter.pose());
         let predicted_p = laid.probability(&mut stop.masks, &predicted)?;
+        let contrast = laid.contrast(&mut stop.masks, &predicted)?;
         evidence.predicted = Some(predicted);
         evidence.predicted_p = predicted_p;
         // Where no sub-mask is seen (close to the feature) there is nothing to confirm or deny.
-        if predicted_p.is_none_or(|p| p >= threshold) {
+        if predicted_p.is_none_or(|p| config.confirms(p, contrast)) {
             evidence.decision = Decision::Confirmed;
         } else {
-            let tried = self.search.about(&self.config, laid, &mut stop.masks, threshold, &predicted)?;
+            let threshold = config.detect_threshold_at_verge.min(config.confirm_threshold);
+            let tried = self.search.about(config, laid, &mut stop.masks, threshold, &predicted)?;
             evidence.tried = tried.count;
-            let clearly_better = predicted_p.unwrap_or(0.0) + CLEARLY_BETTER;
-            let Some((pose, _)) = tried.best.filter(|&(_, p)| p >= clearly_better) else {
+            let better = match tried.best {
+                Some((pose, p)) => {
+                    let there = laid.contrast(&mut stop.masks, &pose)?;
+                    let clearly_more_road = p >= predicted_p.unwrap_or(0.0) + CLEARLY_BETTER;
+                    let stands_out_more =
+                        there.is_some_and(|c| c >= contrast.unwrap_or(0.0) + CLEARLY_BETTER);
+                    (config.confirms(p, there) && (clearly_more_road || stands_out_more)).then_some(pose)
+                }
+                None => None,
+            };
+            let Some(pose) = better else {
                 *unconfirmed += 1;
                 evidence.decision = Decision::NotConfirmed { frames: *unconfirmed };
-                if *unconfirmed >= self.config.lost_frames {
+                if *unconfirmed >= config.lost_frames {
                     evidence.decision = Decision::Lost { index: self.next };
                     self.mode = Mode::Searching { candidate: None, lost: true };
                 }
@@ -47,7 +58,9 @@ impl Tracker {
         *unconfirmed = 0;
         let before = filter.clone();
         evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, filter)?);
-        if laid.probability(&mut stop.masks, filter.pose())?.is_some_and(|p| p < threshold) {
+        let contrast = laid.contrast(&mut stop.masks, filter.pose())?;
+        let p = laid.probability(&mut stop.masks, filter.pose())?;
+        if p.is_some_and(|p| !self.config.confirms(p, contrast)) {
             // Edges that lead the masks off the road belong to something else.
             *filter = before;
         }

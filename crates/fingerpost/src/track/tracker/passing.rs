@@ -21,8 +21,9 @@ impl Tracker {
         if let Some(passing) = &mut self.passing
             && let Some(stop) = self.stops.get_mut(passing.index)
         {
-            let p = laid.probability(&mut stop.masks, passing.filter.pose())?;
-            if p.is_some_and(|p| p >= self.config.confirm_threshold) {
+            // Once only arms straight ahead are seen they would turn the feature as they please.
+            let (pose, threshold) = (passing.filter.pose(), self.config.confirm_threshold);
+            if laid.score(&mut stop.masks, pose, threshold)?.is_some() {
                 let sections = self.aligner.align(laid, &stop.arms, &mut passing.filter)?;
                 if evidence.sections.is_empty() {
                     evidence.sections.extend_from_slice(sections);

@@ -5,14 +5,27 @@ use std::ops::RangeInclusive;
 use fingerpost_vision::span::SpanError;
 
 use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, Tracker};
+use crate::feature_model::FeatureModel;
 use crate::matching::LaidSurface;
 use crate::track::alignment::{CrossSection, CrossSectionUse};
-use crate::track::{Decision, PoseFilter, Sought, TrackEvidence};
+use crate::track::{Decision, PoseFilter, Sought, TrackConfig, TrackEvidence};
 
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
 /// A feature is only taken as detected when its distance is known to this standard deviation, metres.
 const KNOWN_SIGMA_M: f64 = 0.45;
+/// Standard deviations of the place at which a feature stands out most from its verges, against those of the frames before:
+/// metres, metres, radians.
+const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
+/// A candidate whose place is not sure after this many times the frames that are needed is another place.
+const CANDIDATE_PATIENCE: usize = 5;
+/// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
+const ON_ROAD_SIGMA_RAD: f64 = 0.052;
+/// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
+/// beside the road.
+const OFF_ROAD_M: f64 = 1.0;
+/// Sums of weights that differ by less are equal.
+const WEIGHT_ROUNDING: f64 = 1e-9;
 /// A feature nearer than this many metres beyond the bottom of the view is not searched for: its arms are out of view.
 const NEAREST_BEYOND_M: f64 = 0.5;
 
@@ -30,57 +43,83 @@ impl Tracker {
             return Ok(());
         };
         let (config, index, masks) = (&self.config, self.next, &mut stop.masks);
-        let tried = match (&candidate, &range) {
+        let (mut filter, before, found) = match (candidate.take(), &range) {
             (Some(candidate), _) => {
-                self.search.about(config, laid, masks, config.detect_threshold, candidate.filter.pose())?
+                let threshold = config.detect_threshold_at_verge;
+                let tried = self.search.about(config, laid, masks, threshold, candidate.filter.pose())?;
+                evidence.tried = tried.count;
+                let Some(found) = tried.best else {
+                    evidence.decision = Decision::NotFound { index };
+                    return Ok(());
+                };
+                (candidate.filter, (candidate.frames, candidate.weight), found)
             }
-            (None, Some(range)) => self.search.along_approach(config, laid, &stop.model, masks, range)?,
+            (None, Some(range)) => {
+                let tried = self.search.along_approach(config, laid, &stop.model, masks, range)?;
+                evidence.tried = tried.count;
+                if let Some(closest) = tried.closest {
+                    let mut matched = self.spare.pop().unwrap_or_default();
+                    laid.explain(masks, &closest, &mut matched)?;
+                    evidence.sought = Some(Sought { index, matched });
+                }
+                let Some(found) = tried.best else {
+                    evidence.decision = Decision::NotFound { index };
+                    return Ok(());
+                };
+                // The search is coarse: until the place settles, each alignment starts anew from the one before.
+                let mut filter = PoseFilter::new(found.0, FOUND_SIGMAS);
+                for _ in 0..SETTLING_ROUNDS {
+                    stay_on_the_road(&stop.model, &mut filter);
+                    self.aligner.align(laid, &stop.arms, &mut filter)?;
+                    filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
+                }
+                stay_on_the_road(&stop.model, &mut filter);
+                (filter, (0, 0.0), found)
+            }
             (None, None) => return Ok(()),
         };
-        evidence.tried = tried.count;
-        if let Some(closest) = tried.closest {
-            let mut matched = self.spare.pop().unwrap_or_default();
-            laid.explain(masks, &closest, &mut matched)?;
-            evidence.sought = Some(Sought { index, matched });
-        }
-        let Some((pose, p)) = tried.best else {
-            *candidate = None;
-            evidence.decision = Decision::NotFound { index };
-            return Ok(());
-        };
-        let (mut filter, frames) = match candidate.take() {
-            Some(candidate) => (candidate.filter, candidate.frames + 1),
-            None => (PoseFilter::new(pose, FOUND_SIGMAS), 1),
-        };
-        if frames == 1 {
-            // The search is coarse: until the place settles, each alignment starts anew from the one before.
-            for _ in 0..SETTLING_ROUNDS {
-                self.aligner.align(laid, &stop.arms, &mut filter)?;
-                filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
-            }
-        }
         evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
-        if !evidence.sections.iter().any(tells_it) {
-            evidence.decision = Decision::Unbounded { index, p };
-            return Ok(());
+        let (found_pose, p) = found;
+        let by_edges = |section: &CrossSection| {
+            section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
+        };
+        if before.0 > 0 && !evidence.sections.iter().any(by_edges) {
+            // Without an edge the place at which the arms stand out most is what is known, frame by frame anew.
+            filter.update_pose(&found_pose, STANDS_OUT_SIGMAS);
         }
         // The match must hold where the edges say the feature is, and they must say it well enough.
         let mut aligned = self.spare.pop().unwrap_or_default();
         laid.explain(masks, filter.pose(), &mut aligned)?;
         let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
-        if aligned_p < config.detect_threshold {
+        let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
+        let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
+        if off_road || aligned_p < config.detect_threshold_at_verge {
             self.spare.push(aligned);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
             return Ok(());
         }
         // What is shown is the place that is judged from here on.
-        self.spare
-            .extend(evidence.sought.replace(Sought { index, matched: aligned }).map(|sought| sought.matched));
-        if let Some(contrast) = contrast.filter(|&contrast| contrast < config.detect_contrast) {
-            evidence.decision = Decision::NoVerge { index, p: aligned_p, contrast };
-        } else if frames < config.detect_frames || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
+        let shown = evidence.sought.replace(Sought { index, matched: aligned });
+        self.spare.extend(shown.map(|sought| sought.matched));
+        if contrast.is_none() && !evidence.sections.iter().any(tells_it) {
+            evidence.decision = Decision::Unbounded { index, p: aligned_p };
+            return Ok(());
+        }
+        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast));
+        let enough = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast));
+        if weight <= 0.0 {
+            evidence.decision = match contrast {
+                Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast },
+                None => Decision::EdgesDisagree { index, p, aligned_p },
+            };
+        } else if frames > CANDIDATE_PATIENCE * config.detect_frames {
+            evidence.decision = Decision::NotFound { index };
+        } else if frames < config.detect_frames
+            || weight < enough - WEIGHT_ROUNDING
+            || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M
+        {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p };
-            *candidate = Some(Candidate { filter, frames });
+            *candidate = Some(Candidate { filter, frames, weight });
         } else {
             evidence.decision = Decision::Detected;
             self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
@@ -115,6 +154,23 @@ impl Tracker {
         }
         (low <= high).then_some(low..=high)
     }
+}
+
+/// What a frame says for a candidate: its contrast beyond half of the one that is needed, so that a weak contrast must
+/// last longer and none at all speaks against it; a great one counts no more than twice what is needed. Where no verge is
+/// seen a match that is good enough without one says as much as that contrast.
+fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>) -> f64 {
+    let needed = config.detect_contrast;
+    match contrast {
+        Some(contrast) => contrast.min(2.0 * needed) - 0.5 * needed,
+        None if p >= config.detect_threshold => 0.5 * needed,
+        None => f64::NEG_INFINITY,
+    }
+}
+
+/// A vehicle that has not come to the feature yet drives along the approach: its heading says how the feature is turned.
+fn stay_on_the_road(model: &FeatureModel, filter: &mut PoseFilter) {
+    filter.update_heading(model.heading_off_approach_rad(filter.pose()), ON_ROAD_SIGMA_RAD);
 }
 
 /// Whether a cross-section shows an edge of an arm that tells the feature from a plain road.

@@ -1,0 +1,151 @@
+//! Junctions of recorded drives, with the recorder's satellite positions as truth: the folder named by FINGERPOST_DATA.
+//! Missing data, or a missing `bzcat`, is a failure.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+use fingerpost_format::{FrameRecord, TrackState, from_json_lines};
+use fingerpost_map::{LatLon, Route, TangentPlane, read_route};
+use nalgebra::{Isometry2, Point2, Vector2};
+use tempfile::TempDir;
+
+/// A drive of KITTI odometry past a junction.
+struct Street {
+    /// Its number there.
+    sequence: &'static str,
+    /// `[image]` and `[intrinsics]` of its camera.
+    camera: &'static str,
+    /// Ends of its route, latitude and longitude.
+    from: &'static str,
+    to: &'static str,
+    /// OpenStreetMap node of the junction.
+    node: i64,
+}
+
+/// The detector that works on the camera's picture: back-projection finds no road on these streets.
+const CONFIG: &str = "[road_surface]\ndetector = \"online\"\n";
+/// The camera's mount on the recorder's unit, of which the positions are: 1.08 m ahead of it and 0.32 m to its right.
+const MOUNT: &str = "[mount]\nheight_m = 1.65\npitch_deg = 0.7\nx_m = 1.08\ny_m = -0.32\n";
+
+fn data(name: &str) -> PathBuf {
+    let path = PathBuf::from(env::var("FINGERPOST_DATA").unwrap()).join(name);
+    assert!(path.exists(), "{} is missing", path.display());
+    path
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+fn fingerpost(arguments: &[&str]) {
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// A drive's records, its route, and where the vehicle was in the map frame in each frame.
+struct Driven {
+    records: Vec<FrameRecord>,
+    route: Route,
+    map_from_vehicle: Vec<Isometry2<f64>>,
+}
+
+fn drive(street: &Street) -> Driven {
+    let folder = TempDir::new().unwrap();
+    let (camera, route, run) =
+        (folder.path().join("camera.toml"), folder.path().join("route.geojson"), folder.path().join("run"));
+    fs::write(&camera, format!("{}{MOUNT}", street.camera)).unwrap();
+    let config = folder.path().join("fingerpost.toml");
+    fs::write(&config, CONFIG).unwrap();
+    let map = data(&format!("osm/kitti_{}.osm", street.sequence));
+    let (from, to) = (street.from, street.to);
+    fingerpost(&["route", "--map", text(&map), "--from", from, "--to", to, "--out", text(&route)]);
+    let input = data(&format!("kitti/frames{}", street.sequence));
+    let set = ["--camera", text(&camera), "--config", text(&config), "--out", text(&run)];
+    fingerpost(&[&["run", text(&input), "--route", text(&route), "--start-m", "0"], &set[..]].concat());
+    let records = from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap();
+    let route = read_route(&fs::read_to_string(&route).unwrap()).unwrap();
+    let map = TangentPlane::new(route.line[0].at);
+    let map_from_vehicle = positions(street.sequence)
+        .into_iter()
+        .map(|(at, heading_rad)| Isometry2::new(map.map_from_wgs84(at).coords, heading_rad))
+        .collect();
+    Driven { records, route, map_from_vehicle }
+}
+
+/// Places and headings (radians anticlockwise from east) of the recorder, one a frame.
+fn positions(sequence: &str) -> Vec<(LatLon, f64)> {
+    let packed = data(&format!("kitti/oxts/{sequence}.txt.bz2"));
+    let output = Command::new("bzcat").arg(packed).output().unwrap();
+    assert!(output.status.success(), "bzcat: {}", String::from_utf8_lossy(&output.stderr));
+    let rows = String::from_utf8(output.stdout).unwrap();
+    let columns = |row: &str| row.split_whitespace().map(|n| n.parse().unwrap()).collect::<Vec<f64>>();
+    rows.lines().map(columns).map(|row| (LatLon::new(row[0], row[1]).unwrap(), row[5])).collect()
+}
+
+impl Driven {
+    /// Where the map has a node, in the vehicle frame of a frame, metres.
+    fn node_in_vehicle(&self, node: i64, frame: usize) -> Point2<f64> {
+        let map = TangentPlane::new(self.route.line[0].at);
+        let feature = self.route.features.iter().find(|feature| feature.id == node).unwrap();
+        self.map_from_vehicle[frame].inverse() * map.map_from_wgs84(feature.at)
+    }
+
+    /// Checks that the junction is found at least `ahead_m` before it, followed until it is arrived at, and how far its
+    /// place is from the map's, median over the frames until it is passed, metres.
+    fn check(&self, node: i64, ahead_m: f64, within_m: f64) {
+        let with_feature = || self.records.iter().filter(|record| record.feature.is_some());
+        let first = with_feature().next().unwrap();
+        assert_eq!(first.feature.as_ref().unwrap().id, node);
+        let found_m = self.node_in_vehicle(node, first.frame as usize).x;
+        assert!(found_m >= ahead_m, "found only {found_m:.1} m ahead");
+        let lost = self.records.iter().position(|record| record.state == TrackState::Lost);
+        assert_eq!(lost, None);
+        let arrived = self.records.iter().find(|record| record.state == TrackState::Arrived).unwrap();
+        assert_eq!(arrived.feature.as_ref().unwrap().id, node);
+        let mut errors_m: Vec<f64> = Vec::new();
+        for record in with_feature() {
+            let feature = record.feature.as_ref().filter(|feature| feature.id == node);
+            let truth = self.node_in_vehicle(node, record.frame as usize);
+            if let Some(feature) = feature.filter(|_| truth.x > 0.0) {
+                let said = Vector2::new(feature.forward_m, feature.left_m);
+                errors_m.push((said - truth.coords).norm());
+            }
+        }
+        errors_m.sort_by(f64::total_cmp);
+        let median_m = errors_m[errors_m.len() / 2];
+        assert!(median_m <= within_m, "off by {median_m:.2} m, median of {} frames", errors_m.len());
+    }
+}
+
+#[test]
+fn nothing_is_found_on_the_way_to_a_junction() {
+    let street = Street {
+        sequence: "00",
+        camera: "[image]\nwidth = 1241\nheight = 376\n\
+            [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n",
+        from: "48.982545,8.390366",
+        to: "48.98312,8.39134",
+        node: 24546162,
+    };
+    let driven = drive(&street);
+    assert!(driven.node_in_vehicle(street.node, 55).x > 30.0);
+    // The junction at the start, which lies behind, is not taken for the one ahead either.
+    assert!(driven.records[5..=55].iter().all(|record| record.feature.is_none()));
+}
+
+#[test]
+fn a_side_road_passed_in_grey() {
+    let street = Street {
+        sequence: "06",
+        camera: "[image]\nwidth = 1226\nheight = 370\n\
+            [intrinsics]\nfx = 707.0912\nfy = 707.0912\ncx = 601.8873\ncy = 183.1104\n",
+        from: "49.05349305,8.39721999",
+        to: "49.05338,8.39529",
+        node: 25344948,
+    };
+    drive(&street).check(street.node, 8.0, 1.0);
+}
