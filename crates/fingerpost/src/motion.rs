@@ -21,7 +21,7 @@ use thiserror::Error;
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
-use crate::ground_view::{GroundPicture, GroundView};
+use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
 use crate::mount::AttitudeObservation;
 
 /// Settings of the ego-motion.
@@ -90,6 +90,14 @@ pub struct MotionEvidence {
     pub attitude: Option<AttitudeObservation>,
     /// How the camera is turned by all that was seen so far: pitch and roll against the configured mount, radians.
     pub turn_rad: [f64; 2],
+}
+
+impl MotionEvidence {
+    /// How the camera is turned against its mount by what the road shows.
+    pub fn camera_turn(&self) -> CameraTurn {
+        let [pitch_rad, roll_rad] = self.turn_rad;
+        CameraTurn { pitch_rad, roll_rad, yaw_rad: 0.0 }
+    }
 }
 
 /// The displacement of one place.

@@ -16,7 +16,7 @@ use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::track::{Moved, RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::why::Why;
 
 /// What else is known when a frame is taken.
@@ -148,7 +148,7 @@ impl Pipeline {
             progress: &config.route_progress,
             grid: view.grid(),
             nearest_seen_m: view.nearest_seen_m(),
-            camera_height_m: view.camera_height_m(),
+            viewpoint: view.viewpoint(),
         };
         Ok(Self {
             detector: config.road_surface.detector()?,
@@ -185,6 +185,7 @@ impl Pipeline {
         finished(Stage::GroundView);
 
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
+        let turn = motion_evidence.map(MotionEvidence::camera_turn);
         finished(Stage::Motion);
 
         // A frame that shows nothing still lets the suspension swing back.
@@ -202,7 +203,8 @@ impl Pipeline {
 
         let laid = self.matcher.laid(surface, surface.known())?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        tracker.step(motion.as_ref(), &laid, gps_in_map, &mut output.track, track_evidence)?;
+        let moved = Moved { motion: motion.as_ref(), turn: turn.unwrap_or_default() };
+        tracker.step(moved, &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
         output.motion = motion;

@@ -10,6 +10,7 @@ mod alignment;
 mod candidates;
 mod pose_filter;
 mod route_stop;
+mod shown;
 mod tracker;
 
 use nalgebra::{Isometry2, Matrix3};
@@ -23,7 +24,7 @@ pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
 pub use candidates::{CandidateSearch, Tried};
 pub use pose_filter::PoseFilter;
 pub use route_stop::{RouteStop, TrackerSetting};
-pub use tracker::Tracker;
+pub use tracker::{Moved, Tracker};
 
 /// Settings of search and tracking.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

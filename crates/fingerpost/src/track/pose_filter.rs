@@ -61,6 +61,11 @@ impl PoseFilter {
         &self.covariance
     }
 
+    /// Puts the feature at another pose, which is as well known.
+    pub(crate) fn place(&mut self, vehicle_from_feature: Isometry2<f64>) {
+        self.vehicle_from_feature = vehicle_from_feature;
+    }
+
     /// Moves the feature as the vehicle moves.
     pub fn predict(&mut self, motion: &Motion) {
         let current_from_previous = motion.previous_from_current.inverse();

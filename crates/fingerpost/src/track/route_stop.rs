@@ -8,6 +8,7 @@ use super::alignment::ArmPieces;
 use crate::driving_line::{DrivingLine, DrivingLineConfig};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
+use crate::ground_view::Viewpoint;
 use crate::route_progress::RouteProgressConfig;
 use crate::vehicle::VehicleConfig;
 
@@ -39,8 +40,8 @@ pub struct TrackerSetting<'a> {
     pub grid: &'a GroundGrid,
     /// Bottom of what is seen ahead, metres.
     pub nearest_seen_m: f64,
-    /// Height of the camera, metres.
-    pub camera_height_m: f64,
+    /// Where the camera looks from.
+    pub viewpoint: Viewpoint,
 }
 
 /// The features of `route` in its order, and the route's line in the map frame.

@@ -12,9 +12,11 @@ use nalgebra::Point2;
 use super::alignment::Aligner;
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
+use super::shown::ShownRoad;
 use super::{Decision, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::driving_line::DrivingLine;
 use crate::feature_masks::{PlacedMasks, node_pixel};
+use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::Motion;
 use crate::route_progress::RouteProgress;
@@ -39,6 +41,15 @@ struct Passing {
     filter: PoseFilter,
 }
 
+/// How the vehicle moved since the last frame, and how the camera looks now.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Moved<'a> {
+    /// The motion; none where it is not known.
+    pub motion: Option<&'a Motion>,
+    /// How the camera is turned against its mount.
+    pub turn: CameraTurn,
+}
+
 /// Follows the features of a route, one after the other.
 #[derive(Debug)]
 pub struct Tracker {
@@ -55,6 +66,9 @@ pub struct Tracker {
     spare: Vec<Match>,
     nearest_seen_m: f64,
     farthest_m: f64,
+    viewpoint: Viewpoint,
+    /// Where the last frame shows the road. Poses of the filters are where features are shown.
+    shown: ShownRoad,
 }
 
 /// Standard deviations of a place found by a search: metres, metres, radians.
@@ -84,10 +98,12 @@ impl Tracker {
             passing: None,
             progress: RouteProgress::new(setting.progress, start_m),
             search: CandidateSearch::default(),
-            aligner: Aligner::new(&setting.track.alignment, setting.camera_height_m),
+            aligner: Aligner::new(&setting.track.alignment, setting.viewpoint.height_m),
             spare: Vec::new(),
             nearest_seen_m: setting.nearest_seen_m,
             farthest_m: setting.grid.far_m() - EDGE_ROOM_M,
+            viewpoint: setting.viewpoint,
+            shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
         })
     }
 
@@ -112,14 +128,14 @@ impl Tracker {
         Some(PlacedMasks { masks, column, row })
     }
 
-    /// Takes one frame in: the motion since the last, the road surface, and a GPS position in the map frame. Output and
+    /// Takes one frame in: how the vehicle moved, the road surface, and a GPS position in the map frame. Output and
     /// evidence take the place of the last frame's, whose memory is reused.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
     pub fn step(
         &mut self,
-        motion: Option<&Motion>,
+        moved: Moved<'_>,
         laid: &LaidSurface<'_>,
         gps_in_map: Option<Point2<f64>>,
         output: &mut TrackOutput,
@@ -128,9 +144,7 @@ impl Tracker {
         self.spare.extend(output.followed.take().map(|followed| followed.matched));
         self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
         evidence.clear();
-        if let Some(motion) = motion {
-            self.predict(motion);
-        }
+        self.predict(&moved);
         if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
             evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
         }
@@ -150,16 +164,28 @@ impl Tracker {
         Ok(())
     }
 
-    fn predict(&mut self, motion: &Motion) {
-        self.progress.advance(motion.previous_from_current.translation.x);
+    fn predict(&mut self, moved: &Moved<'_>) {
+        let before = self.shown;
+        let now = ShownRoad::new(&moved.turn, self.viewpoint);
+        let predict = |filter: &mut PoseFilter| {
+            filter.place(before.road_from_shown(filter.pose()));
+            if let Some(motion) = moved.motion {
+                filter.predict(motion);
+            }
+            filter.place(now.shown_from_road(filter.pose()));
+        };
+        if let Some(motion) = moved.motion {
+            self.progress.advance(motion.previous_from_current.translation.x);
+        }
         if let Some(passing) = &mut self.passing {
-            passing.filter.predict(motion);
+            predict(&mut passing.filter);
         }
         match &mut self.mode {
-            Mode::Tracking { filter, .. } => filter.predict(motion),
-            Mode::Searching { candidate: Some(candidate), .. } => candidate.filter.predict(motion),
+            Mode::Tracking { filter, .. } => predict(filter),
+            Mode::Searching { candidate: Some(candidate), .. } => predict(&mut candidate.filter),
             Mode::Searching { candidate: None, .. } => {}
         }
+        self.shown = now;
     }
 
     /// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
@@ -193,7 +219,8 @@ impl Tracker {
         let Some(stop) = self.stops.get_mut(index) else { return Ok(None) };
         let mut matched = self.spare.pop().unwrap_or_default();
         laid.explain(&mut stop.masks, filter.pose(), &mut matched)?;
-        let (vehicle_from_feature, covariance) = (*filter.pose(), *filter.covariance());
+        let (vehicle_from_feature, covariance) =
+            (self.shown.road_from_shown(filter.pose()), *filter.covariance());
         Ok(Some(Followed { index, vehicle_from_feature, covariance, matched }))
     }
 

@@ -146,8 +146,8 @@ impl Tracker {
         let (mut low, mut high) = (self.nearest_seen_m + NEAREST_BEYOND_M, self.farthest_m);
         if let Some((mean, sigma)) = self.progress.belief_m() {
             let ahead_m = stop.model.route_m - mean;
-            low = low.max(ahead_m - 3.0 * sigma);
-            high = high.min(ahead_m + 3.0 * sigma);
+            low = low.max(self.shown.shown_ahead_m(ahead_m - 3.0 * sigma));
+            high = high.min(self.shown.shown_ahead_m(ahead_m + 3.0 * sigma));
             if !matches!(evidence.decision, Decision::Skipped { .. }) {
                 evidence.decision = Decision::NotInReach { index: self.next, ahead_m };
             }
