@@ -132,9 +132,7 @@ impl RoadSurfaceConfig {
             RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
             RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
             RememberedMethod::Online => Box::new(Online::new(&self.online)),
-            RememberedMethod::Fused => {
-                Box::new(Fused::new(Online::new(&self.online), self.backprojection.bins()))
-            }
+            RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
         })
     }
 

@@ -34,7 +34,7 @@ pub struct MemoryConfig {
     /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
     pub cell_m: f64,
     /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1 less this,
-    /// 0.01 to 0.4; default 0.1.
+    /// 0.01 to 0.4; default 0.2.
     pub doubt: f64,
     /// Distance from the camera at which a pixel adds half as much to the map as a near one, metres, 1 to 1000; default 12.
     pub half_trust_m: f64,
@@ -52,7 +52,7 @@ impl Default for MemoryConfig {
         Self {
             of: RememberedMethod::default(),
             cell_m: 0.2,
-            doubt: 0.1,
+            doubt: 0.2,
             half_trust_m: 12.0,
             keep_seen: 0.5,
             fade_m: 20.0,
