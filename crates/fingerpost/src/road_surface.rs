@@ -5,6 +5,7 @@
 
 mod backprojection;
 mod bank;
+mod colours;
 mod fused;
 mod memory;
 mod named;
@@ -131,10 +132,7 @@ impl RoadSurfaceConfig {
             RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
             RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
             RememberedMethod::Online => Box::new(Online::new(&self.online)),
-            RememberedMethod::Fused => {
-                let colours = Backprojection::new(&self.backprojection)?;
-                Box::new(Fused::new(Online::new(&self.online), colours))
-            }
+            RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
         })
     }
 
