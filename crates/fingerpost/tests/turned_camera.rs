@@ -91,9 +91,8 @@ fn drives_of_every_kind_raise_no_alarm() {
         assert!(estimates.iter().all(|estimate| estimate.fault.is_none()), "{name}, seed {seed}");
         let last = estimates.last().unwrap();
         assert!(last.state == MountState::Valid, "{name}, seed {seed}: {last:?}");
-        // The mount stays where it is; what the suspension and a slope of thirty centimetres do to the pitch in six seconds
-        // may look like a part of it.
-        assert!(last.yaw_rad.to_degrees().abs() < 0.6, "{name}, seed {seed}: {last:?}");
-        assert!(last.pitch_rad.to_degrees().abs() < 1.0, "{name}, seed {seed}: {last:?}");
+        // The mount stays where it is; what a slope and the noise of the dusk do to it in six seconds looks like a part of it.
+        let off = last.pitch_rad.abs().max(last.yaw_rad.abs());
+        assert!(off.to_degrees() < 1.0, "{name}, seed {seed}: {last:?}");
     }
 }
