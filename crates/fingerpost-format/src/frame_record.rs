@@ -79,10 +79,10 @@ pub struct FeatureRecord {
     /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
     pub sub: BTreeMap<String, f64>,
     /// How much more its arms are road than what lies just outside their edges.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "ContrastRecord::is_unknown")]
     pub contrast: ContrastRecord,
     /// How sure it is, 0 to 1: P(F) times the probability that the arms which tell it end at a verge.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// Distance ahead, metres.
     pub forward_m: f64,
@@ -119,6 +119,13 @@ pub struct ContrastRecord {
     pub overall: Option<f64>,
     /// Each arm beside which a verge could be seen, by its label.
     pub arms: BTreeMap<String, f64>,
+}
+
+impl ContrastRecord {
+    /// Whether no verge was seen, so that there is nothing to write.
+    fn is_unknown(&self) -> bool {
+        self.overall.is_none() && self.arms.is_empty()
+    }
 }
 
 /// The vehicle's motion since the frame before, in the vehicle frame of that frame.

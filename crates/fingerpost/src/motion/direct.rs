@@ -40,7 +40,7 @@ pub struct DirectMotionConfig {
     /// Width of the strip of road that is aligned, metres, 1 to 40; default 10: a street with its kerbs. Half a lane to either
     /// side of the path counts with all its texture, what is farther off with edges along the direction of travel alone.
     pub width_m: f64,
-    /// Its length from the nearest place seen, metres, 1 to 40; default 8.
+    /// Its length from the nearest place seen, metres, 1 to 40; default 7.5.
     pub length_m: f64,
     /// Most iterations at each level, 1 to 50; default 10.
     pub iterations: usize,
@@ -48,7 +48,7 @@ pub struct DirectMotionConfig {
 
 impl Default for DirectMotionConfig {
     fn default() -> Self {
-        Self { width_m: 10.0, length_m: 8.0, iterations: 10 }
+        Self { width_m: 10.0, length_m: 7.5, iterations: 10 }
     }
 }
 

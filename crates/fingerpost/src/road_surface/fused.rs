@@ -19,8 +19,8 @@ use super::{
 /// Doubt about the classifier, of 255: a quarter of what it is sure of may be wrong, so that clear colours outvote it.
 const DOUBT: u8 = 64;
 
-/// Logarithm of the odds above which colours alone decide: 8 to 1 over any place of the view.
-const COLOURS_TELL: f64 = 2.08;
+/// Logarithm of the odds above which colours alone decide: 4 to 1 over any place of the view.
+const COLOURS_TELL: f64 = 1.39;
 /// Weight of a frame in the mean of the odds: about a second of a camera at ten frames a second.
 const FRAME_SHARE: f64 = 0.1;
 /// While colours decide the classifier is trained in every so many-th frame, to be ready when they no longer do.

@@ -27,9 +27,8 @@ use road_map::{RoadMap, SensorModel};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
-    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", or "fused": "online" with the colours of
-    /// "backprojection" where it is undecided, for streets with shadows; default "backprojection", which has the sharpest
-    /// kerbs.
+    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", or "fused": back-projection where colours
+    /// tell the road, and elsewhere "online", sharpened by the colours of what it finds; default "fused".
     pub of: RememberedMethod,
     /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
     pub cell_m: f64,
@@ -66,13 +65,13 @@ impl Default for MemoryConfig {
 #[serde(rename_all = "snake_case")]
 pub enum RememberedMethod {
     /// [`super::Backprojection`].
-    #[default]
     Backprojection,
     /// [`super::Bank`].
     Bank,
     /// [`super::Online`].
     Online,
-    /// [`super::Online`], and in the ground view [`super::Backprojection`] where that is undecided.
+    /// [`super::Backprojection`] where colours tell the road, elsewhere [`super::Online`] with the colours that it finds.
+    #[default]
     Fused,
 }
 
