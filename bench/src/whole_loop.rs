@@ -11,6 +11,7 @@ use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
+use fingerpost::mount::AttitudeObservation;
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
 use fingerpost::track::CandidateSearch;
 use fingerpost_geometry::{GroundPixel, Polyline};
@@ -179,7 +180,7 @@ impl Loop {
         let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         laid.score(&mut self.masks, &self.node, 0.0)?;
         lap(2);
-        self.moved = self.motion.estimate(&self.view, &self.ground)?.map(|(motion, _)| motion);
+        self.moved = self.motion.estimate(&self.view, &self.ground, &AttitudeObservation::default())?.map(|(motion, _)| motion);
         let previous_from_current =
             self.moved.map_or_else(Isometry2::identity, |motion| motion.previous_from_current);
         lap(3);

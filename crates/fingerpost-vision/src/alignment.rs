@@ -16,12 +16,14 @@
 //!
 //! Limits: at most a pixel or two of displacement; more needs a smaller picture first.
 
+mod flattening;
 mod sums;
 mod target;
 mod template;
 #[cfg(test)]
 mod tests;
 
+pub use flattening::{FLAT, Flattening};
 pub use sums::{Brightness, Residuals, Sums};
 pub use target::{Target, mark_unseen};
 pub use template::{Corridor, Template};

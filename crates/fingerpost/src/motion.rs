@@ -142,8 +142,8 @@ pub enum MotionError {
 /// A way to measure the vehicle's motion on the road.
 pub trait MotionEstimator: Send {
     /// The motion from the frame given last to this one, and how it was found; none for the first, where the ground view
-    /// is another than the last frame's, and where nothing can be measured. The evidence stays with the estimator, so
-    /// that a frame needs no new memory.
+    /// is another than the last frame's, and where nothing can be measured. `attitude` is what the picture itself shows of
+    /// how the camera is turned in this frame. The evidence stays with the estimator, so that a frame needs no new memory.
     ///
     /// # Errors
     /// [`MotionError`] when too little road is seen ahead, or the picture has not the view's size.
@@ -151,6 +151,7 @@ pub trait MotionEstimator: Send {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
+        attitude: &AttitudeObservation,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError>;
 
     /// Forgets the last frame, as at the start of a drive.

@@ -184,16 +184,16 @@ impl Pipeline {
         view.render(frame, ground)?;
         finished(Stage::GroundView);
 
-        let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
-        let turn = motion_evidence.map(MotionEvidence::camera_turn);
-        finished(Stage::Motion);
-
         // A frame that shows nothing still lets the suspension swing back.
-        let seen = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
-        if let Some(motion) = &motion {
-            self.mount.observe(&seen, motion);
-        }
+        let attitude = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
         finished(Stage::Mount);
+
+        let (motion, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
+        let turn = motion_evidence.map(MotionEvidence::camera_turn);
+        if let Some(motion) = &motion {
+            self.mount.observe(&attitude, motion);
+        }
+        finished(Stage::Motion);
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };

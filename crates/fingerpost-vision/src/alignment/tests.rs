@@ -195,6 +195,42 @@ proptest! {
     }
 
     #[test]
+    fn flattening_takes_the_mean_about_each_block_off_on_every_path(
+        width in 1_usize..70, height in 1_usize..40, block in 1_usize..9, window in 1_usize..30,
+        bytes in prop::collection::vec(any::<u8>(), 50..99),
+    ) {
+        let grey = holey(width, height, &bytes);
+        let reach = (window / 2).div_ceil(block);
+        let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
+        let mean = |column: usize, row: usize| {
+            let inside = |at: usize, middle: usize| (at / block).abs_diff(middle) <= reach;
+            let seen: Vec<f32> = (0..height * width)
+                .filter(|i| inside(i % width, column) && inside(i / width, row))
+                .map(|i| f32::from(grey.as_slice()[i]))
+                .filter(|&grey| grey > 0.0)
+                .collect();
+            if seen.is_empty() { 128.0 } else { seen.iter().sum::<f32>() / seen.len() as f32 }
+        };
+        let between = |at: usize, blocks: usize| {
+            let at = ((at as f32 + 0.5) / block as f32 - 0.5).clamp(0.0, (blocks - 1) as f32);
+            (at as usize, (at as usize + 1).min(blocks - 1), at.fract())
+        };
+        for path in CodePath::available() {
+            let mut flat = Plane::default();
+            Flattening::new(block, window).apply_on(path, &grey, &mut flat);
+            for (x, y) in [(0, 0), (width - 1, height - 1), (width / 2, height / 2), (width / 3, 0)] {
+                let ((left, right, u), (above, below, v)) = (between(x, columns), between(y, rows));
+                let upper = mean(left, above) * (1.0 - u) + mean(right, above) * u;
+                let lower = mean(left, below) * (1.0 - u) + mean(right, below) * u;
+                let expected = 128.0 + 2.0 * (f32::from(grey.row(y)[x]) - (upper * (1.0 - v) + lower * v));
+                let (found, seen) = (flat.row(y)[x], grey.row(y)[x] != 0);
+                let off = (f32::from(found) - expected.clamp(1.0, 255.0)).abs();
+                prop_assert!(if seen { off <= 0.51 } else { found == 0 }, "{found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn marking_and_neighbours_are_the_same_on_every_path(
         width in 1_usize..70, height in 1_usize..9, bytes in prop::collection::vec(any::<u8>(), 50..99),
     ) {

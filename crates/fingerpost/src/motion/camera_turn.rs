@@ -133,7 +133,21 @@ impl TurnFilter {
     }
 }
 
+/// Least standard deviation of a pitch that the picture shows: waves of the road turn the direction of driving by so much.
+const ATTITUDE_FLOOR_RAD: f64 = 10.0 * DEGREE;
+
 impl PredictedTurn {
+    /// With the pitch that the picture itself shows in the newer frame, from the point that the vehicle moves towards.
+    pub(super) fn with(mut self, attitude: &AttitudeObservation) -> Self {
+        let Some(seen) = attitude.pitch else { return self };
+        let pitch = SVector::<f64, 6>::from([1.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        let across = self.covariance * pitch;
+        let gain = across / (pitch.dot(&across) + seen.variance_rad2.max(ATTITUDE_FLOOR_RAD.powi(2)));
+        self.mean += gain * (seen.angle_rad - pitch.dot(&self.mean));
+        self.covariance -= gain * across.transpose();
+        self
+    }
+
     /// The prediction as a prior of the alignment; none when it is so sure of itself that it has no inverse.
     pub(super) fn prior(&self) -> Option<SeenTurn> {
         let seen = seen_from_state();

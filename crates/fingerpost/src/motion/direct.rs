@@ -32,6 +32,7 @@ use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
 };
 use crate::ground_view::{GroundPicture, GroundView};
+use crate::mount::AttitudeObservation;
 
 /// Settings of the motion by direct alignment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -61,8 +62,9 @@ const UNKNOWN_SIGMA: [f64; 3] = [2.0, 0.3, 0.1];
 const TELL_SHIFT_M: f64 = 0.3;
 /// A start is bearable when it costs at most so many times what the last alignment left.
 const BEARABLE: f64 = 2.0;
-/// Least cost that is taken to be left, grey levels squared: the camera's noise at the coarsest level.
-const COST_FLOOR: f64 = 0.5;
+/// Least cost that is taken to be left, levels of the flattened picture squared: the camera's noise at the
+/// coarsest level.
+const COST_FLOOR: f64 = 2.0;
 /// Quality below which the picture is not believed: the motion goes on as before, ever less surely.
 const BELIEVED: f64 = 0.1;
 /// A vehicle that moved less stands: several times what the camera's noise makes of a standing one, metres and radians.
@@ -127,12 +129,12 @@ impl DirectMotion {
         }
     }
 
-    fn between(&mut self, last: Last) -> Option<Motion> {
+    fn between(&mut self, last: Last, attitude: &AttitudeObservation) -> Option<Motion> {
         let patch = self.patch.as_mut()?;
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
         let views = Views::default();
-        let expected_turn = self.turn.predicted();
+        let expected_turn = self.turn.predicted().with(attitude);
         let turn_before_rad = self.turn.turn_rad();
         let displaced = |motion| Displacement::of(motion, turn_before_rad);
         let mut cost_of =
@@ -203,6 +205,7 @@ impl MotionEstimator for DirectMotion {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
+        attitude: &AttitudeObservation,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
         if !self.patch.as_ref().is_some_and(|patch| patch.fits(view)) {
             self.patch = Patch::new(view, &self.config);
@@ -210,7 +213,7 @@ impl MotionEstimator for DirectMotion {
         }
         let patch = self.patch.as_mut().ok_or(MotionError::NoRegion)?;
         patch.look_at(&picture.grey)?;
-        let motion = self.last.and_then(|last| self.between(last));
+        let motion = self.last.and_then(|last| self.between(last, attitude));
         if let (None, Some(patch)) = (&motion, &mut self.patch) {
             self.last = Some(Last::first());
             patch.keep(0.0);

@@ -20,6 +20,7 @@ use super::{
     told_apart,
 };
 use crate::ground_view::{GroundPicture, GroundView};
+use crate::mount::AttitudeObservation;
 
 /// Settings of the motion from Farneback's flow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -267,6 +268,7 @@ impl MotionEstimator for FarnebackMotion {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
+        _attitude: &AttitudeObservation,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
         let same_size = |previous: &Plane<u8>| previous.size() == picture.grey.size();
         let Some(mut previous) = self.previous.take().filter(same_size) else {

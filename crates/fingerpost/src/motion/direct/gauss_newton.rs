@@ -58,10 +58,10 @@ impl Estimate {
     }
 }
 
-/// Standard deviation of residuals that a start is given, grey levels: a road's texture.
-pub(super) const FIRST_SCALE: f64 = 4.0;
-/// Least standard deviation of residuals, grey levels: rounding leaves as much.
-const SCALE_FLOOR: f64 = 0.5;
+/// Standard deviation of residuals that a start is given, levels of the flattened picture: a road's texture.
+pub(super) const FIRST_SCALE: f64 = 8.0;
+/// Least standard deviation of residuals, levels of the flattened picture: rounding leaves as much.
+const SCALE_FLOOR: f64 = 1.0;
 /// Share of the points that count as independent measurements: what is left of a good alignment is not noise but a road
 /// that is not quite flat, alike over metres. Found from the errors of simulated drives (`tests/motion_accuracy.rs`).
 const INDEPENDENT: f64 = 0.06;

@@ -1,7 +1,7 @@
 //! The strip of road that is aligned: of the newer frame a pyramid, of the older one its points.
 
 use fingerpost_geometry::GroundGrid;
-use fingerpost_vision::alignment::{Target, Template, mark_unseen};
+use fingerpost_vision::alignment::{Flattening, Target, Template, mark_unseen};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, Rect, ValidityMask};
 use fingerpost_vision::pyramid::halve;
@@ -19,6 +19,11 @@ const COARSEST_M: f64 = 0.45;
 const POINT_SPACING_M: f64 = 0.2;
 /// Width of road beside and behind the template that may be moved into it, metres.
 const MARGIN_M: f64 = 1.0;
+/// Side of the window whose mean brightness is taken off each place, metres: what the light and the lens do to the picture
+/// stays with the camera while the road goes by, and would speak for a vehicle that stands.
+const FLATTEN_M: f64 = 2.5;
+/// Side of the blocks that it is made of, metres.
+const FLATTEN_BLOCK_M: f64 = 0.2;
 /// Least side of the patch at the finest level, pixels.
 const MIN_SIDE_PX: usize = 16;
 
@@ -50,6 +55,9 @@ pub(super) struct Patch {
     /// Part of the ground view in which template points are chosen.
     pub(super) region: Rect,
     pub(super) levels: Vec<Level>,
+    /// The newer frame as the camera sees it.
+    seen_grey: Plane<u8>,
+    flattening: Flattening,
     /// Index of the finest level that is aligned.
     pub(super) finest: usize,
 }
@@ -77,8 +85,9 @@ impl Patch {
         let down = |at: usize| at.saturating_sub(margin) / step * step;
         let (x, y) = (down(left), down(top));
         let area = Rect { x, y, width: (right + margin).min(grid.columns()) - x, height: bottom - y };
+        let flattening = Flattening::new(pixels(FLATTEN_BLOCK_M), pixels(FLATTEN_M));
         let mut patch =
-            Self { grid, mask: view.validity().clone(), area, region, levels: Vec::new(), finest };
+            Self { seen_grey: Plane::default(), flattening, grid, mask: view.validity().clone(), area, region, levels: Vec::new(), finest };
         for level in 0..=coarsest {
             let seen = match patch.levels.last() {
                 None => cut(view.validity().plane(), area),
@@ -119,7 +128,11 @@ impl Patch {
             let (below, rest) = self.levels.split_at_mut(index);
             let level = &mut rest[0];
             match below.last() {
-                None => mark_unseen(grey.view().crop(self.area)?, &level.seen, &mut level.grey)?,
+                None => {
+                    self.seen_grey.reset(self.area.width, self.area.height, 0);
+                    mark_unseen(grey.view().crop(self.area)?, &level.seen, &mut self.seen_grey)?;
+                    self.flattening.apply(&self.seen_grey, &mut level.grey);
+                }
                 Some(below) => {
                     halve(below.grey.view(), &mut level.halved)?;
                     mark_unseen(level.halved.view(), &level.seen, &mut level.grey)?;

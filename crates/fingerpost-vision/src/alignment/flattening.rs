@@ -1,0 +1,136 @@
+//! A picture without the brightness that varies slowly over it.
+//!
+//! What the lens, dirt on it and the vehicle's own lights do to a picture stays with the camera while the road goes by, and
+//! would speak for a vehicle that stands, the more the darker it is. So each place is held against the mean of what is seen
+//! about it. The mean is taken over blocks and laid between them linearly: rounded to grey levels, its contours would stay
+//! with the camera as well.
+
+use crate::picture::Plane;
+use crate::simd::{CodePath, simd_kernel};
+
+/// Grey of a place in a flattened picture that is as bright as what lies about it.
+pub const FLAT: u8 = 128;
+/// How many times stronger differences are in a flattened picture, of which a road has few.
+const GAIN: f32 = 2.0;
+
+/// Flattens pictures of one size; its memory is reused from picture to picture.
+#[derive(Debug, Clone)]
+pub struct Flattening {
+    block_px: usize,
+    reach_blocks: usize,
+    /// Sum of the grey of the seen pixels, and their number, of each block.
+    sums: Plane<u32>,
+    counts: Plane<u32>,
+    /// Mean of what is seen in the window about each block.
+    means: Plane<f32>,
+    /// Means of the blocks at the height of a row of pixels.
+    across: Vec<f32>,
+    /// The mean at each pixel of a row.
+    row: Vec<f32>,
+}
+
+impl Flattening {
+    /// For means over windows of about `window_px` pixels a side, made of blocks of `block_px`.
+    #[must_use]
+    pub fn new(block_px: usize, window_px: usize) -> Self {
+        let block_px = block_px.max(1);
+        Self {
+            block_px,
+            reach_blocks: (window_px / 2).div_ceil(block_px),
+            sums: Plane::default(),
+            counts: Plane::default(),
+            means: Plane::default(),
+            across: Vec::new(),
+            row: Vec::new(),
+        }
+    }
+
+    /// Fills `flat` with twice the difference of each seen pixel of `grey` (not 0) from the mean about it, beyond [`FLAT`],
+    /// and with 0 where nothing is seen.
+    pub fn apply(&mut self, grey: &Plane<u8>, flat: &mut Plane<u8>) {
+        self.apply_on(CodePath::fastest(), grey, flat);
+    }
+
+    pub(super) fn apply_on(&mut self, path: CodePath, grey: &Plane<u8>, flat: &mut Plane<u8>) {
+        let (width, height) = grey.size();
+        if flat.size() != grey.size() {
+            flat.reset(width, height, 0);
+        }
+        if width == 0 || height == 0 {
+            return;
+        }
+        self.add_up(path, grey);
+        self.take_means();
+        let (columns, rows) = self.means.size();
+        self.across.resize(columns, 0.0);
+        self.row.resize(columns * self.block_px, 0.0);
+        for y in 0..height {
+            let (above, below, share) = between(y, self.block_px, rows);
+            let (above, below) = (self.means.row(above), self.means.row(below));
+            for (out, (&above, &below)) in self.across.iter_mut().zip(above.iter().zip(below)) {
+                *out = above + (below - above) * share;
+            }
+            for (x, out) in self.row.iter_mut().enumerate() {
+                let (left, right, share) = between(x, self.block_px, columns);
+                *out = self.across[left] + (self.across[right] - self.across[left]) * share;
+            }
+            take_off(path, &self.row[..width], grey.row(y), flat.row_mut(y));
+        }
+    }
+
+    fn add_up(&mut self, path: CodePath, grey: &Plane<u8>) {
+        let (width, height) = grey.size();
+        let (columns, rows) = (width.div_ceil(self.block_px), height.div_ceil(self.block_px));
+        self.sums.reset(columns, rows, 0);
+        self.counts.reset(columns, rows, 0);
+        for y in 0..height {
+            let row = y / self.block_px;
+            add_row(path, self.block_px, grey.row(y), self.sums.row_mut(row), self.counts.row_mut(row));
+        }
+    }
+
+    fn take_means(&mut self) {
+        let (columns, rows) = self.sums.size();
+        self.means.reset(columns, rows, f32::from(FLAT));
+        let reach = self.reach_blocks;
+        for row in 0..rows {
+            for column in 0..columns {
+                let (left, right) = (column.saturating_sub(reach), (column + reach + 1).min(columns));
+                let (mut sum, mut count) = (0, 0);
+                for y in row.saturating_sub(reach)..(row + reach + 1).min(rows) {
+                    sum += self.sums.row(y)[left..right].iter().sum::<u32>();
+                    count += self.counts.row(y)[left..right].iter().sum::<u32>();
+                }
+                if count > 0 {
+                    self.means.row_mut(row)[column] = sum as f32 / count as f32;
+                }
+            }
+        }
+    }
+}
+
+/// The blocks between whose middles a pixel lies, and how far it is towards the second.
+#[inline(always)]
+fn between(pixel: usize, block_px: usize, blocks: usize) -> (usize, usize, f32) {
+    let at = ((pixel as f32 + 0.5) / block_px as f32 - 0.5).clamp(0.0, (blocks - 1) as f32);
+    let first = at as usize;
+    (first, (first + 1).min(blocks - 1), at - first as f32)
+}
+
+simd_kernel! {
+    fn add_row(block_px: usize, grey: &[u8], sums: &mut [u32], counts: &mut [u32]) {
+        for ((block, sum), count) in grey.chunks(block_px).zip(sums).zip(counts) {
+            *sum += block.iter().map(|&grey| u32::from(grey)).sum::<u32>();
+            *count += block.iter().map(|&grey| u32::from(grey != 0)).sum::<u32>();
+        }
+    }
+}
+
+simd_kernel! {
+    fn take_off(means: &[f32], grey: &[u8], flat: &mut [u8]) {
+        for ((out, &grey), &mean) in flat.iter_mut().zip(grey).zip(means) {
+            let flat = f32::from(FLAT) + GAIN * (f32::from(grey) - mean);
+            *out = if grey != 0 { (flat + 0.5).clamp(1.0, 255.0) as u8 } else { 0 };
+        }
+    }
+}
