@@ -68,9 +68,11 @@ fn drive(name: &'static str, config: &SimConfig, frames: usize) -> Drive {
 /// Motions of the drive's steps.
 fn motions(drive: &Drive, estimator: &mut dyn MotionEstimator) -> Vec<Motion> {
     let view = view();
-    let mut found = drive.pictures.iter().zip(&drive.attitudes).map(|(picture, attitude)| {
-        estimator.estimate(&view, picture, attitude).unwrap().map(|m| m.0)
-    });
+    let mut found = drive
+        .pictures
+        .iter()
+        .zip(&drive.attitudes)
+        .map(|(picture, attitude)| estimator.estimate(&view, picture, attitude).unwrap().map(|m| m.0));
     assert!(found.next().unwrap().is_none(), "one frame is no motion");
     found.map(|motion| motion.unwrap()).collect()
 }
@@ -125,7 +127,10 @@ fn direct_alignment_is_more_accurate_than_flow_and_honest_about_it() {
         let mean = print("mean", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Mean))));
         let rigid = print("rigid", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Rigid))));
         assert!((0..3).all(|axis| ours[axis] < 0.5 * mean[axis]), "{name}: half of what the mean flow errs");
-        assert!(name == "rough" || (0..3).all(|axis| ours[axis] < rigid[axis]), "{name}: better than the rigid fit to the flow");
+        assert!(
+            name == "rough" || (0..3).all(|axis| ours[axis] < rigid[axis]),
+            "{name}: better than the rigid fit to the flow"
+        );
 
         // Normalised errors squared: 1 a degree of freedom on average when the covariances are right.
         let normalised = found.iter().zip(&drive.steps).map(|(found, step)| {

@@ -133,8 +133,9 @@ impl TurnFilter {
     }
 }
 
-/// Least standard deviation of a pitch that the picture shows: waves of the road turn the direction of driving by so much.
-const ATTITUDE_FLOOR_RAD: f64 = 10.0 * DEGREE;
+/// Least standard deviation of a pitch that the picture shows: waves of the road turn the direction of driving by a third of
+/// it, and errors last for many frames.
+const ATTITUDE_FLOOR_RAD: f64 = 0.8 * DEGREE;
 
 impl PredictedTurn {
     /// With the pitch that the picture itself shows in the newer frame, from the point that the vehicle moves towards.

@@ -86,8 +86,16 @@ impl Patch {
         let (x, y) = (down(left), down(top));
         let area = Rect { x, y, width: (right + margin).min(grid.columns()) - x, height: bottom - y };
         let flattening = Flattening::new(pixels(FLATTEN_BLOCK_M), pixels(FLATTEN_M));
-        let mut patch =
-            Self { seen_grey: Plane::default(), flattening, grid, mask: view.validity().clone(), area, region, levels: Vec::new(), finest };
+        let mut patch = Self {
+            seen_grey: Plane::default(),
+            flattening,
+            grid,
+            mask: view.validity().clone(),
+            area,
+            region,
+            levels: Vec::new(),
+            finest,
+        };
         for level in 0..=coarsest {
             let seen = match patch.levels.last() {
                 None => cut(view.validity().plane(), area),
