@@ -4,6 +4,7 @@
 //! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
 
 mod backprojection;
+mod network;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
+pub use network::{ChannelOrder, NetworkConfig, ScoreKind, TensorLayout};
 
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::Motion;
