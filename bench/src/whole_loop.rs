@@ -11,7 +11,7 @@ use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
-use fingerpost::road_surface::{Backprojection, Perspective, RoadDetector, RoadInput, RoadSurface};
+use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
 use fingerpost::track::CandidateSearch;
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
@@ -105,7 +105,7 @@ pub struct Loop {
     config: Config,
     view: GroundView,
     ground: GroundPicture,
-    detector: Backprojection,
+    detector: Box<dyn RoadDetector>,
     surface: RoadSurface,
     matcher: Matcher,
     masks: MaskCache,
@@ -138,7 +138,7 @@ impl Loop {
         let middle = 0.5 * trapezium.side_px as f64;
         let p_in_vehicle = view.grid().vehicle_from_ground(GroundPixel { column: middle, row: middle });
         Ok(Self {
-            detector: Backprojection::new(&config.road_surface.backprojection)?,
+            detector: config.road_surface.detector()?,
             matcher: Matcher::new(&config.matching, view.grid()),
             motion: config.motion.estimator()?,
             moved: None,
@@ -170,7 +170,7 @@ impl Loop {
             RoadInput { picture: &self.ground, validity, sample, perspective, motion: self.moved.as_ref() };
         self.detector.detect(input, &mut self.surface)?;
         lap(1);
-        let laid = self.matcher.laid(&self.surface, validity)?;
+        let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         laid.score(&mut self.masks, &self.node, 0.0)?;
         lap(2);
         self.moved = self.motion.estimate(&self.view, &self.ground)?.map(|(motion, _)| motion);
@@ -193,7 +193,7 @@ impl Loop {
             config.search_forward_step_m = 2.0 * step_px * self.view.grid().metres_per_pixel();
             config.search_left_step_m = config.search_forward_step_m;
         }
-        let laid = self.matcher.laid(&self.surface, self.view.validity())?;
+        let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         let threshold = config.confirm_threshold;
         Ok(self.candidates.about(&config, &laid, &mut self.masks, threshold, &self.node)?.count)
     }

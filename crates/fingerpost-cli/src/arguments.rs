@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use clap::ValueEnum;
+use fingerpost::road_surface::RoadMethod;
 use fingerpost_map::LatLon;
 use fingerpost_vision::simd::InstructionSet;
 
@@ -58,6 +59,21 @@ impl FromStr for FrameRange {
             (Ok(from), Ok(to)) if from <= to => Ok(Self(from..=to)),
             _ => Err(format!("{text:?} are no frames; give FROM-TO, as in 85-105, or one frame's number")),
         }
+    }
+}
+
+/// A road detector by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct DetectorName(pub(crate) RoadMethod);
+
+impl FromStr for DetectorName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        RoadMethod::ALL.into_iter().find(|method| method.name() == text).map(Self).ok_or_else(|| {
+            let names = RoadMethod::ALL.map(RoadMethod::name).join(", ");
+            format!("{text:?} is no detector; there are {names}")
+        })
     }
 }
 

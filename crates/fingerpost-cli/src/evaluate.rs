@@ -1,4 +1,6 @@
-//! `fingerpost evaluate`: a run's results against truth.
+//! `fingerpost evaluate`: results against truth.
+
+mod road;
 
 use std::path::{Path, PathBuf};
 
@@ -10,11 +12,12 @@ use fingerpost_io::read_truth;
 
 use crate::output;
 
-/// Compare a finished run with truth.
+/// Compare a finished run, or the road detectors, with truth.
 #[derive(Debug, Subcommand)]
 pub(crate) enum EvaluateCommand {
     Junctions(JunctionsArgs),
     Motion(MotionArgs),
+    Road(road::RoadArgs),
 }
 
 /// Features detected, falsely detected and arrived at, and the error of their places.
@@ -57,6 +60,7 @@ pub(crate) fn evaluate(command: &EvaluateCommand) -> Result<()> {
     match command {
         EvaluateCommand::Junctions(args) => junctions(args),
         EvaluateCommand::Motion(args) => motion(args),
+        EvaluateCommand::Road(args) => road::road(args),
     }
 }
 

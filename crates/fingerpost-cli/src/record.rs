@@ -7,7 +7,7 @@ use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
 use fingerpost::track::{Followed, RouteStop, Sought, State};
 use fingerpost_eval::FeatureIdentity;
-use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, SoughtRecord, TrackState};
+use fingerpost_format::{ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, SoughtRecord, TrackState};
 use fingerpost_map::FeatureKind;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -125,6 +125,8 @@ fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRec
         kind: identity.kind.clone(),
         p: followed.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&followed.matched),
+        contrast: contrast_record(&followed.matched),
+        confidence: followed.matched.confidence().map(|p| rounded(p, DIGITS)),
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
@@ -138,6 +140,7 @@ fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
         id: identity.id,
         p: sought.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&sought.matched),
+        contrast: contrast_record(&sought.matched),
         forward_m: rounded(place.x, DIGITS),
         left_m: rounded(place.y, DIGITS),
     }
@@ -147,6 +150,16 @@ fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
 fn sub_probabilities(matched: &Match) -> BTreeMap<String, f64> {
     let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
     taking_part.filter_map(|sub| Some((sub.label.to_string(), rounded(sub.p?, DIGITS)))).collect()
+}
+
+/// How much more the sub-masks that take part are road than their verges.
+fn contrast_record(matched: &Match) -> ContrastRecord {
+    let taking_part = matched.subs.iter().filter(|sub| sub.participation == Participation::TakesPart);
+    let arms = taking_part.filter_map(|sub| Some((sub.label.to_string(), rounded(sub.contrast()?, DIGITS))));
+    ContrastRecord {
+        overall: matched.contrast().map(|contrast| rounded(contrast, DIGITS)),
+        arms: arms.collect(),
+    }
 }
 
 fn motion_record(motion: &Motion) -> MotionRecord {

@@ -52,6 +52,22 @@ pub enum EvalError {
     /// A vehicle that stood all along.
     #[error("the truth does not move; an error in percent of the distance driven has no meaning")]
     Standing,
+    /// Probabilities and labels of different numbers of pixels.
+    #[error(
+        "{probabilities} pixels of road probability and {labels} of labels; give labels of the picture's size"
+    )]
+    LabelCount {
+        /// Pixels with a probability.
+        probabilities: usize,
+        /// Pixels with a label.
+        labels: usize,
+    },
+    /// No road in the labels.
+    #[error("no pixel of the labels is road ({road}); give the number that the labels have for road")]
+    NoRoad {
+        /// Label of road.
+        road: u8,
+    },
 }
 
 /// Checks that frames ascend.

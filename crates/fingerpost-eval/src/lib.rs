@@ -1,4 +1,4 @@
-//! Metrics of a run: what became of each route feature, and how far results lie from the truth.
+//! Metrics: what became of each route feature of a run, how far results lie from the truth, how well road was told.
 //!
 //! Records of frames and truth in, numbers out. Nothing here knows how the method works or opens a file; the same
 //! numbers come out of the same records wherever they are computed.
@@ -12,6 +12,7 @@ mod junctions;
 mod motion;
 mod pose;
 mod quantiles;
+mod road;
 mod truth_features;
 
 pub use error::EvalError;
@@ -20,3 +21,4 @@ pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evalua
 pub use motion::{MotionEvaluation, evaluate_motion};
 pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};
 pub use quantiles::{error_quantiles, stage_time};
+pub use road::{RoadEvaluation, RoadLabels, RoadScores};

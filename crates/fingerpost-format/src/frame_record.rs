@@ -72,6 +72,12 @@ pub struct FeatureRecord {
     pub p: Option<f64>,
     /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
     pub sub: BTreeMap<String, f64>,
+    /// How much more its arms are road than what lies just outside their edges.
+    #[serde(default)]
+    pub contrast: ContrastRecord,
+    /// How sure it is, 0 to 1: P(F) times the probability that the arms which tell it end at a verge.
+    #[serde(default)]
+    pub confidence: Option<f64>,
     /// Distance ahead, metres.
     pub forward_m: f64,
     /// Distance to the left, metres.
@@ -91,10 +97,22 @@ pub struct SoughtRecord {
     pub p: Option<f64>,
     /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
     pub sub: BTreeMap<String, f64>,
+    /// How much more its arms are road there than what lies just outside their edges.
+    #[serde(default)]
+    pub contrast: ContrastRecord,
     /// Distance ahead of the place that matched best, metres.
     pub forward_m: f64,
     /// Distance of that place to the left, metres.
     pub left_m: f64,
+}
+
+/// How much more arms are road than what lies just outside their edges, -1 to 1.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContrastRecord {
+    /// Mean over the arms that tell the feature from a plain road; none where no verge of theirs is seen.
+    pub overall: Option<f64>,
+    /// Each arm beside which a verge could be seen, by its label.
+    pub arms: BTreeMap<String, f64>,
 }
 
 /// The vehicle's motion since the frame before, in the vehicle frame of that frame.

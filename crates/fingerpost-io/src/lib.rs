@@ -25,7 +25,7 @@ pub use picture_file::{
     EncodeError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg,
     write_png,
 };
-pub use picture_folder::PictureFolderError;
+pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
 pub use video_writer::VideoWriter;

@@ -85,6 +85,14 @@ impl PictureFolder {
     }
 }
 
+/// The picture files of a folder (.png, .jpg, .jpeg), or of the folder `frames` in it, in natural order of their names.
+///
+/// # Errors
+/// [`PictureFolderError`] when the folder or its times cannot be read, or it holds no picture.
+pub fn picture_paths(folder: &Path) -> Result<Vec<PathBuf>, PictureFolderError> {
+    Ok(PictureFolder::open(folder)?.paths)
+}
+
 fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let entries = fs::read_dir(folder).map_err(FileError::reading(folder))?;
     let mut named = Vec::new();

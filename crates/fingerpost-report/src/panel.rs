@@ -76,7 +76,7 @@ fn ground_picture(scene: &Scene<'_>, draw: fn(&mut Canvas, &GroundPlot<'_>, &Sce
 }
 
 /// The largest area of a picture's proportions in the top left of `room`, of at least one pixel.
-fn fitted((width, height): (usize, usize), room: Rect) -> Rect {
+pub(crate) fn fitted((width, height): (usize, usize), room: Rect) -> Rect {
     let (width, height) = (width.max(1) as f64, height.max(1) as f64);
     let scale = (room.width as f64 / width).min(room.height as f64 / height);
     let side = |length: f64| ((length * scale).round() as usize).max(1);

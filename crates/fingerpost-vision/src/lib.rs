@@ -12,6 +12,7 @@
 //! | [`colour`] | grey, hue and saturation, histogram bins, planar YUV | ITU-R BT.601, BT.709; Smith 1978 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
+//! | [`fusion`] | probability from two independent ones | Bayes 1763 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
@@ -38,6 +39,7 @@ pub mod components;
 pub mod error;
 pub mod farneback;
 pub mod filter;
+pub mod fusion;
 pub mod histogram;
 pub mod hough;
 pub mod morphology;

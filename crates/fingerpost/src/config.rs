@@ -114,6 +114,9 @@ impl Config {
                 5.0,
                 "0.1 to 5 degrees",
             ),
+            ("feature_mask.verge_width_m", self.feature_mask.verge_width_m, 0.1, 2.0, "0.1 to 2 metres"),
+            ("feature_mask.verge_from_share", self.feature_mask.verge_from_share, 0.2, 1.0, "0.2 to 1"),
+            ("feature_mask.verge_reach_m", self.feature_mask.verge_reach_m, 0.5, 10.0, "0.5 to 10 metres"),
             ("driving_line.min_setback_m", self.driving_line.min_setback_m, 0.5, 20.0, "0.5 to 20 metres"),
             ("driving_line.max_setback_m", self.driving_line.max_setback_m, 0.5, 40.0, "0.5 to 40 metres"),
             ("driving_line.step_m", self.driving_line.step_m, 0.1, 5.0, "0.1 to 5 metres"),
@@ -122,6 +125,7 @@ impl Config {
             ("match.min_seen_share", self.matching.min_seen_share, 0.0, 1.0, "a share, 0 to 1"),
             ("match.min_seen_length_m", self.matching.min_seen_length_m, 0.0, 20.0, "0 to 20 metres"),
             ("track.detect_threshold", self.track.detect_threshold, 0.0, 1.0, "a probability, 0 to 1"),
+            ("track.detect_contrast", self.track.detect_contrast, 0.0, 1.0, "0 to 1"),
             (
                 "track.confirm_threshold",
                 self.track.confirm_threshold,

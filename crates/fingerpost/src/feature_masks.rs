@@ -3,7 +3,9 @@
 //! Paper 1, section V-A; paper 2, sections 3.2, 3.3, 4 and "Extension of feature masks". One sub-mask an arm, drawn
 //! along the arm's own nodes out to beyond the ground view's edge, and one of the driving line at the vehicle's own
 //! width. Spans are relative to the feature's node, so that one drawing serves every place at the same heading;
-//! drawings are kept by heading.
+//! drawings are kept by heading. Beside the arms lie strips where their verges are expected (`verge.rs`).
+
+mod verge;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,6 +21,8 @@ use crate::driving_line::DrivingLine;
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
+pub use verge::{VergeStrip, VergeStrips};
+
 /// Settings of the feature masks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -27,11 +31,24 @@ pub struct FeatureMaskConfig {
     pub arm_width_share: f64,
     /// Step between headings at which masks are drawn, degrees, 0.1 to 5; default 0.5.
     pub heading_step_deg: f64,
+    /// Width of a band in which an arm's verge is looked for, metres, 0.1 to 2; default 0.5.
+    pub verge_width_m: f64,
+    /// Narrowest road beside which a verge is looked for, as a share of the map's width, 0.2 to 1; default 0.8.
+    pub verge_from_share: f64,
+    /// How far beyond the road's half width by the map a verge is looked for, metres, 0.5 to 10; default 2: that much
+    /// wider are streets with room for parked cars, which the map does not count.
+    pub verge_reach_m: f64,
 }
 
 impl Default for FeatureMaskConfig {
     fn default() -> Self {
-        Self { arm_width_share: 0.25, heading_step_deg: 0.5 }
+        Self {
+            arm_width_share: 0.25,
+            heading_step_deg: 0.5,
+            verge_width_m: 0.5,
+            verge_from_share: 0.8,
+            verge_reach_m: 2.0,
+        }
     }
 }
 
@@ -94,6 +111,7 @@ struct DrawnArm {
     course: Polyline,
     mouth_m: f64,
     leaves_the_line: bool,
+    verges: VergeStrips<Polyline>,
 }
 
 /// The masks of one feature, drawn when first asked for and kept by heading: at most one drawing for each of the
@@ -107,12 +125,15 @@ pub struct MaskCache {
     heading_step_rad: f64,
     metres_per_pixel: f64,
     drawn: BTreeMap<i64, FeatureMasks>,
+    drawn_verges: BTreeMap<i64, Vec<VergeStrips<SpanMask>>>,
 }
 
 impl MaskCache {
-    /// A cache for `feature` and its driving line on the raster `grid`.
+    /// A cache for `feature`, whose kerbs have the radius `kerb_radius_m` (metres), and its driving line on the raster
+    /// `grid`.
     pub fn new(
         config: &FeatureMaskConfig,
+        kerb_radius_m: f64,
         vehicle: &VehicleConfig,
         grid: &GroundGrid,
         feature: &FeatureModel,
@@ -130,6 +151,7 @@ impl MaskCache {
                 course: drawn_course(&arm.course, reach_m),
                 mouth_m: arm.mouth_m,
                 leaves_the_line: arm.leaves_the_line(),
+                verges: verge::courses(config, kerb_radius_m, feature, arm),
             })
             .collect();
         Self {
@@ -140,6 +162,7 @@ impl MaskCache {
             heading_step_rad: config.heading_step_deg.to_radians(),
             metres_per_pixel: grid.metres_per_pixel(),
             drawn: BTreeMap::new(),
+            drawn_verges: BTreeMap::new(),
         }
     }
 
@@ -161,9 +184,28 @@ impl MaskCache {
         self.drawn.get(&self.key(heading_rad))
     }
 
+    /// The strips beside every arm, in the arms' order, at the drawn heading nearest to `heading_rad`.
+    ///
+    /// # Errors
+    /// [`SpanError`] as for [`MaskCache::at`].
+    pub fn verges_at(&mut self, heading_rad: f64) -> Result<&[VergeStrips<SpanMask>], SpanError> {
+        let key = self.key(heading_rad);
+        if !self.drawn_verges.contains_key(&key) {
+            let verges = self.draw_verges(key as f64 * self.heading_step_rad)?;
+            self.drawn_verges.insert(key, verges);
+        }
+        Ok(&self.drawn_verges[&key])
+    }
+
+    /// The strips nearest to `heading_rad`, if they have been drawn.
+    pub fn drawn_verges(&self, heading_rad: f64) -> Option<&[VergeStrips<SpanMask>]> {
+        self.drawn_verges.get(&self.key(heading_rad)).map(Vec::as_slice)
+    }
+
     /// Frees the drawings of a feature that lies behind.
     pub(crate) fn clear(&mut self) {
         self.drawn.clear();
+        self.drawn_verges.clear();
     }
 
     /// Number of the drawing that serves a heading.
@@ -196,6 +238,17 @@ impl MaskCache {
             });
         }
         Ok(FeatureMasks { heading_rad, subs })
+    }
+
+    fn draw_verges(&self, heading_rad: f64) -> Result<Vec<VergeStrips<SpanMask>>, SpanError> {
+        let side = |strip: &Option<VergeStrip<Polyline>>| {
+            let drawn = |strip: &VergeStrip<Polyline>| {
+                let width_px = strip.band_width_m / self.metres_per_pixel;
+                strip.drawn(|course| self.stroke(course, heading_rad, width_px))
+            };
+            strip.as_ref().map(drawn).transpose()
+        };
+        self.arms.iter().map(|arm| Ok([side(&arm.verges[0])?, side(&arm.verges[1])?])).collect()
     }
 
     fn stroke(&self, course: &Polyline, heading_rad: f64, width_px: f64) -> Result<SpanMask, SpanError> {

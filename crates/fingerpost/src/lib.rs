@@ -12,6 +12,7 @@ pub mod driving_line;
 pub mod feature_masks;
 pub mod feature_model;
 pub mod ground_view;
+mod kerbs;
 pub mod matching;
 pub mod motion;
 pub mod pipeline;

@@ -4,9 +4,10 @@
 //! the smallest of them (equation 2), so that one arm that is not there cannot be made up for by the others.
 //!
 //! An arm of which too little is seen takes no part, and the evidence says so: nearly all of what is left would lie on
-//! the crossing roads, and would be road whether the arm exists or not.
+//! the crossing roads, and would be road whether the arm exists or not. What lies beside the arms is weighed too (`matching/verge.rs`).
 
 mod pose_run;
+mod verge;
 
 use std::sync::Arc;
 
@@ -22,6 +23,7 @@ use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, node_p
 use crate::road_surface::RoadSurface;
 
 pub(crate) use pose_run::PoseRun;
+pub use verge::Verge;
 
 /// Settings of the match.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -84,6 +86,26 @@ pub struct SubMatch {
     pub participation: Participation,
     /// Whether it leaves the line of the approach.
     pub leaves_the_line: bool,
+    /// What was seen beside it on its left and right, when one looks outwards along it; none where there is no room for a
+    /// verge or it is not seen.
+    pub verges: [Option<Verge>; 2],
+}
+
+impl SubMatch {
+    /// How much more it is road than its verges, -1 to 1: the mean of the sides that are seen; none where none is.
+    pub fn contrast(&self) -> Option<f64> {
+        mean(self.verges.iter().flatten().map(Verge::contrast))
+    }
+
+    /// Probability that its verges are none but road, 0 to 1: the mean of the sides that are seen.
+    fn verge_p(&self) -> f64 {
+        mean(self.verges.iter().flatten().map(|verge| verge.verge_p)).unwrap_or(verge::UNSEEN_P)
+    }
+
+    /// Whether it takes part and would tell the feature from a plain road.
+    fn tells(&self) -> bool {
+        self.leaves_the_line && self.participation == Participation::TakesPart
+    }
 }
 
 /// The match of a feature at one pose.
@@ -97,6 +119,27 @@ pub struct Match {
     pub p: Option<f64>,
     /// Index in `subs` of the weakest sub-mask.
     pub weakest: Option<usize>,
+}
+
+impl Match {
+    /// How much more the arms that tell the feature are road than their verges, -1 to 1: the mean over those that take
+    /// part; none where no verge of theirs is seen.
+    pub fn contrast(&self) -> Option<f64> {
+        mean(self.subs.iter().filter(|sub| sub.tells()).filter_map(SubMatch::contrast))
+    }
+
+    /// How sure the feature is, 0 to 1: P(F) times the probability that the arms that tell it end at a verge. A verge
+    /// that is not seen is as likely there as not.
+    pub fn confidence(&self) -> Option<f64> {
+        let verge_p = mean(self.subs.iter().filter(|sub| sub.tells()).map(SubMatch::verge_p));
+        self.p.map(|p| p * (1.0 - verge_p.unwrap_or(verge::UNSEEN_P)))
+    }
+}
+
+/// The mean; none of nothing.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (count, sum) = values.fold((0.0, 0.0), |(count, sum), value| (count + 1.0, sum + value));
+    (count > 0.0).then(|| sum / count)
 }
 
 /// Lays masks over the road surface.
@@ -165,7 +208,7 @@ impl LaidSurface<'_> {
         self.sums
     }
 
-    /// The match of a feature at one pose with every sub-mask's part in it, into `matched`, whose memory is reused.
+    /// The match of a feature at one pose with every sub-mask's part in it and what lies beside the arms, into `matched`, whose memory is reused.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
@@ -185,7 +228,14 @@ impl LaidSurface<'_> {
             seen_share: if cover.in_view > 0 { cover.seen as f64 / cover.in_view as f64 } else { 0.0 },
             participation,
             leaves_the_line: sub.leaves_the_line,
+            verges: [None, None],
         }));
+        let node = node_pixel(self.grid, vehicle_from_feature);
+        let strips = masks.verges_at(vehicle_from_feature.rotation.angle())?;
+        for (sub, strips) in matched.subs.iter_mut().zip(strips) {
+            sub.verges = [&strips[0], &strips[1]]
+                .map(|strip| Verge::of(strip.as_ref()?, self.sums, node, self.grid.metres_per_pixel()));
+        }
         let taking_part =
             matched.subs.iter().enumerate().filter(|(_, sub)| sub.participation == Participation::TakesPart);
         let weakest =

@@ -13,9 +13,7 @@ use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
-use crate::road_surface::{
-    Backprojection, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
-};
+use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::why::Why;
 
@@ -140,7 +138,7 @@ impl Pipeline {
             camera_height_m: view.camera_height_m(),
         };
         Ok(Self {
-            detector: Box::new(Backprojection::new(&config.road_surface.backprojection)?),
+            detector: config.road_surface.detector()?,
             motion: config.motion.estimator()?,
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
@@ -179,7 +177,7 @@ impl Pipeline {
         let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
-        let laid = self.matcher.laid(surface, validity)?;
+        let laid = self.matcher.laid(surface, surface.known())?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
         tracker.step(motion.as_ref(), &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);

@@ -4,6 +4,7 @@
 //! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
 
 mod backprojection;
+mod memory;
 mod network;
 
 use fingerpost_vision::backprojection::BackProjectionError;
@@ -18,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
+pub use memory::{Memory, MemoryConfig, MemoryEvidence};
 pub use network::{ChannelOrder, NetworkConfig, ScoreKind, TensorLayout};
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -27,21 +29,81 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
+    /// "backprojection": the papers' histogram back-projection; "memory": the same, remembered as the vehicle moves on;
+    /// default "backprojection".
+    pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
     /// Width of that region, metres, 0.2 to 10; default 1.8.
     pub sample_width_m: f64,
     /// The papers' detector.
     pub backprojection: BackprojectionConfig,
+    /// The memory.
+    pub memory: MemoryConfig,
 }
 
 impl Default for RoadSurfaceConfig {
     fn default() -> Self {
-        Self { sample_length_m: 4.0, sample_width_m: 1.8, backprojection: BackprojectionConfig::default() }
+        Self {
+            detector: RoadMethod::default(),
+            sample_length_m: 4.0,
+            sample_width_m: 1.8,
+            backprojection: BackprojectionConfig::default(),
+            memory: MemoryConfig::default(),
+        }
     }
 }
 
+/// Ways to tell road from everything else.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RoadMethod {
+    /// [`Backprojection`].
+    #[default]
+    Backprojection,
+    /// [`Memory`] of what back-projection finds.
+    Memory,
+}
+
+impl RoadMethod {
+    /// All of them, the simplest first.
+    pub const ALL: [Self; 2] = [Self::Backprojection, Self::Memory];
+
+    /// Its name in configurations, command lines and evidence.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Backprojection => "backprojection",
+            Self::Memory => "memory",
+        }
+    }
+}
+
+/// Sides of the region assumed to be road in a camera picture, shares of the picture's: left, top, right, bottom. It is
+/// what a forward-looking camera shows of the lane some metres ahead, above the bonnet.
+const CAMERA_SAMPLE: [f64; 4] = [0.35, 0.72, 0.65, 0.95];
+
 impl RoadSurfaceConfig {
+    /// The detector of these settings; it has learned nothing yet.
+    ///
+    /// # Errors
+    /// [`RoadError`] when its settings are out of range.
+    pub fn detector(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        let backprojection = Box::new(Backprojection::new(&self.backprojection)?);
+        Ok(match self.detector {
+            RoadMethod::Backprojection => backprojection,
+            RoadMethod::Memory => Box::new(Memory::new(&self.memory, backprojection)),
+        })
+    }
+
+    /// The region assumed to be road in a camera picture of `width` x `height` pixels: the bottom middle, 0.35 to 0.65 of
+    /// the width and 0.72 to 0.95 of the height.
+    pub fn sample_region_of_camera(width: usize, height: usize) -> Rect {
+        let [left, top, right, bottom] = CAMERA_SAMPLE;
+        let share = |side: usize, share: f64| (side as f64 * share).round() as usize;
+        let (x, y) = (share(width, left), share(height, top));
+        Rect { x, y, width: share(width, right) - x, height: share(height, bottom) - y }
+    }
+
     /// The region assumed to be road in a ground view: straight ahead, from the bottom of what is seen.
     pub fn sample_region(&self, view: &GroundView) -> Rect {
         let grid = view.grid();
@@ -62,7 +124,7 @@ impl RoadSurfaceConfig {
 pub struct RoadInput<'a> {
     /// The picture in which road is wanted: ground view or camera picture.
     pub picture: &'a GroundPicture,
-    /// Where `picture` shows something; the same size.
+    /// Where `picture` may show road: what is seen, of a camera picture only rows below the horizon; the same size.
     pub validity: &'a ValidityMask,
     /// The region in front of the vehicle that is assumed to be road, pixels of `picture`.
     pub sample: Rect,
@@ -92,14 +154,42 @@ pub enum Perspective<'a> {
 /// The road surface of one frame.
 #[derive(Debug, Clone, Default)]
 pub struct RoadSurface {
-    /// Probability of road, 255 = 1; 0 on unseen pixels.
+    /// Probability of road, 255 = 1; 0 where nothing is known.
     pub probability: Plane<u8>,
-    /// Prefix sums of `probability` and validity, ready for [`RowSums::cover`].
+    /// Prefix sums of `probability` over what is known, ready for [`RowSums::cover`].
     pub sums: RowSums,
 }
 
+/// What a pixel of a road surface is known from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knowledge {
+    /// The frame shows it.
+    Seen,
+    /// Earlier frames showed it.
+    Remembered,
+    /// Nothing.
+    Unknown,
+}
+
+impl RoadSurface {
+    /// Where the probability of road is known, seen or remembered.
+    pub fn known(&self) -> &ValidityMask {
+        self.sums.validity()
+    }
+
+    /// What a pixel is known from, where the frame shows what `validity` says.
+    pub fn knowledge(&self, validity: &Plane<u8>, column: usize, row: usize) -> Knowledge {
+        let holds = |mask: &Plane<u8>| mask.get(column, row).is_some_and(|value| value != 0);
+        match (holds(validity), holds(self.known().plane())) {
+            (true, _) => Knowledge::Seen,
+            (false, true) => Knowledge::Remembered,
+            (false, false) => Knowledge::Unknown,
+        }
+    }
+}
+
 /// How a detector came to its surface.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RoadEvidence {
     /// Name of the detector.
     pub detector: &'static str,
@@ -109,12 +199,14 @@ pub struct RoadEvidence {
     pub sample_use: SampleUse,
     /// Mean probability inside the sample, 0 to 1.
     pub sample_probability: f64,
-    /// Histograms in the rolling mean.
+    /// Histograms in the rolling mean; 0 for a detector without one.
     pub histograms: usize,
+    /// What was remembered; none for a detector without a memory, and in camera pictures.
+    pub memory: Option<MemoryEvidence>,
 }
 
 /// What became of a frame's sample of the assumed road.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SampleUse {
     /// It joined the model.
     Learned,
@@ -123,6 +215,7 @@ pub enum SampleUse {
     /// It did not look like the road so far, but for so long that the surface must have changed.
     SurfaceChanged,
     /// Nothing of the region was seen.
+    #[default]
     Unseen,
 }
 
@@ -145,11 +238,26 @@ pub enum RoadError {
 
 /// A way to tell road from everything else.
 pub trait RoadDetector: Send {
-    /// Finds the road surface of `input`, into `surface`, whose memory is reused.
+    /// The probability of road (255 is 1) of every pixel of `input` that may show road, 0 elsewhere, into `probability`,
+    /// whose memory is reused.
     ///
     /// # Errors
     /// [`RoadError`] when picture, validity and sample do not fit together.
-    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError>;
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError>;
+
+    /// Finds the road surface of `input`, into `surface`, whose memory is reused.
+    ///
+    /// # Errors
+    /// [`RoadError`] as of [`RoadDetector::estimate`].
+    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
+        let evidence = self.estimate(input, &mut surface.probability)?;
+        surface.sums.rebuild(surface.probability.view(), input.validity)?;
+        Ok(evidence)
+    }
 
     /// Forgets what was learned, as at the start of a drive.
     fn reset(&mut self);

@@ -8,7 +8,6 @@
 
 mod alignment;
 mod candidates;
-mod kerbs;
 mod pose_filter;
 mod route_stop;
 mod tracker;
@@ -32,6 +31,9 @@ pub use tracker::Tracker;
 pub struct TrackConfig {
     /// P(F) from which a feature counts as seen, 0 to 1; default 0.75.
     pub detect_threshold: f64,
+    /// Contrast of the arms that tell a feature with what lies beside them, from which it can be taken as seen, 0 to 1;
+    /// default 0.2.
+    pub detect_contrast: f64,
     /// P(F) from which a tracked feature counts as confirmed, 0 to detect_threshold; default 0.65.
     pub confirm_threshold: f64,
     /// Frames in a row in which a feature must be seen to be tracked, at least 1; default 3.
@@ -60,6 +62,7 @@ impl Default for TrackConfig {
     fn default() -> Self {
         Self {
             detect_threshold: 0.75,
+            detect_contrast: 0.2,
             confirm_threshold: 0.65,
             detect_frames: 3,
             lost_frames: 10,
@@ -159,6 +162,15 @@ pub enum Decision {
         index: usize,
         /// P(F).
         p: f64,
+    },
+    /// It matched, but what lies beside the arms that tell it is road as well.
+    NoVerge {
+        /// Index of the feature.
+        index: usize,
+        /// P(F).
+        p: f64,
+        /// How much more the arms are road than what lies beside them.
+        contrast: f64,
     },
     /// It matched, but not where the edges of its arms say that it would have to be.
     EdgesDisagree {

@@ -72,6 +72,13 @@ impl Display for Why<'_> {
                 "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road",
                 name(index)
             ),
+            (Decision::NoVerge { index, p, contrast }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {contrast:.2}, {:.2} is needed: a paved \
+                 area would look alike",
+                name(index),
+                config.detect_contrast
+            ),
             (Decision::EdgesDisagree { index, p, aligned_p }, _) => write!(
                 f,
                 "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
@@ -142,6 +149,9 @@ impl Display for MatchWords<'_> {
                 write!(f, "{what} {} {p:.2}, threshold {threshold:.2}", sub.label)?;
             }
             None => f.write_str("no arm is seen")?,
+        }
+        if let Some(contrast) = matched.contrast() {
+            write!(f, "; contrast with the verge {contrast:.2}")?;
         }
         let mut separator = ";";
         for sub in &matched.subs {

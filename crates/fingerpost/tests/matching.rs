@@ -34,7 +34,7 @@ fn crossroads() -> (FeatureModel, MaskCache) {
     let (route, _) = route(&junction);
     let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
     let masks =
-        MaskCache::new(&FeatureMaskConfig::default(), &VehicleConfig::default(), &grid(), &model, None);
+        MaskCache::new(&FeatureMaskConfig::default(), 0.0, &VehicleConfig::default(), &grid(), &model, None);
     (model, masks)
 }
 
@@ -167,4 +167,56 @@ fn the_vehicle_on_a_bent_approach_sees_the_feature_round_the_bend() {
         (left.translation.vector - Vector2::new(5.0, 9.0)).norm() < 0.01,
         "1 m further left it is 1 m nearer"
     );
+}
+
+/// Whether a place belongs to the crossroads with its node 12 m ahead.
+fn on_the_crossroads(place: Point2<f64>) -> bool {
+    place.y.abs() < 3.0 || (place.x - 12.0).abs() < 3.0
+}
+
+#[test]
+fn an_arm_with_verges_stands_out_from_them() {
+    let (_, mut masks) = crossroads();
+    let (surface, validity) = surface(|p| Some(if on_the_crossroads(p) { 204 } else { 51 }));
+    let mut matcher = Matcher::new(&MatchConfig::default(), &grid());
+    let laid = matcher.laid(&surface, &validity).unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    for sub in &matched.subs {
+        for verge in sub.verges {
+            let verge = verge.unwrap();
+            assert!((verge.arm_p - 0.8).abs() < 1e-9 && (verge.verge_p - 0.2).abs() < 1e-9, "{sub:?}");
+            assert!(verge.beyond_m > 3.0, "outside the edge: {sub:?}");
+        }
+        assert!((sub.contrast().unwrap() - 0.6).abs() < 1e-9);
+    }
+    assert!((matched.contrast().unwrap() - 0.6).abs() < 1e-9);
+    assert!((matched.confidence().unwrap() - 0.8 * 0.8).abs() < 1e-9);
+}
+
+#[test]
+fn an_endless_paved_area_matches_without_contrast() {
+    let (_, mut masks) = crossroads();
+    let (surface, validity) = surface(|_| Some(255));
+    let mut matcher = Matcher::new(&MatchConfig::default(), &grid());
+    let laid = matcher.laid(&surface, &validity).unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    assert!(matched.p.unwrap() > 0.999);
+    assert!(matched.contrast().unwrap().abs() < 1e-9 && matched.confidence().unwrap().abs() < 1e-9);
+}
+
+#[test]
+fn an_arm_of_which_one_verge_is_unseen_is_judged_by_the_other() {
+    let (_, mut masks) = crossroads();
+    // Nothing is seen beyond the far edge of the crossing road.
+    let (surface, validity) =
+        surface(|p| (p.x < 15.0).then_some(if on_the_crossroads(p) { 255 } else { 51 }));
+    let mut matcher = Matcher::new(&MatchConfig::default(), &grid());
+    let laid = matcher.laid(&surface, &validity).unwrap();
+    let matched = explained(&laid, &mut masks, pose(12.0, 0.0, 0.0));
+    let sub = |label: &str| matched.subs.iter().find(|sub| &*sub.label == label).unwrap();
+    // Looking outwards along the arm to the east, which is side 1, far is left.
+    let [far, near] = sub("side_1").verges;
+    assert!((near.unwrap().contrast() - 0.8).abs() < 1e-9, "{near:?}");
+    assert_eq!(far, None, "nothing but road is seen there");
+    assert!(sub("exit").verges.iter().all(Option::is_none));
 }

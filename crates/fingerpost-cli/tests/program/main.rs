@@ -7,6 +7,7 @@ mod bad_inputs;
 mod broken_frames;
 mod drive;
 mod evaluating;
+mod evaluating_road;
 mod interrupts;
 mod program;
 mod running;

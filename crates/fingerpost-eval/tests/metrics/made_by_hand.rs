@@ -32,6 +32,8 @@ pub(crate) fn seen(frame: u64, state: TrackState, id: i64, forward_m: f64, left_
         kind: "junction".to_owned(),
         p: Some(0.9),
         sub: BTreeMap::new(),
+        contrast: Default::default(),
+        confidence: None,
         forward_m,
         left_m,
         heading_rad: 0.0,

@@ -6,3 +6,4 @@
 mod junctions;
 mod made_by_hand;
 mod motion;
+mod road;

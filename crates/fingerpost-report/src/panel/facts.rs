@@ -1,5 +1,6 @@
 //! The numbers of a frame in words, one fact a line.
 
+use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
 use fingerpost::road_surface::SampleUse;
 use fingerpost::route_progress::GpsUse;
@@ -33,6 +34,9 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
             .and_then(|sought| sought.matched.p)
             .map_or_else(String::new, |p| format!(", best P(F) {p:.2}"));
         facts.push(("search", format!("{} places tried{best}", evidence.track.tried)));
+    }
+    if let Some(verge) = scene.matched().and_then(verge_words) {
+        facts.push(("verge", verge));
     }
     let sections = &evidence.track.sections;
     if !sections.is_empty() {
@@ -87,6 +91,17 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         None => {}
     }
     facts
+}
+
+/// What lies beside the arms, in words; none where no verge is seen.
+fn verge_words(matched: &Match) -> Option<String> {
+    let arms: Vec<String> = matched
+        .subs
+        .iter()
+        .filter_map(|sub| Some(format!("{} {}", sub.label, signed(sub.contrast()?, 2))))
+        .collect();
+    let overall = matched.contrast().map_or("not seen where it tells".to_owned(), |c| signed(c, 2));
+    (!arms.is_empty()).then(|| format!("contrast {overall}: {}", arms.join(", ")))
 }
 
 /// A pose in the vehicle frame in words.

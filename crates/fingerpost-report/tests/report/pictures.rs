@@ -45,7 +45,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
             sample: Rect { x: 190, y: 240, width: 20, height: 60 },
             sample_use: SampleUse::Learned,
             sample_probability: 0.0,
-            histograms: 0,
+            ..RoadEvidence::default()
         },
         motion: None,
         track: &TrackEvidence::default(),

@@ -22,7 +22,7 @@ pub struct Run {
 /// assert_eq!(mask.seen(), 4);
 /// # Ok::<(), fingerpost_vision::error::PictureError>(())
 /// ```
-#[derive(Debug, Clone, Default, Eq)]
+#[derive(Debug, Default, Eq)]
 pub struct ValidityMask {
     plane: Plane<u8>,
     /// Runs of all rows, row by row.
@@ -30,6 +30,22 @@ pub struct ValidityMask {
     /// For each row where its runs begin, and behind the last where they end.
     row_starts: Vec<usize>,
     seen: usize,
+}
+
+impl Clone for ValidityMask {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Reuses the memory.
+    fn clone_from(&mut self, source: &Self) {
+        self.plane.clone_from(&source.plane);
+        self.runs.clone_from(&source.runs);
+        self.row_starts.clone_from(&source.row_starts);
+        self.seen = source.seen;
+    }
 }
 
 /// The runs say all that the plane does, and are few: comparing them takes microseconds.
@@ -67,6 +83,48 @@ impl ValidityMask {
         Self::from_plane(Plane::new(width, height, 1))
     }
 
+    /// Makes the mask show what `mask` does, and besides every square of `side` x `side` pixels whose value in `squares` is not
+    /// 0, reusing the memory. The squares lie side by side from the top left corner on; what of them lies outside the mask's
+    /// picture is left out, and a `side` of 0 shows no square.
+    ///
+    /// ```
+    /// use fingerpost_vision::picture::{Plane, Run, ValidityMask};
+    /// let mask = ValidityMask::from_plane(Plane::from_vec(5, 1, vec![1, 1, 0, 0, 0])?);
+    /// let mut shown = ValidityMask::default();
+    /// shown.set_to_union(&mask, &Plane::from_vec(3, 1, vec![0, 0, 1])?, 2);
+    /// assert_eq!(shown.runs(0), &[Run { start: 0, end: 2 }, Run { start: 4, end: 5 }]);
+    /// # Ok::<(), fingerpost_vision::error::PictureError>(())
+    /// ```
+    pub fn set_to_union(&mut self, mask: &Self, squares: &Plane<u8>, side: usize) {
+        let (width, height) = mask.size();
+        self.plane.reset(width, height, 0);
+        self.runs.clear();
+        self.row_starts.clear();
+        self.row_starts.push(0);
+        for y in 0..height {
+            let squares =
+                y.checked_div(side).filter(|&row| row < squares.height()).map(|row| squares.row(row));
+            let first = self.runs.len();
+            let mut of_mask = mask.runs(y).iter().copied().peekable();
+            let mut of_squares =
+                RunsOfSquares { row: squares.unwrap_or_default(), side, next: 0, width }.peekable();
+            while let Some(run) = match (of_mask.peek(), of_squares.peek()) {
+                (Some(of_one), Some(of_other)) if of_other.start < of_one.start => of_squares.next(),
+                (None, _) => of_squares.next(),
+                _ => of_mask.next(),
+            } {
+                match self.runs[first..].last_mut() {
+                    Some(last) if last.end >= run.start => last.end = last.end.max(run.end),
+                    _ => self.runs.push(run),
+                }
+            }
+            let row = self.plane.row_mut(y);
+            self.runs[first..].iter().for_each(|run| row[run.start..run.end].fill(1));
+            self.row_starts.push(self.runs.len());
+        }
+        self.seen = self.runs.iter().map(|run| run.end - run.start).sum();
+    }
+
     /// 1 where a pixel is seen, 0 where it is not.
     #[must_use]
     pub fn plane(&self) -> &Plane<u8> {
@@ -92,5 +150,69 @@ impl ValidityMask {
     #[must_use]
     pub fn seen(&self) -> usize {
         self.seen
+    }
+}
+
+/// The runs of pixels of the squares of one row that are not 0.
+struct RunsOfSquares<'a> {
+    row: &'a [u8],
+    side: usize,
+    /// Square to look at next.
+    next: usize,
+    /// Width of the picture, pixels.
+    width: usize,
+}
+
+impl Iterator for RunsOfSquares<'_> {
+    type Item = Run;
+
+    fn next(&mut self) -> Option<Run> {
+        let rest = self.row.get(self.next..)?;
+        let first = self.next + rest.iter().position(|&value| value != 0)?;
+        let length = self.row[first..].iter().position(|&value| value == 0).unwrap_or(self.row.len() - first);
+        self.next = first + length;
+        let run = Run { start: first * self.side, end: (self.next * self.side).min(self.width) };
+        (run.start < run.end).then_some(run)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::test_pictures::config;
+
+    proptest! {
+        #![proptest_config(config(200))]
+
+        #[test]
+        fn a_union_with_squares_is_the_union_pixel_by_pixel(
+            (width, height, side) in (0..40_usize, 0..9_usize, 0..5_usize),
+            (across, down) in (0..20_usize, 0..9_usize),
+            bits in prop::collection::vec(any::<bool>(), 40 * 9 + 20 * 9),
+        ) {
+            let (of_mask, of_squares) = bits.split_at(40 * 9);
+            let plane = |width, height, bits: &[bool]| {
+                let values = bits[..width * height].iter().map(|&bit| u8::from(bit)).collect();
+                Plane::from_vec(width, height, values).unwrap()
+            };
+            let mask = ValidityMask::from_plane(plane(width, height, of_mask));
+            let squares = plane(across, down, of_squares);
+            let mut expected = mask.plane().clone();
+            for y in 0..height {
+                for (x, pixel) in expected.row_mut(y).iter_mut().enumerate() {
+                    let square = x.checked_div(side).zip(y.checked_div(side));
+                    *pixel |= square.and_then(|(x, y)| squares.get(x, y)).unwrap_or(0);
+                }
+            }
+            let expected = ValidityMask::from_plane(expected);
+            // Whatever it was before.
+            let mut union = ValidityMask::all_seen(7, 3);
+            union.set_to_union(&mask, &squares, side);
+            prop_assert_eq!(&union, &expected);
+            prop_assert_eq!(union.plane(), expected.plane());
+            prop_assert_eq!(union.seen(), expected.seen());
+        }
     }
 }

@@ -24,6 +24,11 @@ pub(crate) struct PrefixRows {
 }
 
 impl PrefixRows {
+    /// Whether the rows have this size.
+    pub(crate) fn is_for(&self, width: usize, height: usize) -> bool {
+        (self.width, self.height) == (width, height) && !self.sums.is_empty()
+    }
+
     /// Gives the rows another size; all sums become 0.
     pub(crate) fn reset(&mut self, width: usize, height: usize) {
         (self.width, self.height) = (width, height);

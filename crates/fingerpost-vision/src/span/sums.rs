@@ -102,16 +102,24 @@ impl RowSums {
     fn prepare(&mut self, path: CodePath, validity: &ValidityMask) {
         let (width, height) = validity.size();
         (self.width, self.height) = (width, height);
-        self.validity = validity.clone();
+        self.validity.clone_from(validity);
         self.probability.reset(width, height);
         self.seen.reset(width, height);
         self.seen.rebuild(path, validity.plane().view(), validity);
         self.longest_runs.clear();
         let longest = |y| validity.runs(y).iter().max_by_key(|run| run.end - run.start).copied();
         self.longest_runs.extend((0..height).map(|y| longest(y).unwrap_or(Run { start: 0, end: 0 })));
-        let row = ValidityMask::all_seen(width, 1);
-        self.in_view.reset(width, 1);
-        self.in_view.rebuild(path, row.plane().view(), &row);
+        if !self.in_view.is_for(width, 1) {
+            let row = ValidityMask::all_seen(width, 1);
+            self.in_view.reset(width, 1);
+            self.in_view.rebuild(path, row.plane().view(), &row);
+        }
+    }
+
+    /// The pixels that count as seen.
+    #[must_use]
+    pub fn validity(&self) -> &ValidityMask {
+        &self.validity
     }
 
     /// Width and height of the plane, pixels.

@@ -16,12 +16,12 @@ use std::collections::VecDeque;
 use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::histogram::{BinCounter, Histogram, Smoothing};
-use fingerpost_vision::picture::Rect;
+use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::span::SpanMask;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface, SampleUse};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 
 /// Settings of histogram back-projection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -188,7 +188,11 @@ impl Backprojection {
 }
 
 impl RoadDetector for Backprojection {
-    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
         let (width, height) = input.picture.bin.size();
         let whole = Rect { x: 0, y: 0, width, height };
         self.whole.measure(whole, &input, &mut self.counter, &mut self.smoothing)?;
@@ -203,17 +207,17 @@ impl RoadDetector for Backprojection {
                 sample_probability = self.sample_probability();
             }
         }
-        if surface.probability.size() != (width, height) {
-            surface.probability.reset(width, height, 0);
+        if probability.size() != (width, height) {
+            probability.reset(width, height, 0);
         }
-        self.projector.project(&input.picture.bin, input.validity, &self.lookup, &mut surface.probability)?;
-        surface.sums.rebuild(surface.probability.view(), input.validity)?;
+        self.projector.project(&input.picture.bin, input.validity, &self.lookup, probability)?;
         Ok(RoadEvidence {
             detector: "backprojection",
             sample: input.sample,
             sample_use,
             sample_probability,
             histograms: self.recent.len(),
+            ..RoadEvidence::default()
         })
     }
 

@@ -60,7 +60,14 @@ pub(super) fn route_stops(
     for feature in &route.features {
         let model = FeatureModel::new(feature, &map)?;
         let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
-        let masks = MaskCache::new(setting.masks, setting.vehicle, setting.grid, &model, line.as_ref());
+        let masks = MaskCache::new(
+            setting.masks,
+            setting.track.alignment.kerb_radius_m,
+            setting.vehicle,
+            setting.grid,
+            &model,
+            line.as_ref(),
+        );
         let arms = ArmPieces::of(&setting.track.alignment, &model);
         stops.push(RouteStop { model, line, masks, arms });
     }

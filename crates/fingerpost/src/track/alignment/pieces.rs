@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::AlignmentConfig;
 use crate::feature_model::{ArmModel, FeatureModel};
-use crate::track::kerbs::Kerbs;
+use crate::kerbs::Kerbs;
 
 /// Farthest piece of an arm from the node that is used, metres: beyond it arms bend away from the map.
 const MAX_ALONG_M: f64 = 16.0;

@@ -95,7 +95,8 @@ fn rows_at_a_time_find_what_one_by_one_finds() {
     let grid = GroundGrid::new(4.0, 20.0, 8.0, 0.1).unwrap();
     let (feature, vehicle) = (crossroads(), VehicleConfig::default());
     let line = DrivingLine::new(&DrivingLineConfig::default(), &vehicle, &feature).unwrap();
-    let mut masks = MaskCache::new(&FeatureMaskConfig::default(), &vehicle, &grid, &feature, line.as_ref());
+    let mut masks =
+        MaskCache::new(&FeatureMaskConfig::default(), 4.0, &vehicle, &grid, &feature, line.as_ref());
     let mut matcher = Matcher::new(&MatchConfig::default(), &grid);
     let config = TrackConfig::default();
     let mut search = CandidateSearch::default();

@@ -65,9 +65,19 @@ impl Tracker {
             return Ok(());
         }
         // The match must hold where the edges say the feature is, and they must say it well enough.
-        let aligned_p = laid.probability(masks, filter.pose())?.unwrap_or(0.0);
+        let mut aligned = self.spare.pop().unwrap_or_default();
+        laid.explain(masks, filter.pose(), &mut aligned)?;
+        let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
         if aligned_p < config.detect_threshold {
+            self.spare.push(aligned);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
+            return Ok(());
+        }
+        // What is shown is the place that is judged from here on.
+        self.spare
+            .extend(evidence.sought.replace(Sought { index, matched: aligned }).map(|sought| sought.matched));
+        if let Some(contrast) = contrast.filter(|&contrast| contrast < config.detect_contrast) {
+            evidence.decision = Decision::NoVerge { index, p: aligned_p, contrast };
         } else if frames < config.detect_frames || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p };
             *candidate = Some(Candidate { filter, frames });

@@ -14,7 +14,7 @@ const SHARPEST_RAD: f64 = 0.436;
 /// Share of a kerb's radius, from its end, over which its course is followed: there it stands back by a third of it.
 const FLARED_SHARE: f64 = 0.75;
 /// The kerbs at an arm's mouth, which widen its road to either side where they curve into the neighbouring arms.
-pub(super) struct Kerbs {
+pub(crate) struct Kerbs {
     radius_m: f64,
     /// Distances from the node at which they end, for the left and the right edge, metres.
     end_m: [f64; 2],
@@ -22,7 +22,7 @@ pub(super) struct Kerbs {
 
 impl Kerbs {
     /// The kerbs of `arm` among the arms of `feature`, arcs of the given radius.
-    pub(super) fn of(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> Self {
+    pub(crate) fn of(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> Self {
         let direction = arm.direction_rad();
         let others = || feature.arms.iter().filter(|other| other.label != arm.label);
         // The neighbour on a side is the arm at the smallest angle that way.
@@ -35,9 +35,14 @@ impl Kerbs {
         Self { radius_m, end_m }
     }
 
+    /// Distance from the node at which the kerb on a side ends, metres.
+    pub(crate) fn end_m(&self, side: usize) -> f64 {
+        self.end_m[side]
+    }
+
     /// How far the kerb stands back from the edge at a distance from the node, metres; none where the edge is rather
     /// the other road's.
-    pub(super) fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
+    pub(crate) fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
         let before_end_m = (self.end_m[side] - along_m).max(0.0);
         (before_end_m <= FLARED_SHARE * self.radius_m)
             .then(|| self.radius_m - (self.radius_m.powi(2) - before_end_m.powi(2)).sqrt())

@@ -1,0 +1,333 @@
+//! `fingerpost evaluate road`: road detectors on camera pictures, against labels or to be looked at.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use clap::{ArgGroup, Args};
+use fingerpost::Config;
+use fingerpost::ground_view::GroundPicture;
+use fingerpost::road_surface::{
+    Perspective, RoadDetector, RoadInput, RoadMethod, RoadSurface, RoadSurfaceConfig,
+};
+use fingerpost_eval::{RoadEvaluation, RoadLabels, RoadScores, stage_time};
+use fingerpost_io::{picture_paths, read_picture};
+use fingerpost_report::{RoadSheetCell, RoadSheetRow, road_sheet};
+use fingerpost_vision::colour::{BinDivision, grey_and_bins};
+use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
+use serde::Serialize;
+
+use crate::arguments::DetectorName;
+use crate::stage_clock::milliseconds;
+use crate::{inputs, output};
+
+/// Rows of a contact sheet: what can be looked at in one picture.
+const SHEET_ROWS: usize = 12;
+/// Outline on a contact sheet of pictures without labels.
+const UNLABELLED_THRESHOLD: u8 = 128;
+
+/// Road detectors on camera pictures: how well they tell labelled road, at what cost; or a sheet to look at.
+///
+/// Detectors see the pictures in the order of their names, as the frames of one drive. One threshold is chosen for the
+/// whole set. The road is assumed to be seen in the bottom middle of the picture, 0.35 to 0.65 of its width and 0.72 to
+/// 0.95 of its height. The time of a frame is the median, with greys and histogram bins but without decoding.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("wanted").required(true).multiple(true)))]
+pub(crate) struct RoadArgs {
+    /// Folder of camera pictures.
+    #[arg(long, value_name = "DIR")]
+    images: PathBuf,
+    /// Folder of label pictures, grey, with the pictures' names and sizes; a pixel's value is its label.
+    #[arg(long, value_name = "DIR", group = "wanted", requires = "road")]
+    labels: Option<PathBuf>,
+    /// Label of road.
+    #[arg(long, value_name = "ID", requires = "labels")]
+    road: Option<u8>,
+    /// Label of pixels that count for nothing.
+    #[arg(long, value_name = "ID", requires = "labels")]
+    void: Option<u8>,
+    /// Evaluate this detector alone, not all of them.
+    #[arg(long, value_name = "NAME")]
+    detector: Option<DetectorName>,
+    /// Rows above this share of the height show no road and do not count.
+    #[arg(long, value_name = "FRACTION", default_value = "0.3333333333", value_parser = share)]
+    from_row: f64,
+    /// The pictures are no drive: detectors forget what they learned before each of them.
+    #[arg(long)]
+    stills: bool,
+    /// Configuration, of which the detectors' settings are used; every key is optional.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Write a contact sheet (PNG): some of the pictures with labelled road outlined, and each detector's surface beside.
+    #[arg(long, value_name = "FILE", group = "wanted")]
+    sheet: Option<PathBuf>,
+    /// Print the numbers as JSON on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// All numbers of an evaluation.
+#[derive(Debug, Serialize)]
+struct RoadNumbers {
+    frames: usize,
+    from_row: f64,
+    detectors: Vec<DetectorNumbers>,
+}
+
+/// One detector's numbers.
+#[derive(Debug, Serialize)]
+struct DetectorNumbers {
+    detector: &'static str,
+    #[serde(flatten)]
+    evaluation: Option<RoadEvaluation>,
+    ms_per_frame: f64,
+}
+
+/// A detector with what has come of it so far.
+struct Contestant {
+    method: RoadMethod,
+    detector: Box<dyn RoadDetector>,
+    scores: Option<RoadScores>,
+    times_ms: Vec<f64>,
+    surface: RoadSurface,
+    kept: Vec<Plane<u8>>,
+}
+
+/// A picture that is to be on the sheet.
+struct Kept {
+    caption: String,
+    picture: RgbImage,
+    labelled: Option<Plane<u8>>,
+}
+
+/// Evaluates.
+pub(super) fn road(args: &RoadArgs) -> Result<()> {
+    let config = inputs::config(args.config.as_deref())?;
+    let pictures = picture_paths(&args.images)?;
+    let labels = args.labels.as_deref().map(|folder| labels_of(&pictures, folder)).transpose()?;
+    let ids = args.road.map(|road| RoadLabels { road, void: args.void });
+    let mut contestants = contestants(&config, args.detector, ids)?;
+    let mut drive = Pictures::new(&config, args.from_row)?;
+    let mut kept = Vec::new();
+    let bar = output::progress(Some(pictures.len() as u64), "pictures");
+    for (index, path) in pictures.iter().enumerate() {
+        let label =
+            labels.as_ref().and_then(|labels| labels.get(index)).map(|path| read_labels(path)).transpose()?;
+        let common_ms = drive.take(read_picture(path)?)?;
+        if let Some(label) = label.as_ref().filter(|label| label.size() != drive.picture.colour.size()) {
+            let ((width, height), (label_width, label_height)) = (drive.picture.colour.size(), label.size());
+            bail!(
+                "{} has {width} x {height} pixels and its labels have {label_width} x {label_height}; give labels of \
+                 the picture's size",
+                path.display()
+            );
+        }
+        let on_sheet = args.sheet.is_some() && on_sheet(index, pictures.len());
+        for contestant in &mut contestants {
+            if args.stills {
+                contestant.detector.reset();
+            }
+            contestant.look(&drive, common_ms)?;
+            if let Some(label) = &label {
+                contestant.score(label, drive.first_row)?;
+            }
+            if on_sheet {
+                contestant.kept.push(contestant.surface.probability.clone());
+            }
+        }
+        if on_sheet {
+            let labelled = label.zip(ids).map(|(mut label, ids)| {
+                label.as_mut_slice().iter_mut().for_each(|label| *label = u8::from(*label == ids.road));
+                label
+            });
+            kept.push(Kept { caption: file_name(path), picture: drive.picture.colour.clone(), labelled });
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let numbers = RoadNumbers {
+        frames: pictures.len(),
+        from_row: args.from_row,
+        detectors: contestants.iter().map(Contestant::numbers).collect::<Result<_>>()?,
+    };
+    print_table(&numbers);
+    if let Some(path) = &args.sheet {
+        fingerpost_io::write_png(path, &sheet(&kept, &contestants, &numbers))?;
+        output::message(&format!("the sheet is {}", path.display()));
+    }
+    if args.json { output::print_json(&numbers) } else { Ok(()) }
+}
+
+fn contestants(
+    config: &Config,
+    only: Option<DetectorName>,
+    ids: Option<RoadLabels>,
+) -> Result<Vec<Contestant>> {
+    let methods = RoadMethod::ALL.into_iter().filter(|method| only.is_none_or(|only| only.0 == *method));
+    methods
+        .map(|method| {
+            let config = RoadSurfaceConfig { detector: method, ..config.road_surface.clone() };
+            Ok(Contestant {
+                method,
+                detector: config.detector()?,
+                scores: ids.map(RoadScores::new),
+                times_ms: Vec::new(),
+                surface: RoadSurface::default(),
+                kept: Vec::new(),
+            })
+        })
+        .collect()
+}
+
+impl Contestant {
+    /// Takes in the picture at hand, for which `common_ms` were spent before.
+    fn look(&mut self, drive: &Pictures, common_ms: f64) -> Result<()> {
+        let (width, height) = drive.picture.colour.size();
+        let input = RoadInput {
+            picture: &drive.picture,
+            validity: &drive.validity,
+            sample: RoadSurfaceConfig::sample_region_of_camera(width, height),
+            perspective: Perspective::Camera { horizon_row: drive.first_row as f64 - 0.5 },
+            motion: None,
+        };
+        let start = Instant::now();
+        self.detector.detect(input, &mut self.surface)?;
+        self.times_ms.push(common_ms + milliseconds(start.elapsed()));
+        Ok(())
+    }
+
+    fn score(&mut self, labels: &Plane<u8>, first_row: usize) -> Result<()> {
+        let Some(scores) = &mut self.scores else { return Ok(()) };
+        let skipped = first_row * labels.width();
+        Ok(scores.add(&self.surface.probability.as_slice()[skipped..], &labels.as_slice()[skipped..])?)
+    }
+
+    fn numbers(&self) -> Result<DetectorNumbers> {
+        Ok(DetectorNumbers {
+            detector: self.method.name(),
+            evaluation: self.scores.as_ref().map(RoadScores::best).transpose()?,
+            ms_per_frame: stage_time(self.times_ms.iter().copied()).map_or(0.0, |time| time.median),
+        })
+    }
+}
+
+/// The picture at hand, as detectors take it.
+struct Pictures {
+    division: BinDivision,
+    from_row: f64,
+    picture: GroundPicture,
+    validity: ValidityMask,
+    /// First row that counts.
+    first_row: usize,
+}
+
+impl Pictures {
+    fn new(config: &Config, from_row: f64) -> Result<Self> {
+        let division = BinDivision::new(config.road_surface.backprojection.bins())?;
+        let picture = GroundPicture::new(0, 0, division.bins());
+        Ok(Self { division, from_row, picture, validity: ValidityMask::default(), first_row: 0 })
+    }
+
+    /// Takes a picture; milliseconds that its greys and bins took.
+    fn take(&mut self, colour: RgbImage) -> Result<f64> {
+        let (width, height) = colour.size();
+        if self.picture.colour.size() != (width, height) {
+            self.picture = GroundPicture::new(width, height, self.division.bins());
+            self.first_row = ((height as f64 * self.from_row).round() as usize).min(height);
+            let mut below = Plane::new(width, height, 0);
+            (self.first_row..height).for_each(|row| below.row_mut(row).fill(1));
+            self.validity = ValidityMask::from_plane(below);
+        }
+        let GroundPicture { grey, bin, .. } = &mut self.picture;
+        let start = Instant::now();
+        grey_and_bins(&colour, &self.division, grey, bin)?;
+        let spent_ms = milliseconds(start.elapsed());
+        self.picture.colour = colour;
+        Ok(spent_ms)
+    }
+}
+
+/// The label files of `pictures`, in their order.
+fn labels_of(pictures: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>> {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_owned();
+    let mut labels: BTreeMap<_, _> =
+        picture_paths(folder)?.into_iter().map(|path| (stem(&path), path)).collect();
+    let of_picture = |path: &PathBuf| {
+        labels.remove(&stem(path)).with_context(|| {
+            let (picture, folder) = (path.display(), folder.display());
+            format!("{picture} has no labels of its name in {folder}; give labels for every picture")
+        })
+    };
+    let found = pictures.iter().map(of_picture).collect::<Result<Vec<_>>>()?;
+    match labels.values().next() {
+        Some(left_over) => {
+            bail!("{} belongs to no picture; give the labels of these pictures", left_over.display())
+        }
+        None => Ok(found),
+    }
+}
+
+fn read_labels(path: &Path) -> Result<Plane<u8>> {
+    let picture = read_picture(path)?;
+    let (pixels, _) = picture.as_slice().as_chunks::<3>();
+    if pixels.iter().any(|[red, green, blue]| red != green || red != blue) {
+        bail!(
+            "{} is a coloured picture; give labels as grey pictures, a pixel's value its label",
+            path.display()
+        );
+    }
+    let labels = pixels.iter().map(|[label, ..]| *label).collect();
+    Ok(Plane::from_vec(picture.width(), picture.height(), labels)?)
+}
+
+/// Whether a picture of `count` is on the sheet: all of few, some at even distances of many.
+const fn on_sheet(index: usize, count: usize) -> bool {
+    count <= SHEET_ROWS || (index * SHEET_ROWS) % count < SHEET_ROWS
+}
+
+fn sheet(kept: &[Kept], contestants: &[Contestant], numbers: &RoadNumbers) -> RgbImage {
+    let rows: Vec<RoadSheetRow<'_>> = kept
+        .iter()
+        .enumerate()
+        .map(|(index, kept)| RoadSheetRow {
+            caption: kept.caption.clone(),
+            picture: &kept.picture,
+            labelled: kept.labelled.as_ref(),
+            surfaces: contestants
+                .iter()
+                .zip(&numbers.detectors)
+                .filter_map(|(contestant, numbers)| {
+                    let threshold = numbers.evaluation.map_or(UNLABELLED_THRESHOLD, |evaluation| {
+                        (255.0 * evaluation.threshold).round() as u8
+                    });
+                    let probability = contestant.kept.get(index)?;
+                    Some(RoadSheetCell { caption: numbers.detector.to_owned(), probability, threshold })
+                })
+                .collect(),
+        })
+        .collect();
+    road_sheet(&rows)
+}
+
+fn print_table(numbers: &RoadNumbers) {
+    output::message(&format!("{} pictures, rows from {:.3} of the height", numbers.frames, numbers.from_row));
+    output::message("detector        MaxF   IoU    threshold  ms a frame");
+    for DetectorNumbers { detector, evaluation, ms_per_frame } in &numbers.detectors {
+        let [max_f, iou, threshold] = match evaluation {
+            Some(of) => [of.max_f, of.iou, of.threshold].map(|number| format!("{number:.3}")),
+            None => ["-"; 3].map(str::to_owned),
+        };
+        output::message(&format!("{detector:<14}  {max_f:<5}  {iou:<5}  {threshold:<9}  {ms_per_frame:.2}"));
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// A share of the height that leaves rows to look at.
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..0.95).contains(share));
+    share.ok_or_else(|| format!("{text:?} is no share of the height; give 0 to below 0.95"))
+}

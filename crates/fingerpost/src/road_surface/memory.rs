@@ -1,0 +1,181 @@
+//! Memory: the road of the last seconds, carried along under the vehicle.
+//!
+//! Paper 2, section 7.1: what the camera cannot see from here was often seen before. Another detector's probabilities are
+//! gathered in a [`RoadMap`] of log-odds that lies still on the road while the vehicle moves over it (S. Thrun, W. Burgard
+//! and D. Fox, "Probabilistic Robotics", 2005, chapter 9). Where the picture shows the road now, picture and memory are
+//! fused; where it does not, the memory stands alone and the surface says that it is remembered.
+//!
+//! Limits: a map moved by a wrong motion is wrong. So it fades with the motion's uncertainty and the distance driven, the
+//! picture outvotes it within a few frames where it sees, and a cell that says next to nothing counts as unknown. Things that
+//! move leave their trace for as long. In a camera picture there are no metres: there the memory does nothing.
+
+mod road_map;
+
+use fingerpost_vision::fusion::fuse;
+use fingerpost_vision::picture::{Plane, ValidityMask};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
+use crate::ground_view::GroundView;
+use crate::motion::Motion;
+use road_map::{RoadMap, SensorModel};
+
+/// Settings of the memory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MemoryConfig {
+    /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.1.
+    pub cell_m: f64,
+    /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1 less this,
+    /// 0.01 to 0.4; default 0.1.
+    pub doubt: f64,
+    /// Distance from the camera at which a pixel adds half as much to the map as a near one, metres, 1 to 1000; default 12.
+    pub half_trust_m: f64,
+    /// Share of what a cell says that is left when it is seen anew, 0 to 0.95; default 0.6.
+    pub keep_seen: f64,
+    /// Distance driven over which what is not seen any more fades to a third, metres, 1 to 1000; default 20.
+    pub fade_m: f64,
+    /// Probability of road or of none from which a cell that is not seen counts as known, 0.5 to 0.95; default 0.65.
+    pub min_known: f64,
+}
+
+impl Default for MemoryConfig {
+    fn default() -> Self {
+        Self { cell_m: 0.1, doubt: 0.1, half_trust_m: 12.0, keep_seen: 0.6, fade_m: 20.0, min_known: 0.65 }
+    }
+}
+
+/// What the memory added.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MemoryEvidence {
+    /// Share of the ground view that the picture shows, 0 to 1.
+    pub seen_share: f64,
+    /// Share that is remembered alone, 0 to 1; the rest is unknown.
+    pub remembered_share: f64,
+    /// Share of what the map said that was left after the vehicle's last motion, 0 to 1.
+    pub kept: f64,
+}
+
+/// Distance by which the map may be off before its kerbs lie elsewhere, metres: the motion's uncertainty fades the map by a
+/// third when it reaches it.
+const SHARP_M: f64 = 0.2;
+/// What is left when nothing is known of the motion: a frame or two were lost, the vehicle is near where it was.
+const KEPT_WITHOUT_MOTION: f64 = 0.5;
+
+/// Another detector with a memory.
+pub struct Memory {
+    config: MemoryConfig,
+    seeing: Box<dyn RoadDetector>,
+    map: RoadMap,
+    /// What is seen in this frame.
+    seen: Plane<u8>,
+    /// What the map says of each square of the view, 256 standing for 1, and where it says anything.
+    prior: Plane<u8>,
+    known: Plane<u8>,
+    known_pixels: ValidityMask,
+    /// A row of the view.
+    prior_row: Vec<u8>,
+}
+
+impl Memory {
+    /// A memory of what `seeing` finds.
+    pub fn new(config: &MemoryConfig, seeing: Box<dyn RoadDetector>) -> Self {
+        let model = SensorModel::new(config);
+        Self {
+            config: config.clone(),
+            seeing,
+            map: RoadMap::new(model),
+            seen: Plane::default(),
+            prior: Plane::default(),
+            known: Plane::default(),
+            known_pixels: ValidityMask::default(),
+            prior_row: Vec::new(),
+        }
+    }
+
+    /// Carries the map along; the share of it that is left.
+    fn carry(&mut self, view: &GroundView, motion: Option<&Motion>) -> f64 {
+        let Some(motion) = motion else {
+            self.map.fade(KEPT_WITHOUT_MOTION);
+            return KEPT_WITHOUT_MOTION;
+        };
+        let moved_m = motion.previous_from_current.translation.vector.norm();
+        let middle_m = 0.5 * (view.grid().near_m() + view.grid().far_m());
+        let [forward, left, yaw] = [0, 1, 2].map(|axis| motion.covariance[(axis, axis)].max(0.0));
+        let off_m = (forward + left + middle_m * middle_m * yaw).sqrt();
+        let kept = (-moved_m / self.config.fade_m - off_m * off_m / (SHARP_M * SHARP_M)).exp();
+        self.map.carry(&motion.previous_from_current);
+        self.map.fade(kept);
+        kept
+    }
+
+    /// Fuses what is seen with what is remembered.
+    fn fuse(&mut self, validity: &ValidityMask, fused: &mut Plane<u8>) -> Result<(), RoadError> {
+        let (width, height) = self.seen.size();
+        if fused.size() != (width, height) {
+            fused.reset(width, height, 0);
+        }
+        let side = self.map.side_px();
+        let doubt = (255.0 * self.config.doubt).round() as u8;
+        self.known_pixels.set_to_union(validity, &self.known, side);
+        self.prior_row.resize(width, 0);
+        for row in 0..height {
+            if row % side == 0 {
+                let priors = self.prior.row(row / side);
+                let places = self.prior_row.chunks_mut(side);
+                places.zip(priors).for_each(|(place, prior)| place.fill(*prior));
+            }
+            let (seen, fused) = (self.seen.row(row), fused.row_mut(row));
+            fused.fill(0);
+            for run in self.known_pixels.runs(row) {
+                fused[run.start..run.end].copy_from_slice(&self.prior_row[run.start..run.end]);
+            }
+            for run in validity.runs(row) {
+                let pixels = run.start..run.end;
+                fuse(&seen[pixels.clone()], &self.prior_row[pixels.clone()], doubt, &mut fused[pixels])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl RoadDetector for Memory {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let Perspective::Ground { view, .. } = input.perspective else {
+            return self.seeing.estimate(input, probability);
+        };
+        let mut evidence = self.seeing.estimate(input, &mut self.seen)?;
+        self.map.lie_under(view, self.config.cell_m);
+        let kept = self.carry(view, input.motion);
+        self.map.read(&mut self.prior, &mut self.known);
+        self.fuse(input.validity, probability)?;
+        self.map.add(&self.seen, input.validity);
+        let pixels = (self.seen.as_slice().len() as f64).max(1.0);
+        let (known, seen) = (self.known_pixels.seen() as f64, input.validity.seen() as f64);
+        evidence.memory = Some(MemoryEvidence {
+            seen_share: seen / pixels,
+            remembered_share: (known - seen) / pixels,
+            kept,
+        });
+        Ok(evidence)
+    }
+
+    fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
+        let Perspective::Ground { .. } = input.perspective else {
+            return self.seeing.detect(input, surface);
+        };
+        let evidence = self.estimate(input, &mut surface.probability)?;
+        surface.sums.rebuild(surface.probability.view(), &self.known_pixels)?;
+        Ok(evidence)
+    }
+
+    fn reset(&mut self) {
+        self.seeing.reset();
+        self.map.forget();
+    }
+}

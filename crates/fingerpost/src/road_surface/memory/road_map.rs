@@ -1,0 +1,299 @@
+//! A map of the road about the vehicle: log-odds of road in square cells that lie still on the road.
+//!
+//! The map is a torus: a cell that falls out of reach on one side becomes, emptied, one that comes into reach on the other, so
+//! that its size is bounded and nothing is ever moved or resampled. Cells are read between their centres and written at the
+//! nearest.
+
+use fingerpost_geometry::{GroundGrid, GroundPixel};
+use fingerpost_vision::picture::{Plane, ValidityMask};
+use nalgebra::{Isometry2, Point2};
+
+use super::MemoryConfig;
+use crate::ground_view::GroundView;
+
+/// Units of log-odds in a cell: 1/256, so that sums of many small pieces of evidence lose nothing that matters.
+const UNIT: f64 = 256.0;
+/// Largest log-odds of a cell: 3.5 is a probability of 0.97. More could not be unlearned within a few frames.
+const MAX_LOG_ODDS: f64 = 3.5;
+const MAX_UNITS: i32 = (MAX_LOG_ODDS * UNIT) as i32;
+/// Most cells along a side of the map, a bound on its memory: 8 MB.
+const MAX_SIDE: usize = 2048;
+/// Bits behind the point of places counted in cells or pixels.
+const PLACE_BITS: u32 = 16;
+
+/// What a frame says about cells.
+#[derive(Debug)]
+pub(super) struct SensorModel {
+    /// Log-odds of every 8-bit probability, in units.
+    log_odds: [i16; 256],
+    /// Prior of log-odds from -`MAX_UNITS` on, every other unit; 256 would be 1.
+    prior: Vec<u8>,
+    /// Least log-odds of a known cell, in units.
+    min_known: i32,
+    keep_seen: f64,
+    half_trust_m: f64,
+}
+
+impl SensorModel {
+    pub(super) fn new(config: &MemoryConfig) -> Self {
+        let log_odds = |p: f64| (p / (1.0 - p)).ln();
+        let limited = |p: usize| (p as f64 / 255.0).clamp(config.doubt, 1.0 - config.doubt);
+        let prior = (-MAX_UNITS..=MAX_UNITS).step_by(2);
+        Self {
+            log_odds: std::array::from_fn(|p| (UNIT * log_odds(limited(p))).round() as i16),
+            prior: prior
+                .map(|units| (256.0 / (1.0 + (f64::from(-units) / UNIT).exp())).round() as u8)
+                .collect(),
+            min_known: (UNIT * log_odds(config.min_known)).round() as i32,
+            keep_seen: config.keep_seen,
+            half_trust_m: config.half_trust_m,
+        }
+    }
+
+    /// Share of a frame's evidence that is taken at `distance_m` from the camera.
+    fn trust(&self, distance_m: f64) -> f64 {
+        1.0 / (1.0 + (distance_m / self.half_trust_m).powi(2))
+    }
+}
+
+/// The map, the view that it lies under, and where.
+#[derive(Debug)]
+pub(super) struct RoadMap {
+    model: SensorModel,
+    grid: Option<GroundGrid>,
+    /// Pixels of the view along a cell.
+    side_px: usize,
+    cell_m: f64,
+    /// Side, a power of two; the cell of map place (x, y) is in column x and row y modulo the side.
+    cells: Plane<i16>,
+    map_from_vehicle: Isometry2<f64>,
+    /// First column and row in reach, cells of the endless map.
+    corner: [i64; 2],
+    /// Evidence that a row of the view gives, in 256ths.
+    row_trust: Vec<i32>,
+}
+
+impl RoadMap {
+    pub(super) fn new(model: SensorModel) -> Self {
+        Self {
+            model,
+            grid: None,
+            side_px: 1,
+            cell_m: 1.0,
+            cells: Plane::default(),
+            map_from_vehicle: Isometry2::identity(),
+            corner: [0, 0],
+            row_trust: Vec::new(),
+        }
+    }
+
+    /// Pixels of the view along a cell.
+    pub(super) const fn side_px(&self) -> usize {
+        self.side_px
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.cells.as_mut_slice().fill(0);
+    }
+
+    /// Makes the map one for this view; a map for another one is forgotten.
+    pub(super) fn lie_under(&mut self, view: &GroundView, cell_m: f64) {
+        let grid = view.grid();
+        if self.grid == Some(*grid) {
+            return;
+        }
+        self.grid = Some(*grid);
+        self.side_px = ((cell_m / grid.metres_per_pixel()).round() as usize).max(1);
+        self.cell_m = self.side_px as f64 * grid.metres_per_pixel();
+        // The whole view whichever way it lies, and a cell more all around to read between.
+        let across_px = (grid.columns() as f64).hypot(grid.rows() as f64);
+        let reach = (across_px / self.side_px as f64).ceil() as usize + 4;
+        let side = reach.next_power_of_two().min(MAX_SIDE);
+        self.cells.reset(side, side, 0);
+        self.map_from_vehicle = Isometry2::identity();
+        self.corner = self.corner_now();
+        let camera_x_m = view.camera_foot().x;
+        let trust = |row: usize| {
+            let pixel = GroundPixel { column: 0.0, row: row as f64 };
+            (256.0 * self.model.trust(grid.vehicle_from_ground(pixel).x - camera_x_m)).round() as i32
+        };
+        self.row_trust = (0..grid.rows()).map(trust).collect();
+    }
+
+    /// Multiplies everything by `kept`, 0 to 1.
+    pub(super) fn fade(&mut self, kept: f64) {
+        const ONE: i32 = 1 << 15;
+        let factor = (kept.clamp(0.0, 1.0) * f64::from(ONE)) as i32;
+        if factor < ONE {
+            self.cells
+                .as_mut_slice()
+                .iter_mut()
+                .for_each(|cell| *cell = ((i32::from(*cell) * factor) >> 15) as i16);
+        }
+    }
+
+    /// Moves the vehicle on; cells that come into reach are empty.
+    pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
+        self.map_from_vehicle *= previous_from_current;
+        self.map_from_vehicle.rotation.renormalize();
+        let side = self.cells.width() as i64;
+        // Once around the torus nothing is another place.
+        let around_m = side as f64 * self.cell_m;
+        let whole = self.map_from_vehicle.translation.vector.map(|m| (m / around_m).trunc());
+        self.map_from_vehicle.translation.vector -= whole * around_m;
+        self.corner = [self.corner[0] - whole.x as i64 * side, self.corner[1] - whole.y as i64 * side];
+        let before = self.corner;
+        self.corner = self.corner_now();
+        for axis in [0, 1] {
+            let entered = if self.corner[axis] >= before[axis] {
+                before[axis] + side..self.corner[axis] + side
+            } else {
+                self.corner[axis]..before[axis]
+            };
+            let count = (entered.end - entered.start).min(side);
+            for line in (entered.start..entered.start + count).map(|line| (line & (side - 1)) as usize) {
+                if axis == 1 {
+                    self.cells.row_mut(line).fill(0);
+                } else {
+                    (0..side as usize).for_each(|row| self.cells.row_mut(row)[line] = 0);
+                }
+            }
+        }
+    }
+
+    /// First column and row in reach when the middle of the view is the middle of the map.
+    fn corner_now(&self) -> [i64; 2] {
+        let Some(grid) = &self.grid else { return [0, 0] };
+        let middle = self.map_from_vehicle * Point2::new(0.5 * (grid.near_m() + grid.far_m()), 0.0);
+        let half = (self.cells.width() / 2) as i64;
+        [middle.x, middle.y].map(|m| (m / self.cell_m).round() as i64 - half)
+    }
+
+    /// Place in the map, cells, of a place in the view, pixels.
+    fn cell_of(&self, grid: &GroundGrid, column: f64, row: f64) -> [f64; 2] {
+        let p_in_map = self.map_from_vehicle * grid.vehicle_from_ground(GroundPixel { column, row });
+        [p_in_map.x / self.cell_m, p_in_map.y / self.cell_m]
+    }
+
+    /// What the map says about every square of [`RoadMap::side_px`] pixels of the view: its prior probability (256 would be
+    /// 1), and 1 where that is known, 0 elsewhere.
+    pub(super) fn read(&self, prior: &mut Plane<u8>, known: &mut Plane<u8>) {
+        let Some(grid) = self.grid else { return };
+        let side = self.side_px;
+        let size = (grid.columns().div_ceil(side), grid.rows().div_ceil(side));
+        if prior.size() != size {
+            prior.reset(size.0, size.1, 0);
+            known.reset(size.0, size.1, 0);
+        }
+        let middle = 0.5 * (side as f64 - 1.0);
+        let at = |column: usize, row: usize| {
+            self.cell_of(&grid, (column * side) as f64 + middle, (row * side) as f64 + middle).map(fixed)
+        };
+        let ([x0, y0], [x1, y1]) = (at(0, 0), at(1, 0));
+        let step = [x1 - x0, y1 - y0];
+        let mask = self.cells.width() - 1;
+        let cells = self.cells.as_slice();
+        let log_side = self.cells.width().trailing_zeros();
+        for row in 0..size.1 {
+            let [mut x, mut y] = at(0, row);
+            for (prior, known) in prior.row_mut(row).iter_mut().zip(known.row_mut(row)) {
+                let (left, upper) = ((x >> PLACE_BITS) as usize, (y >> PLACE_BITS) as usize);
+                let (columns, rows) = ([left & mask, (left + 1) & mask], [upper & mask, (upper + 1) & mask]);
+                let cell = |column: usize, row: usize| {
+                    i32::from(cells.get((rows[row] << log_side) + columns[column]).copied().unwrap_or(0))
+                };
+                // Weights of 8 bits are finer than the log-odds of any cell's edge.
+                let (right, below) = (((x >> 8) & 255) as i32, ((y >> 8) & 255) as i32);
+                let upper = cell(0, 0) * (256 - right) + cell(1, 0) * right;
+                let lower = cell(0, 1) * (256 - right) + cell(1, 1) * right;
+                let units =
+                    (((upper >> 8) * (256 - below) + (lower >> 8) * below) >> 8).clamp(-MAX_UNITS, MAX_UNITS);
+                *prior = self.model.prior.get(((units + MAX_UNITS) >> 1) as usize).copied().unwrap_or(0);
+                *known = u8::from(units.abs() >= self.model.min_known);
+                x += step[0];
+                y += step[1];
+            }
+        }
+    }
+
+    /// Adds what is seen in a frame.
+    pub(super) fn add(&mut self, seen: &Plane<u8>, validity: &ValidityMask) {
+        let Some(grid) = self.grid.filter(|grid| (grid.columns(), grid.rows()) == seen.size()) else {
+            return;
+        };
+        let (width, height) = (grid.columns(), grid.rows());
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, bottom]| {
+            let last = |length: usize, share: usize| share as f64 * (length as f64 - 1.0);
+            self.cell_of(&grid, last(width, right), last(height, bottom))
+        });
+        let range = |axis: usize| {
+            let of = corners.map(|corner| corner[axis]);
+            let least = of.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            // One place of a torus must not be written twice.
+            let first = least.ceil() as i64;
+            first..=(most.floor() as i64).min(first + self.cells.width() as i64 - 1)
+        };
+        let (columns, rows) = (range(0), range(1));
+        let vehicle_from_map = self.map_from_vehicle.inverse();
+        let pixel_of = |column: i64, row: i64| {
+            let p_in_map = Point2::new(column as f64, row as f64) * self.cell_m;
+            let pixel = grid.ground_from_vehicle(vehicle_from_map * p_in_map);
+            // Half a pixel more, so that cutting off rounds.
+            [pixel.column + 0.5, pixel.row + 0.5]
+        };
+        let step = {
+            let ([u0, v0], [u1, v1]) = (pixel_of(0, 0), pixel_of(1, 0));
+            [u1 - u0, v1 - v0]
+        };
+        let keep = (256.0 * self.model.keep_seen).round() as i32;
+        let mask = self.cells.width() - 1;
+        for row in rows {
+            let [u, v] = pixel_of(*columns.start(), row);
+            let [first, end] = inside([u, v], step, [width as f64, height as f64], columns.clone().count());
+            let [mut u, mut v] = [u + first as f64 * step[0], v + first as f64 * step[1]].map(fixed);
+            let step = step.map(fixed);
+            let cells = self.cells.row_mut(row as usize & mask);
+            for column in *columns.start() + first..*columns.start() + end {
+                let pixel = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
+                (u, v) = (u + step[0], v + step[1]);
+                let index = pixel.0 * width + pixel.1;
+                let shown = validity.plane().as_slice().get(index).is_some_and(|&shown| shown != 0);
+                let (Some(&p), Some(&trust)) = (seen.as_slice().get(index), self.row_trust.get(pixel.0))
+                else {
+                    continue;
+                };
+                if shown && pixel.1 < width {
+                    let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
+                    let cell = &mut cells[column as usize & mask];
+                    *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
+                }
+            }
+        }
+    }
+}
+
+/// A place with [`PLACE_BITS`] behind the point.
+fn fixed(place: f64) -> i64 {
+    (place * f64::from(1_u32 << PLACE_BITS)).round() as i64
+}
+
+/// Which steps from `from` on lead to places inside `[0, size)`: the first, and the one after the last, of `count`.
+fn inside(from: [f64; 2], step: [f64; 2], size: [f64; 2], count: usize) -> [i64; 2] {
+    let (mut first, mut end) = (0.0_f64, count as f64);
+    for axis in [0, 1] {
+        // A step of less than this moves a place by less than a pixel over the whole map.
+        const STANDING: f64 = 1e-9;
+        if step[axis].abs() < STANDING {
+            if !(0.0..size[axis]).contains(&from[axis]) {
+                return [0, 0];
+            }
+            continue;
+        }
+        let at = [-from[axis] / step[axis], (size[axis] - from[axis]) / step[axis]];
+        first = first.max(at[0].min(at[1]).ceil());
+        end = end.min(at[0].max(at[1]).floor() + 1.0);
+    }
+    let first = first.min(count as f64) as i64;
+    [first, (end.max(0.0) as i64).max(first)]
+}
