@@ -4,6 +4,7 @@
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
 mod arguments;
+mod calibrate;
 mod demo;
 mod driver;
 mod evaluate;
@@ -39,6 +40,8 @@ enum Command {
     Run(run::RunArgs),
     Simulate(simulate::SimulateArgs),
     #[command(subcommand)]
+    Calibrate(calibrate::CalibrateCommand),
+    #[command(subcommand)]
     Evaluate(evaluate::EvaluateCommand),
     Schema(schema::SchemaArgs),
 }
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Schema(args) => schema::schema(&args),
     };

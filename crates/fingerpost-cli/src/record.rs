@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use fingerpost::FrameOutput;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
+use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::track::{Followed, RouteStop, Sought, State};
 use fingerpost_eval::FeatureIdentity;
-use fingerpost_format::{ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, SoughtRecord, TrackState};
+use fingerpost_format::{
+    ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, SoughtRecord, TrackState,
+};
 use fingerpost_map::FeatureKind;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -64,6 +68,7 @@ pub(crate) fn frame_record(
         state: track_state(output.track.state),
         feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
+        mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
         driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
         driving_line_curvature_per_m: output
             .driving_line_curvature_per_m
@@ -94,6 +99,7 @@ pub(crate) fn broken_record(
         state: before.map_or(at_first, |record| record.state),
         feature: None,
         motion: None,
+        mount: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
@@ -103,6 +109,32 @@ pub(crate) fn broken_record(
         stage_ms: BTreeMap::new(),
         why: "the frame could not be used and was passed over".to_owned(),
         error: Some(error),
+    }
+}
+
+fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
+    let degrees = |rad: f64| rounded(rad.to_degrees(), DIGITS);
+    MountRecord {
+        pitch_deg: degrees(mount.pitch_rad),
+        yaw_deg: degrees(mount.yaw_rad),
+        roll_deg: degrees(mount.roll_rad),
+        suspension_pitch_deg: degrees(mount.suspension_pitch_rad),
+        sigma_deg: mount.sigma_rad.map(degrees),
+        state: match mount.state {
+            MountState::NotYetValid => MountRecordState::NotYetValid,
+            MountState::Valid => MountRecordState::Valid,
+            MountState::Moved => MountRecordState::Moved,
+        },
+        fault: mount.fault.map(|fault| MountFaultRecord {
+            angle: match fault.angle {
+                MountAngle::Pitch => "pitch",
+                MountAngle::Yaw => "yaw",
+                MountAngle::Roll => "roll",
+            }
+            .to_owned(),
+            by_deg: degrees(fault.by_rad),
+            since_frame: frame.saturating_sub(fault.frames_since as u64),
+        }),
     }
 }
 

@@ -17,6 +17,7 @@ pub(crate) const fn stage_name(stage: Stage) -> &'static str {
         Stage::GroundView => "ground_view",
         Stage::Road => "road",
         Stage::Motion => "motion",
+        Stage::Mount => "mount",
         Stage::Match => "match",
         Stage::DrivingLine => "driving_line",
     }

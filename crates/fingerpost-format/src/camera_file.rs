@@ -205,6 +205,30 @@ pub fn camera_to_toml(camera: &Camera) -> Result<String, CameraFileError> {
     toml::to_string(&file).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })
 }
 
+/// The `camera.toml` of a camera known by four picture points, pixels, and their places on the road, vehicle frame, metres.
+///
+/// # Errors
+/// [`CameraFileError::Geometry`] when they do not define a road seen from above, [`CameraFileError::Parse`] when the numbers
+/// have no TOML form.
+pub fn points_to_toml(
+    (width, height): (usize, usize),
+    image: [Pixel; 4],
+    road_m: [Point2<f64>; 4],
+) -> Result<String, CameraFileError> {
+    Camera::from_points(width, height, image, road_m)?;
+    let file = CameraFile {
+        image: ImageTable { width, height },
+        intrinsics: None,
+        distortion: None,
+        mount: None,
+        points: Some(PointsTable {
+            image_px: image.map(|pixel| [pixel.u, pixel.v]),
+            road_m: road_m.map(|place| [place.x, place.y]),
+        }),
+    };
+    toml::to_string(&file).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })
+}
+
 fn distortion_of(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
     match model {
         "none" => Ok(Distortion::None),

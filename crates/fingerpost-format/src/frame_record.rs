@@ -38,6 +38,9 @@ pub struct FrameRecord {
     pub sought: Option<SoughtRecord>,
     /// Motion since the frame before; none in the first frame and after a broken one.
     pub motion: Option<MotionRecord>,
+    /// Where the camera looks against its calibration; none for a camera known by points and in broken frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<MountRecord>,
     /// The driving line through the feature: `[forward, left]` in the vehicle frame, metres.
     pub driving_line_m: Vec<[f64; 2]>,
     /// Signed curvature at each point of the driving line, 1/m, positive to the left.
@@ -126,6 +129,49 @@ pub struct MotionRecord {
     pub yaw_rad: f64,
     /// 0 (do not believe it) to 1.
     pub quality: f64,
+}
+
+/// Whether the estimate of the camera's mount can be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MountRecordState {
+    /// Too little has been seen yet.
+    NotYetValid,
+    /// It can be used.
+    Valid,
+    /// The camera has been turned and its new direction is not known yet.
+    Moved,
+}
+
+/// Where the camera looks against its calibration: what would have to be added to the mount's angles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MountRecord {
+    /// Pitch, degrees, positive nose down, without the suspension's part.
+    pub pitch_deg: f64,
+    /// Yaw, degrees, positive left.
+    pub yaw_deg: f64,
+    /// Roll, degrees, positive left side up.
+    pub roll_deg: f64,
+    /// What the suspension adds to the pitch in this frame, degrees.
+    pub suspension_pitch_deg: f64,
+    /// Standard deviations of the four, in their order, degrees.
+    pub sigma_deg: [f64; 4],
+    /// Whether they can be used.
+    pub state: MountRecordState,
+    /// The camera's last move, while the state is `moved`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<MountFaultRecord>,
+}
+
+/// A camera that has been turned.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MountFaultRecord {
+    /// `pitch`, `yaw` or `roll`.
+    pub angle: String,
+    /// By how much, degrees.
+    pub by_deg: f64,
+    /// The frame in which it began, as far as can be told.
+    pub since_frame: u64,
 }
 
 /// The road's middle near the vehicle.

@@ -12,11 +12,11 @@ mod summary;
 mod times;
 mod truth;
 
-pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml};
+pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use frame_record::{
     CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord,
-    SoughtRecord, TrackState,
+    MountFaultRecord, MountRecord, MountRecordState, SoughtRecord, TrackState,
 };
 pub use lines::{LinesError, from_json_lines, to_json_line};
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};

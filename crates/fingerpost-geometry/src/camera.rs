@@ -168,18 +168,27 @@ impl Camera {
     /// The ray of a pixel: the optical centre and a unit direction, both in the vehicle frame (metres); none where
     /// no direction reaches that pixel, and for a camera known by points.
     pub fn ray(&self, pixel: Pixel) -> Option<(Point3<f64>, Unit<Vector3<f64>>)> {
-        let View::Calibrated { intrinsics, distortion, vehicle_from_camera, .. } = &self.view else {
+        let View::Calibrated { vehicle_from_camera, .. } = &self.view else {
+            return None;
+        };
+        let direction_in_camera = self.ray_in_camera(pixel)?;
+        Some((
+            vehicle_from_camera.translation.vector.into(),
+            vehicle_from_camera.rotation * direction_in_camera,
+        ))
+    }
+
+    /// The direction of a pixel in the camera frame (x right, y down, z forward), whatever the mount; none where no
+    /// direction reaches that pixel, and for a camera known by points.
+    pub fn ray_in_camera(&self, pixel: Pixel) -> Option<Unit<Vector3<f64>>> {
+        let View::Calibrated { intrinsics, distortion, .. } = &self.view else {
             return None;
         };
         let distorted = nalgebra::Vector2::new(
             (pixel.u - intrinsics.cx) / intrinsics.fx,
             (pixel.v - intrinsics.cy) / intrinsics.fy,
         );
-        let direction_in_camera = distortion.undistort(distorted)?;
-        Some((
-            vehicle_from_camera.translation.vector.into(),
-            vehicle_from_camera.rotation * direction_in_camera,
-        ))
+        distortion.undistort(distorted)
     }
 
     /// Whether a pixel lies inside the picture, so that it can be interpolated.

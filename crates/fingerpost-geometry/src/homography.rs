@@ -80,6 +80,11 @@ impl Homography {
         Ok(Self { image_from_road, road_from_image })
     }
 
+    /// The map as a matrix, with a positive third coordinate in front of the camera.
+    pub(crate) const fn image_from_road(&self) -> &Matrix3<f64> {
+        &self.image_from_road
+    }
+
     /// Where a place on the road is in the picture; none behind the camera.
     pub fn pixel_of_ground(&self, p_in_vehicle: Point2<f64>) -> Option<Pixel> {
         let p = self.image_from_road * Vector3::new(p_in_vehicle.x, p_in_vehicle.y, 1.0);

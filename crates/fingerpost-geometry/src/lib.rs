@@ -13,6 +13,7 @@ mod error;
 mod ground_grid;
 mod homography;
 mod mount;
+mod mount_from_points;
 mod pixel;
 mod polyline;
 
@@ -23,5 +24,6 @@ pub use error::GeometryError;
 pub use ground_grid::{GroundGrid, GroundPixel};
 pub use homography::Homography;
 pub use mount::Mount;
+pub use mount_from_points::MountFromPoints;
 pub use pixel::Pixel;
 pub use polyline::{Footpoint, Polyline};

@@ -10,18 +10,22 @@
 //! | [`picture`] | planes, views, colour pictures, rectangles | |
 //! | [`warp`] | resampling through a table built once | |
 //! | [`colour`] | grey, hue and saturation, histogram bins, planar YUV | ITU-R BT.601, BT.709; Smith 1978 |
+//! | [`log_colour`], [`colour_clusters`] | log-chromaticity over blocks; distance to known colours | Finlayson et al. 2002 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
 //! | [`fusion`] | probability from two independent ones | Bayes 1763 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
-//! | [`morphology`] | dilation, thinning | Serra 1982; Zhang & Suen 1984 |
+//! | [`line_gradient`] | slopes across lines towards a vanishing point | |
+//! | [`passage`], [`geodesic`] | cost of a way over a picture, and the cheapest way | Fisher 1936; Toivanen 1996 |
+//! | [`morphology`] | dilation, opening along rows, thinning | Serra 1982; Zhang & Suen 1984 |
 //! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
+//! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
@@ -35,14 +39,22 @@ mod blocks;
 mod border;
 pub mod canny;
 pub mod colour;
+pub mod colour_clusters;
 pub mod components;
+pub mod corners;
+mod elementary;
 pub mod error;
 pub mod farneback;
 pub mod filter;
 pub mod fusion;
+pub mod geodesic;
 pub mod histogram;
 pub mod hough;
+pub mod line_gradient;
+pub mod log_colour;
+pub mod lucas_kanade;
 pub mod morphology;
+pub mod passage;
 pub mod picture;
 pub mod pyramid;
 pub mod simd;

@@ -5,9 +5,11 @@
 //! bilinearly. The widths of the Gaussian and the smallest level are those of OpenCV's `calcOpticalFlowFarneback`, so that
 //! flows can be compared with it.
 
+mod grey;
 mod halving;
 mod resize;
 
+pub use grey::GreyPyramid;
 pub use halving::{halve, reduce};
 pub use resize::Resizer;
 

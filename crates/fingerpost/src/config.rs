@@ -9,6 +9,7 @@ use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
 use crate::matching::MatchConfig;
 use crate::motion::MotionConfig;
+use crate::mount::MountConfig;
 use crate::road_surface::RoadSurfaceConfig;
 use crate::route_progress::RouteProgressConfig;
 use crate::track::TrackConfig;
@@ -26,6 +27,8 @@ pub struct Config {
     pub road_surface: RoadSurfaceConfig,
     /// Ego-motion.
     pub motion: MotionConfig,
+    /// Estimate of the camera's mount while driving.
+    pub mount: MountConfig,
     /// Masks of the route features.
     pub feature_mask: FeatureMaskConfig,
     /// Driving line through a feature.
@@ -83,6 +86,55 @@ impl Config {
                 1.0,
                 "a probability, 0 to 1",
             ),
+            (
+                "road_surface.online.columns",
+                self.road_surface.online.columns as f64,
+                16.0,
+                2048.0,
+                "16 to 2048 columns",
+            ),
+            (
+                "road_surface.online.rows",
+                self.road_surface.online.rows as f64,
+                16.0,
+                2048.0,
+                "16 to 2048 rows",
+            ),
+            (
+                "road_surface.online.surfaces",
+                self.road_surface.online.surfaces as f64,
+                1.0,
+                16.0,
+                "1 to 16 surfaces",
+            ),
+            (
+                "road_surface.online.marking_width_heights",
+                self.road_surface.online.marking_width_heights,
+                0.0,
+                1.0,
+                "0 to 1 camera heights",
+            ),
+            (
+                "road_surface.online.half_step",
+                self.road_surface.online.half_step,
+                0.05,
+                10.0,
+                "a step in log-brightness, 0.05 to 10",
+            ),
+            (
+                "road_surface.online.known_step",
+                self.road_surface.online.known_step,
+                0.0,
+                1.0,
+                "a share, 0 to 1",
+            ),
+            (
+                "road_surface.online.edges_along",
+                self.road_surface.online.edges_along,
+                0.0,
+                1.0,
+                "a share, 0 to 1",
+            ),
             ("motion.direct.width_m", self.motion.direct.width_m, 1.0, 40.0, "1 to 40 metres"),
             ("motion.direct.length_m", self.motion.direct.length_m, 1.0, 40.0, "1 to 40 metres"),
             (
@@ -106,6 +158,11 @@ impl Config {
                 20.0,
                 "1 to 20 metres",
             ),
+            ("mount.prior_sigma_deg", self.mount.prior_sigma_deg, 0.05, 10.0, "0.05 to 10 degrees"),
+            ("mount.drift_sigma_deg", self.mount.drift_sigma_deg, 0.0, 1.0, "0 to 1 degrees"),
+            ("mount.suspension_sigma_deg", self.mount.suspension_sigma_deg, 0.01, 5.0, "0.01 to 5 degrees"),
+            ("mount.valid_sigma_deg", self.mount.valid_sigma_deg, 0.02, 5.0, "0.02 to 5 degrees"),
+            ("mount.moved_deg", self.mount.moved_deg, 0.5, 45.0, "0.5 to 45 degrees"),
             ("feature_mask.arm_width_share", self.feature_mask.arm_width_share, 0.05, 2.0, "0.05 to 2"),
             (
                 "feature_mask.heading_step_deg",

@@ -68,6 +68,7 @@ pub struct GroundView {
     table: WarpTable,
     division: BinDivision,
     nearest_seen_m: f64,
+    camera: Camera,
     camera_foot: Point2<f64>,
     camera_height_m: f64,
 }
@@ -135,7 +136,15 @@ impl GroundView {
             View::Calibrated { mount, .. } => (Point2::new(mount.x_m, mount.y_m), mount.height_m),
             View::RoadPlane(_) => (Point2::origin(), CAR_CAMERA_HEIGHT_M),
         };
-        Ok(Self { grid, table, division, nearest_seen_m, camera_foot, camera_height_m })
+        Ok(Self {
+            grid,
+            table,
+            division,
+            nearest_seen_m,
+            camera: camera.clone(),
+            camera_foot,
+            camera_height_m,
+        })
     }
 
     /// The raster of the ground view.
@@ -151,6 +160,11 @@ impl GroundView {
     /// The bottom of what is seen straight ahead, metres from the vehicle's origin.
     pub const fn nearest_seen_m(&self) -> f64 {
         self.nearest_seen_m
+    }
+
+    /// The camera that the view is made from.
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     /// The place on the road below the camera, vehicle frame, metres.

@@ -15,6 +15,7 @@ pub mod ground_view;
 mod kerbs;
 pub mod matching;
 pub mod motion;
+pub mod mount;
 pub mod pipeline;
 pub mod road_surface;
 pub mod route_progress;

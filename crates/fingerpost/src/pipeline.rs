@@ -1,6 +1,6 @@
 //! The pipeline: one frame in, where the next junction is and how to drive through it out.
 
-use fingerpost_geometry::{Camera, GeometryError};
+use fingerpost_geometry::{Camera, GeometryError, View};
 use fingerpost_map::{LatLon, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -13,6 +13,7 @@ use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
+use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::why::Why;
@@ -31,6 +32,8 @@ pub enum Stage {
     GroundView,
     /// Ground views to ego-motion.
     Motion,
+    /// The camera's own motion to the mount's estimate.
+    Mount,
     /// Ground view to road probability.
     Road,
     /// Masks, match and track.
@@ -46,6 +49,8 @@ pub struct FrameOutput {
     pub track: TrackOutput,
     /// Motion since the frame before.
     pub motion: Option<Motion>,
+    /// Where the camera looks against the calibration; none for a camera known by points.
+    pub mount: Option<MountEstimate>,
     /// Driving line through the followed feature: points in the vehicle frame, metres.
     pub driving_line: Vec<Point2<f64>>,
     /// Its signed curvature at each point, 1/m, positive to the left.
@@ -104,6 +109,9 @@ pub struct Pipeline {
     view: GroundView,
     detector: Box<dyn RoadDetector>,
     motion: Box<dyn MotionEstimator>,
+    camera: Camera,
+    attitude: AttitudeWatch,
+    mount: MountFilter,
     matcher: Matcher,
     tracker: Tracker,
     map: Option<TangentPlane>,
@@ -140,6 +148,9 @@ impl Pipeline {
         Ok(Self {
             detector: config.road_surface.detector()?,
             motion: config.motion.estimator()?,
+            camera: camera.clone(),
+            attitude: AttitudeWatch::new(),
+            mount: MountFilter::new(&config.mount),
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
@@ -171,6 +182,11 @@ impl Pipeline {
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
         finished(Stage::Motion);
 
+        if let (Some(seen), Some(motion)) = (self.attitude.look_at(&self.camera, frame)?, &motion) {
+            self.mount.observe(&seen, motion);
+        }
+        finished(Stage::Mount);
+
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
         let input = RoadInput { picture: ground, validity, sample, perspective, motion: motion.as_ref() };
@@ -183,9 +199,16 @@ impl Pipeline {
         finished(Stage::Match);
 
         output.motion = motion;
+        output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then(|| self.mount.estimate());
         output.place_driving_line(tracker.stops());
-        Why { track: &output.track, evidence: track_evidence, stops: tracker.stops(), config: &config.track }
-            .write_to(&mut output.why);
+        Why {
+            track: &output.track,
+            evidence: track_evidence,
+            stops: tracker.stops(),
+            config: &config.track,
+            mount: output.mount.as_ref(),
+        }
+        .write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
         let evidence = FrameEvidence {

@@ -6,6 +6,7 @@
 mod backprojection;
 mod memory;
 mod network;
+mod online;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -21,6 +22,7 @@ use thiserror::Error;
 pub use backprojection::{Backprojection, BackprojectionConfig};
 pub use memory::{Memory, MemoryConfig, MemoryEvidence};
 pub use network::{ChannelOrder, NetworkConfig, ScoreKind, TensorLayout};
+pub use online::{Online, OnlineConfig, OnlineEvidence};
 
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::Motion;
@@ -30,7 +32,7 @@ use crate::motion::Motion;
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
     /// "backprojection": the papers' histogram back-projection; "memory": the same, remembered as the vehicle moves on;
-    /// default "backprojection".
+    /// "online": a classifier trained as the drive goes; default "backprojection".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -38,6 +40,8 @@ pub struct RoadSurfaceConfig {
     pub sample_width_m: f64,
     /// The papers' detector.
     pub backprojection: BackprojectionConfig,
+    /// The classifier trained as the drive goes.
+    pub online: OnlineConfig,
     /// The memory.
     pub memory: MemoryConfig,
 }
@@ -49,6 +53,7 @@ impl Default for RoadSurfaceConfig {
             sample_length_m: 4.0,
             sample_width_m: 1.8,
             backprojection: BackprojectionConfig::default(),
+            online: OnlineConfig::default(),
             memory: MemoryConfig::default(),
         }
     }
@@ -63,17 +68,20 @@ pub enum RoadMethod {
     Backprojection,
     /// [`Memory`] of what back-projection finds.
     Memory,
+    /// [`Online`].
+    Online,
 }
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 2] = [Self::Backprojection, Self::Memory];
+    pub const ALL: [Self; 3] = [Self::Backprojection, Self::Memory, Self::Online];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Backprojection => "backprojection",
             Self::Memory => "memory",
+            Self::Online => "online",
         }
     }
 }
@@ -92,6 +100,7 @@ impl RoadSurfaceConfig {
         Ok(match self.detector {
             RoadMethod::Backprojection => backprojection,
             RoadMethod::Memory => Box::new(Memory::new(&self.memory, backprojection)),
+            RoadMethod::Online => Box::new(Online::new(&self.online)),
         })
     }
 
@@ -201,6 +210,8 @@ pub struct RoadEvidence {
     pub sample_probability: f64,
     /// Histograms in the rolling mean; 0 for a detector without one.
     pub histograms: usize,
+    /// What was learned and weighed; none for a detector that is not trained online.
+    pub online: Option<OnlineEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
     pub memory: Option<MemoryEvidence>,
 }

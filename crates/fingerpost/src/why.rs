@@ -6,6 +6,7 @@ use fingerpost_map::FeatureKind;
 
 use crate::feature_masks::SubMaskKind;
 use crate::matching::{Match, Participation};
+use crate::mount::{MountAngle, MountEstimate, MountFault};
 use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
 
 /// Name of a kind of feature as a sentence has it.
@@ -28,6 +29,8 @@ pub(crate) struct Why<'a> {
     pub(crate) stops: &'a [RouteStop],
     /// The thresholds.
     pub(crate) config: &'a TrackConfig,
+    /// The camera's mount, where it is estimated.
+    pub(crate) mount: Option<&'a MountEstimate>,
 }
 
 impl Why<'_> {
@@ -41,7 +44,10 @@ impl Why<'_> {
 
 impl Display for Why<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { track, evidence, stops, config } = *self;
+        let Self { track, evidence, stops, config, mount } = *self;
+        if let Some(fault) = mount.and_then(|mount| mount.fault.as_ref()) {
+            write!(f, "{}; ", MountFaultWords(fault))?;
+        }
         let name = |index: &usize| FeatureName(stops.get(*index));
         let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
         match (&evidence.decision, &track.followed) {
@@ -123,6 +129,28 @@ impl Display for Why<'_> {
 }
 
 const ROUTE_DONE: &str = "every feature of the route has been passed";
+
+/// A camera that has been moved as a sentence has it.
+struct MountFaultWords<'a>(&'a MountFault);
+
+impl Display for MountFaultWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let MountFault { angle, by_rad, frames_since } = self.0;
+        let degrees = by_rad.abs().to_degrees();
+        let way = match (angle, *by_rad > 0.0) {
+            (MountAngle::Pitch, true) => "down",
+            (MountAngle::Pitch, false) => "up",
+            (MountAngle::Yaw, true) => "to the left",
+            (MountAngle::Yaw, false) => "to the right",
+            (MountAngle::Roll, true) => "about its axis, left side up",
+            (MountAngle::Roll, false) => "about its axis, right side up",
+        };
+        write!(
+            f,
+            "the camera was turned by {degrees:.1} degrees {way} {frames_since} frames ago, calibrate its mount anew"
+        )
+    }
+}
 
 /// A feature as a sentence has it.
 struct FeatureName<'a>(Option<&'a RouteStop>);

@@ -69,6 +69,7 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
         state,
         feature: None,
         motion: None,
+        mount: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,

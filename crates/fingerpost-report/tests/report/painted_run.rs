@@ -131,6 +131,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
             yaw_rad: motion.previous_from_current.rotation.angle(),
             quality: motion.quality,
         }),
+        mount: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,

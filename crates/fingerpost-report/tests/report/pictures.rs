@@ -31,6 +31,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
     (0..rows).for_each(|row| validity.row_mut(row)[..columns / 2].fill(1));
     let output = FrameOutput {
         track: TrackOutput::default(),
+        mount: None,
         motion: None,
         driving_line_curvature_per_m: vec![0.0; line.len()],
         driving_line: line,

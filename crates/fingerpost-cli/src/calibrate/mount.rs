@@ -1,0 +1,243 @@
+//! `fingerpost calibrate mount`: pitch, yaw, roll and height of a camera from a drive.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use fingerpost::mount::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
+use fingerpost_format::camera_to_toml;
+use fingerpost_geometry::{Camera, Mount};
+use fingerpost_io::{FrameError, FrameSource, SourceOptions, read_camera, write_file};
+use fingerpost_vision::picture::RgbImage;
+use serde::Serialize;
+
+use crate::interrupt::Interrupt;
+use crate::output;
+
+/// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
+///
+/// Pitch and yaw come from the point of the picture that the vehicle drives towards, and from the road's own motion; roll
+/// from the road. The height needs a known speed, distance or lane width and stays as in the calibration without one. A
+/// drive that does not show the mount well enough is refused and nothing is written.
+#[derive(Debug, Args)]
+#[command(group(clap::ArgGroup::new("scale")))]
+pub(crate) struct MountArgs {
+    /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads.
+    #[arg(value_name = "INPUT")]
+    input: String,
+    /// Calibration of the camera; its mount is where the search begins, roughly is enough.
+    #[arg(long, value_name = "FILE")]
+    camera: PathBuf,
+    /// Mean speed of the vehicle over the whole input, metres a second.
+    #[arg(long, value_name = "V", group = "scale")]
+    speed_mps: Option<f64>,
+    /// Distance driven from the first frame to the last, metres.
+    #[arg(long, value_name = "D", group = "scale")]
+    distance_m: Option<f64>,
+    /// Width of the lane that is driven in, from the middle of one marking to the middle of the other, metres.
+    #[arg(long, value_name = "W", group = "scale")]
+    lane_width_m: Option<f64>,
+    /// Stop after so many frames.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    frames: Option<u64>,
+    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
+    #[arg(long, value_name = "N")]
+    fps: Option<f64>,
+    /// Calibration to write, camera.toml.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print the mount with its standard deviations as JSON on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A value with its standard deviation, as it is printed.
+#[derive(Debug, Serialize)]
+struct Printed {
+    value: f64,
+    sigma: f64,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct Report {
+    pitch_deg: Printed,
+    yaw_deg: Printed,
+    /// As the road showed it.
+    roll_deg: Option<Printed>,
+    /// Whether the written mount has that roll; if not, it has the one given.
+    roll_taken_over: bool,
+    /// None where no length was given and the height was kept.
+    height_m: Option<Printed>,
+    /// Pitch from the direction of travel alone, and from the road's plane alone.
+    travel_pitch_deg: Printed,
+    road_pitch_deg: Option<Printed>,
+    distance_m: Option<f64>,
+    frames: usize,
+    frames_moving: usize,
+    frames_straight: usize,
+    frames_with_road: usize,
+    /// The mount as written.
+    mount: WrittenMount,
+}
+
+#[derive(Debug, Serialize)]
+struct WrittenMount {
+    height_m: f64,
+    pitch_deg: f64,
+    yaw_deg: f64,
+    roll_deg: f64,
+    x_m: f64,
+    y_m: f64,
+}
+
+/// Known lengths that can be right: a vehicle, a drive, a lane.
+const SPEEDS_MPS: std::ops::RangeInclusive<f64> = 0.5..=100.0;
+const DISTANCES_M: std::ops::RangeInclusive<f64> = 5.0..=1e6;
+const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
+
+/// Calibrates the mount.
+pub(crate) fn mount(args: &MountArgs) -> Result<()> {
+    let known = known_scale(args)?;
+    let camera = read_camera(&args.camera)?;
+    let mut calibrator = MountCalibrator::new(&camera)?;
+    for_each_frame(args, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
+    let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
+    if let Some(lane_width_m) = args.lane_width_m {
+        let height = height_from_lane(args, &camera.with_mount(calibration.mount)?, lane_width_m)?;
+        let share = height.value / calibration.mount.height_m;
+        calibration.mount.height_m = height.value;
+        calibration.distance_m = calibration.distance_m.map(|distance_m| distance_m * share);
+        calibration.height = Some(height);
+    }
+    let calibrated = camera.with_mount(calibration.mount).context(NOTHING_WRITTEN)?;
+    write_file(&args.out, camera_to_toml(&calibrated)?)?;
+    say(&calibration, args);
+    if args.json { output::print_json(&report(&calibration)) } else { Ok(()) }
+}
+
+const NOTHING_WRITTEN: &str = "the mount cannot be trusted and nothing was written";
+
+fn known_scale(args: &MountArgs) -> Result<KnownScale> {
+    for (name, value, range) in [
+        ("--speed-mps", args.speed_mps, SPEEDS_MPS),
+        ("--distance-m", args.distance_m, DISTANCES_M),
+        ("--lane-width-m", args.lane_width_m, LANES_M),
+    ] {
+        if let Some(value) = value.filter(|value| !range.contains(value)) {
+            bail!("{name} {value} cannot be right; give {} to {}", range.start(), range.end());
+        }
+    }
+    Ok(match (args.speed_mps, args.distance_m) {
+        (Some(speed_mps), _) => KnownScale::SpeedMps(speed_mps),
+        (None, Some(distance_m)) => KnownScale::DistanceM(distance_m),
+        (None, None) => KnownScale::Nothing,
+    })
+}
+
+/// Hands every picture of the input on; broken ones are passed over.
+fn for_each_frame(args: &MountArgs, mut take: impl FnMut(&RgbImage, f64) -> Result<()>) -> Result<()> {
+    let options = SourceOptions { fps: args.fps, ..SourceOptions::default() };
+    let mut source = FrameSource::open(&args.input, &options)?;
+    let most = args.frames.unwrap_or(u64::MAX);
+    let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
+    let interrupt = Interrupt::listen()?;
+    let mut left = most;
+    while let Some(frame) = source.next().filter(|_| left > 0) {
+        if interrupt.wanted() {
+            bail!("interrupted; nothing was written");
+        }
+        left -= 1;
+        match frame.picture {
+            Ok(picture) => {
+                take(&picture, frame.t_s).with_context(|| format!("frame {}", frame.index))?;
+                source.recycle(picture);
+            }
+            Err(cause @ FrameError::Picture(_)) => output::message(&format!("passed over: {cause}")),
+            Err(cause @ FrameError::Video(_)) => return Err(cause.into()),
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn height_from_lane(args: &MountArgs, camera: &Camera, lane_width_m: f64) -> Result<Estimated> {
+    let mut lane = LaneWidth::new(camera)?;
+    for_each_frame(args, |picture, _| Ok(lane.add(picture)?))?;
+    let Some(width) = lane.width() else {
+        bail!(
+            "the drive shows no lane with markings on both sides for long enough, so that its width does not give the \
+             height; give --speed-mps or --distance-m instead; nothing was written"
+        );
+    };
+    let fingerpost_geometry::View::Calibrated { mount, .. } = camera.view() else {
+        bail!("a camera known by points has no height");
+    };
+    let value = mount.height_m * lane_width_m / width.value;
+    Ok(Estimated { value, sigma: value * width.sigma / width.value })
+}
+
+fn say(calibration: &MountCalibration, args: &MountArgs) {
+    let MountCalibration { mount, pitch, yaw, roll, height, .. } = calibration;
+    let degrees = |what: &str, of: &Estimated| {
+        output::message(&format!("{what}: {:.2}° ± {:.2}°", of.value.to_degrees(), of.sigma.to_degrees()));
+    };
+    degrees("pitch (positive nose down)", pitch);
+    degrees("yaw (positive left)", yaw);
+    match roll {
+        Some(roll) if calibration.roll_taken_over => degrees("roll (positive left side up)", roll),
+        Some(roll) => output::message(&format!(
+            "roll kept at {:.2}°: the road shows {:.2}° ± {:.2}°, which a crowned road may do",
+            mount.roll_rad.to_degrees(),
+            roll.value.to_degrees(),
+            roll.sigma.to_degrees()
+        )),
+        None => output::message(&format!(
+            "roll kept at {:.2}°: too little of the road's surface was seen",
+            mount.roll_rad.to_degrees()
+        )),
+    }
+    match height {
+        Some(height) => output::message(&format!("height: {:.3} m ± {:.3} m", height.value, height.sigma)),
+        None => output::message(&format!(
+            "height kept at {:.3} m; --speed-mps, --distance-m or --lane-width-m would measure it",
+            mount.height_m
+        )),
+    }
+    output::message(&format!(
+        "{} frames: {} moving, {} of them straight, {} with the road's surface; mount in {}",
+        calibration.frames,
+        calibration.frames_moving,
+        calibration.frames_straight,
+        calibration.frames_with_road,
+        args.out.display()
+    ));
+}
+
+fn report(calibration: &MountCalibration) -> Report {
+    let degrees = |of: Estimated| Printed { value: of.value.to_degrees(), sigma: of.sigma.to_degrees() };
+    let Mount { height_m, pitch_rad, yaw_rad, roll_rad, x_m, y_m } = calibration.mount;
+    Report {
+        pitch_deg: degrees(calibration.pitch),
+        yaw_deg: degrees(calibration.yaw),
+        roll_deg: calibration.roll.map(degrees),
+        roll_taken_over: calibration.roll_taken_over,
+        height_m: calibration.height.map(|height| Printed { value: height.value, sigma: height.sigma }),
+        travel_pitch_deg: degrees(calibration.travel_pitch),
+        road_pitch_deg: calibration.road_pitch.map(degrees),
+        distance_m: calibration.distance_m,
+        frames: calibration.frames,
+        frames_moving: calibration.frames_moving,
+        frames_straight: calibration.frames_straight,
+        frames_with_road: calibration.frames_with_road,
+        mount: WrittenMount {
+            height_m,
+            pitch_deg: pitch_rad.to_degrees(),
+            yaw_deg: yaw_rad.to_degrees(),
+            roll_deg: roll_rad.to_degrees(),
+            x_m,
+            y_m,
+        },
+    }
+}

@@ -1,0 +1,164 @@
+//! The mount while driving: where the camera looks against what the calibration says, and whether it has been moved.
+//!
+//! A camera's angles are known from a calibration, and then the vehicle is loaded, brakes, is washed or loses a screw. Every
+//! frame some of the angles can be seen anew: from the road's own motion in the ground view, from the point of the picture
+//! that the vehicle moves towards. Such [`AttitudeObservation`]s are noisy and rarely complete; [`MountFilter`] joins them
+//! into a [`MountEstimate`]: a slow correction to the configured mount, the suspension's part of the pitch, and whether
+//! either can be believed.
+//!
+//! Angles are those of the mount (`CONVENTIONS.md`): pitch positive nose down, yaw positive left, roll positive left side
+//! up, all as differences from the configured mount.
+//!
+//! Limits: height and place of the camera are taken as configured.
+
+mod calibration;
+mod camera_motion;
+mod fault;
+mod filter;
+mod lane_width;
+mod road_plane;
+mod sighting;
+mod sparse;
+mod watch;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use calibration::{CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};
+pub use filter::MountFilter;
+pub use lane_width::LaneWidth;
+pub use watch::AttitudeWatch;
+
+/// An angle as it was seen in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObservedAngle {
+    /// The angle, radians.
+    pub angle_rad: f64,
+    /// Its variance, square radians; never zero.
+    pub variance_rad2: f64,
+}
+
+/// What one frame says about the camera's attitude: differences from the configured mount, where they could be seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AttitudeObservation {
+    /// Pitch against the road that the vehicle stands on, the suspension's part included; positive nose down.
+    pub pitch: Option<ObservedAngle>,
+    /// Roll against that road; positive left side up.
+    pub roll: Option<ObservedAngle>,
+    /// Yaw against the direction of driving; positive left. None in turns, where the camera does not move straight ahead.
+    pub yaw: Option<ObservedAngle>,
+    /// Change of the pitch since the frame before.
+    pub pitch_change: Option<ObservedAngle>,
+    /// Change of the roll since the frame before.
+    pub roll_change: Option<ObservedAngle>,
+}
+
+/// Whether an estimate of the mount can be used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum MountState {
+    /// Too little has been seen yet.
+    #[default]
+    NotYetValid,
+    /// The estimate is known well enough to be used.
+    Valid,
+    /// The camera has been turned, and its new direction is not known well enough yet.
+    Moved,
+}
+
+/// An angle of the mount.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MountAngle {
+    /// Nose up and down.
+    Pitch,
+    /// Left and right.
+    Yaw,
+    /// About the direction of driving.
+    Roll,
+}
+
+/// A camera that has been turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MountFault {
+    /// The angle that changed most clearly.
+    pub angle: MountAngle,
+    /// By how much, radians.
+    pub by_rad: f64,
+    /// Frames since then, as far as can be told.
+    pub frames_since: usize,
+}
+
+/// Where the camera looks against the configured mount.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MountEstimate {
+    /// Slow correction to the configured pitch, radians, positive nose down.
+    pub pitch_rad: f64,
+    /// Slow correction to the configured yaw, radians, positive left.
+    pub yaw_rad: f64,
+    /// Slow correction to the configured roll, radians, positive left side up.
+    pub roll_rad: f64,
+    /// What the suspension adds to the pitch in this frame, radians, positive nose down.
+    pub suspension_pitch_rad: f64,
+    /// Standard deviations of pitch, yaw, roll and the suspension's pitch, radians; never zero.
+    pub sigma_rad: [f64; 4],
+    /// Whether the slow corrections can be used.
+    pub state: MountState,
+    /// What moved the camera last, while the state is [`MountState::Moved`].
+    pub fault: Option<MountFault>,
+}
+
+/// Settings of the mount's estimate while driving.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MountConfig {
+    /// How far the configured pitch, yaw and roll may be off, one standard deviation, degrees, 0.05 to 10; default 1.5.
+    pub prior_sigma_deg: f64,
+    /// How much each drifts in a hundred frames, one standard deviation, degrees, 0 to 1; default 0.1.
+    pub drift_sigma_deg: f64,
+    /// How far the suspension pitches the vehicle, one standard deviation, degrees, 0.01 to 5; default 0.3.
+    pub suspension_sigma_deg: f64,
+    /// Standard deviation of pitch and yaw below which the estimate is valid, degrees, 0.02 to 5; default 0.35.
+    pub valid_sigma_deg: f64,
+    /// Change of an angle from which the camera counts as moved, degrees, 0.5 to 45; default 1.8.
+    pub moved_deg: f64,
+}
+
+impl Default for MountConfig {
+    fn default() -> Self {
+        Self {
+            prior_sigma_deg: 1.5,
+            drift_sigma_deg: 0.1,
+            suspension_sigma_deg: 0.3,
+            valid_sigma_deg: 0.35,
+            moved_deg: 1.8,
+        }
+    }
+}
+
+impl ObservedAngle {
+    /// The joint value of two independent observations of one angle.
+    fn joined(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
+        let share = b.variance_rad2 / (a.variance_rad2 + b.variance_rad2);
+        Some(Self {
+            angle_rad: share * a.angle_rad + (1.0 - share) * b.angle_rad,
+            variance_rad2: share * a.variance_rad2,
+        })
+    }
+}
+
+impl AttitudeObservation {
+    /// This observation and an independent one of the same frame as one.
+    #[must_use]
+    pub fn joined_with(&self, other: &Self) -> Self {
+        Self {
+            pitch: ObservedAngle::joined(self.pitch, other.pitch),
+            roll: ObservedAngle::joined(self.roll, other.roll),
+            yaw: ObservedAngle::joined(self.yaw, other.yaw),
+            pitch_change: ObservedAngle::joined(self.pitch_change, other.pitch_change),
+            roll_change: ObservedAngle::joined(self.roll_change, other.roll_change),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+//! How the camera turned and which way it moved, from pairs of rays.
+//!
+//! What is seen from two places lies in one plane with the way between them (the epipolar constraint; R. Hartley and
+//! A. Zisserman, "Multiple view geometry", 2004, section 9): with rotation R and direction t of travel, t . (R p x q) = 0 for
+//! the rays p before and q after. Rotation and direction are fitted together, five unknowns, by Gauss-Newton on that
+//! product over its gradient (Sampson's distance, an angle here), with weights against what moves by itself (S. Geman and
+//! D. McClure, 1985). The direction is where the vehicle moves to: the focus of expansion, with the rotation taken out.
+//!
+//! Limits: a standing camera has no direction, which its standard deviation says.
+
+use nalgebra::{Matrix5, Rotation3, Unit, UnitQuaternion, Vector3, Vector5};
+
+use super::sparse::RayPair;
+
+/// A camera's motion between two frames, in the camera's own axes (x right, y down, z forward).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CameraMotion {
+    /// Takes directions of the older camera frame to the newer one.
+    pub(super) current_from_previous: UnitQuaternion<f64>,
+    /// Direction of travel in the newer camera frame.
+    pub(super) travel: Unit<Vector3<f64>>,
+    /// Standard deviation of each of the rotation's components, radians.
+    pub(super) rotation_sigma_rad: Vector3<f64>,
+    /// Standard deviations of the direction up or down, and to the sides, radians.
+    pub(super) travel_sigma_rad: [f64; 2],
+    /// Mean weight of the pairs: the share that agrees.
+    pub(super) agreeing: f64,
+}
+
+/// Memory of the fit.
+#[derive(Debug, Default)]
+pub(super) struct MotionFit {
+    sizes: Vec<f64>,
+    sorted: Vec<f64>,
+}
+
+const ITERATIONS: usize = 10;
+/// Fewer pairs than a few for each unknown say too little.
+const LEAST_PAIRS: usize = 20;
+/// Weights are halved where a residual is this many standard deviations.
+const WEIGHT_SIGMAS: f64 = 2.0;
+/// Median absolute deviation to standard deviation of a Gaussian.
+const MAD_TO_SIGMA: f64 = 1.4826;
+/// Least standard deviation of a residual, radians: a twentieth of a pixel of most cameras.
+const SIGMA_FLOOR_RAD: f64 = 5e-5;
+/// Changes smaller than this end the fit, radians.
+const SETTLED_RAD: f64 = 1e-5;
+
+impl MotionFit {
+    /// Makes room for so many pairs, so that no later fit needs more.
+    pub(super) fn reserve(&mut self, pairs: usize) {
+        for buffer in [&mut self.sizes, &mut self.sorted] {
+            buffer.clear();
+            buffer.reserve(pairs);
+        }
+    }
+
+    /// Fits the motion, beginning at no rotation and the direction `ahead`; none for too few pairs.
+    pub(super) fn fit(&mut self, pairs: &[RayPair], ahead: Unit<Vector3<f64>>) -> Option<CameraMotion> {
+        if pairs.len() < LEAST_PAIRS {
+            return None;
+        }
+        let (mut rotation, mut travel) = (UnitQuaternion::identity(), ahead);
+        let mut covariance = Matrix5::zeros();
+        let mut agreeing = 0.0;
+        for _ in 0..ITERATIONS {
+            let turn = rotation.to_rotation_matrix();
+            let sides = sides(&travel);
+            self.sizes.clear();
+            self.sizes.extend(pairs.iter().map(|pair| residual(pair, &turn, &travel).0.abs()));
+            self.sorted.clear();
+            self.sorted.extend_from_slice(&self.sizes);
+            let middle = self.sorted.len() / 2;
+            let (_, median, _) = self.sorted.select_nth_unstable_by(middle, f64::total_cmp);
+            let sigma = (MAD_TO_SIGMA * *median).max(SIGMA_FLOOR_RAD);
+            let mut information = Matrix5::zeros();
+            let mut gradient = Vector5::zeros();
+            agreeing = 0.0;
+            for (pair, size) in pairs.iter().zip(&self.sizes) {
+                let x = size / (WEIGHT_SIGMAS * sigma);
+                let weight = (1.0 + x * x).powi(-2);
+                let (residual, jacobian) = linearised(pair, &turn, &travel, &sides);
+                information += weight * jacobian * jacobian.transpose();
+                gradient += weight * residual * jacobian;
+                agreeing += weight;
+            }
+            agreeing /= pairs.len() as f64;
+            // A weak prior, five degrees, keeps what is not seen where it was.
+            let prior = (sigma / 0.1).powi(2);
+            for i in 0..5 {
+                information[(i, i)] += prior;
+            }
+            let factors = information.cholesky()?;
+            let change = -factors.solve(&gradient);
+            covariance = factors.inverse() * (sigma * sigma);
+            rotation = UnitQuaternion::from_scaled_axis(change.fixed_rows::<3>(0).into_owned()) * rotation;
+            travel = Unit::try_new(travel.into_inner() + sides[0] * change[3] + sides[1] * change[4], 1e-9)?;
+            if change.norm() < SETTLED_RAD {
+                break;
+            }
+        }
+        let sigma = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+        Some(CameraMotion {
+            current_from_previous: rotation,
+            travel,
+            rotation_sigma_rad: Vector3::new(sigma(0), sigma(1), sigma(2)),
+            travel_sigma_rad: [sigma(3), sigma(4)],
+            agreeing,
+        })
+    }
+}
+
+/// Unit vectors across a direction, the first mostly down the picture, the second mostly to its right.
+fn sides(travel: &Unit<Vector3<f64>>) -> [Vector3<f64>; 2] {
+    let right = Vector3::y().cross(travel).try_normalize(1e-9).unwrap_or_else(Vector3::x);
+    [travel.cross(&right), right]
+}
+
+/// Sampson's distance of a pair from the constraint, radians, with the turned older ray and the gradient's length.
+fn residual(pair: &RayPair, turn: &Rotation3<f64>, travel: &Unit<Vector3<f64>>) -> (f64, Vector3<f64>, f64) {
+    let turned = turn * pair.previous;
+    let product = travel.dot(&turned.cross(&pair.current));
+    // How the product changes when either ray is turned: its gradients across the rays.
+    let by_current = travel.cross(&turned);
+    let by_previous = pair.current.cross(travel);
+    let across =
+        |gradient: &Vector3<f64>, ray: &Vector3<f64>| gradient.norm_squared() - gradient.dot(ray).powi(2);
+    let length = (across(&by_current, &pair.current) + across(&by_previous, &turned)).max(1e-12).sqrt();
+    (product / length, turned, length)
+}
+
+/// The residual and its derivative by the rotation and the direction to both sides.
+fn linearised(
+    pair: &RayPair,
+    turn: &Rotation3<f64>,
+    travel: &Unit<Vector3<f64>>,
+    sides: &[Vector3<f64>; 2],
+) -> (f64, Vector5<f64>) {
+    let (residual, turned, length) = residual(pair, turn, travel);
+    let by_rotation = travel.dot(&turned) * pair.current - turned.dot(&pair.current) * travel.into_inner();
+    let cross = turned.cross(&pair.current);
+    let jacobian =
+        Vector5::new(by_rotation.x, by_rotation.y, by_rotation.z, sides[0].dot(&cross), sides[1].dot(&cross));
+    (residual, jacobian / length)
+}
