@@ -1,6 +1,8 @@
 //! A segmentation network: one picture in, the probability of road out.
 
-use fingerpost::road_surface::{ChannelOrder, NetworkConfig, ScoreKind, TensorLayout};
+use fingerpost::road_surface::{
+    ChannelOrder, NetworkConfig, RoadError, RoadNetwork, ScoreKind, TensorLayout,
+};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::warp::WarpTable;
 use ort::session::Session;
@@ -62,10 +64,7 @@ impl SegmentationNetwork {
 
     /// Finds the probability of road (255 = 1) in `frame`, into `probability`, which gets the size of the network's
     /// output; that shows the whole frame.
-    ///
-    /// # Errors
-    /// [`NetworkError`] when the network fails.
-    pub fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), NetworkError> {
+    fn find(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), NetworkError> {
         let reduction = match self.reduction.take() {
             Some(table) if table.source_size() == frame.size() => table,
             _ => reduction(frame.size(), self.resampled.size())?,
@@ -100,6 +99,12 @@ impl SegmentationNetwork {
             *out = (255.0 * road_probability(&self.config, raster.classes, score)).round() as u8;
         }
         Ok(())
+    }
+}
+
+impl RoadNetwork for SegmentationNetwork {
+    fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
+        self.find(frame, probability).map_err(|error| RoadError::Network { reason: error.to_string() })
     }
 }
 

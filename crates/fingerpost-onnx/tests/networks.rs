@@ -5,7 +5,7 @@
 
 use std::sync::OnceLock;
 
-use fingerpost::road_surface::{ChannelOrder, NetworkConfig, TensorLayout};
+use fingerpost::road_surface::{ChannelOrder, NetworkConfig, RoadNetwork, TensorLayout};
 use fingerpost_onnx::{NetworkError, OnnxRuntime, SegmentationNetwork};
 use fingerpost_vision::picture::{Plane, RgbImage};
 

@@ -7,6 +7,7 @@ mod backprojection;
 mod memory;
 mod network;
 mod online;
+mod perspective;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -21,7 +22,7 @@ use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
 pub use memory::{Memory, MemoryConfig, MemoryEvidence};
-pub use network::{ChannelOrder, NetworkConfig, ScoreKind, TensorLayout};
+pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -245,6 +246,17 @@ pub enum RoadError {
     /// Picture and validity do not fit together.
     #[error("road_surface: {0}")]
     Picture(#[from] PictureError),
+    /// A network is asked for, and none was given.
+    #[error(
+        "road_surface.detector = \"onnx\" needs a program that runs networks: build it with --features onnx"
+    )]
+    NoNetwork,
+    /// The network fails.
+    #[error("road_surface: {reason}")]
+    Network {
+        /// What it says.
+        reason: String,
+    },
 }
 
 /// A way to tell road from everything else.

@@ -1,11 +1,17 @@
-//! Settings of a segmentation network that a user brings.
+//! Road from a segmentation network that a user brings.
 //!
-//! Networks differ in the size and layout of their input and in what their output means; all of it is configured here,
-//! so that any network of one picture in and one score a class and pixel out can be used. The method itself runs none:
-//! the program does, with a library that it loads then.
+//! Networks differ in the size and layout of their input and in what their output means; all of it is configured, so
+//! that any network of one picture in and one score a class and pixel out can be used. The method itself runs none: a
+//! [`RoadNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
 
+use fingerpost_geometry::Pixel;
+use fingerpost_vision::picture::{Plane, Rect, RgbImage};
+use fingerpost_vision::warp::WarpTable;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use super::perspective::{KnownPerspective, clear_unseen};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 
 /// Settings of the detector "onnx": which network, and what goes in and comes out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,5 +93,174 @@ impl Default for NetworkConfig {
             road_classes: vec![1],
             threads: 1,
         }
+    }
+}
+
+/// A network that is ready to run.
+pub trait RoadNetwork: Send {
+    /// Finds the probability of road (255 = 1) all over `frame`, into `probability`, whose size is the network's choice.
+    ///
+    /// # Errors
+    /// [`RoadError::Network`] when the network fails.
+    fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError>;
+}
+
+/// The detector that asks a network.
+pub struct Network {
+    network: Box<dyn RoadNetwork>,
+    found: Plane<u8>,
+    layout: Option<Layout>,
+}
+
+/// Where the network's output lies in the picture that is asked for.
+struct Layout {
+    perspective: KnownPerspective,
+    frame: (usize, usize),
+    table: WarpTable,
+}
+
+impl Network {
+    /// A detector around `network`.
+    pub fn new(network: Box<dyn RoadNetwork>) -> Self {
+        Self { network, found: Plane::default(), layout: None }
+    }
+}
+
+impl RoadDetector for Network {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let frame = input.camera_picture();
+        self.network.segment(frame, &mut self.found)?;
+        let layout = match self.layout.take() {
+            Some(layout) if layout.serves(&input, &self.found) => layout,
+            _ => Layout::new(&input, &self.found)?,
+        };
+        let layout = self.layout.insert(layout);
+        if probability.size() != input.validity.size() {
+            let (width, height) = input.validity.size();
+            probability.reset(width, height, 0);
+        }
+        layout.table.warp_grey(&self.found, probability)?;
+        clear_unseen(input.validity, probability);
+        Ok(RoadEvidence {
+            detector: "onnx",
+            sample: input.sample,
+            sample_use: SampleUse::LeftOut,
+            sample_probability: mean_inside(input.sample, probability),
+            ..RoadEvidence::default()
+        })
+    }
+
+    fn reset(&mut self) {}
+}
+
+impl Layout {
+    fn new(input: &RoadInput<'_>, found: &Plane<u8>) -> Result<Self, RoadError> {
+        let frame = input.camera_picture().size();
+        let place = |place: f64, from: usize, to: usize| (place + 0.5) * to as f64 / from.max(1) as f64 - 0.5;
+        let found_from_frame =
+            |p: Pixel| [place(p.u, frame.0, found.width()), place(p.v, frame.1, found.height())];
+        Ok(Self {
+            perspective: KnownPerspective::of(input.perspective),
+            frame,
+            table: input.table_from_reduced(found.size(), found_from_frame)?,
+        })
+    }
+
+    fn serves(&self, input: &RoadInput<'_>, found: &Plane<u8>) -> bool {
+        self.perspective.is(input.perspective)
+            && self.frame == input.camera_picture().size()
+            && self.table.source_size() == found.size()
+            && self.table.target_size() == input.validity.size()
+    }
+}
+
+/// Mean probability inside a rectangle, 0 to 1.
+fn mean_inside(rect: Rect, probability: &Plane<u8>) -> f64 {
+    let (width, height) = probability.size();
+    let columns = rect.x.min(width)..(rect.x + rect.width).min(width);
+    let rows = rect.y.min(height)..(rect.y + rect.height).min(height);
+    let count = columns.len() * rows.len();
+    let total: u64 = rows.flat_map(|y| &probability.row(y)[columns.clone()]).map(|&p| u64::from(p)).sum();
+    total as f64 / (255 * count.max(1)) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+    use fingerpost_vision::colour::HueSaturationBins;
+    use fingerpost_vision::picture::ValidityMask;
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::ground_view::{GroundPicture, GroundView, GroundViewConfig};
+    use crate::road_surface::Perspective;
+
+    /// Finds road in the left half of the picture.
+    struct LeftIsRoad;
+
+    impl RoadNetwork for LeftIsRoad {
+        fn segment(&mut self, _: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
+            probability.reset(32, 24, 0);
+            (0..24).for_each(|y| probability.row_mut(y)[..16].fill(200));
+            Ok(())
+        }
+    }
+
+    struct Fails;
+
+    impl RoadNetwork for Fails {
+        fn segment(&mut self, _: &RgbImage, _: &mut Plane<u8>) -> Result<(), RoadError> {
+            Err(RoadError::Network { reason: "it is tired".into() })
+        }
+    }
+
+    const BINS: HueSaturationBins = HueSaturationBins { hue: 8, saturation: 8 };
+
+    fn estimate(network: Box<dyn RoadNetwork>, input: RoadInput<'_>) -> Result<Plane<u8>, RoadError> {
+        let mut probability = Plane::default();
+        Network::new(network).estimate(input, &mut probability)?;
+        Ok(probability)
+    }
+
+    #[test]
+    fn what_a_network_finds_is_laid_over_the_camera_picture() {
+        let picture = GroundPicture { colour: RgbImage::new(64, 48), ..GroundPicture::new(64, 48, BINS) };
+        let mut seen = Plane::new(64, 48, 1_u8);
+        seen.row_mut(10).fill(0);
+        let validity = ValidityMask::from_plane(seen);
+        let perspective = Perspective::Camera { horizon_row: 16.0 };
+        let sample = Rect { x: 0, y: 20, width: 64, height: 10 };
+        let input = RoadInput { picture: &picture, validity: &validity, sample, perspective, motion: None };
+        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
+        let at = |x, y| found.get(x, y);
+        assert_eq!([at(0, 47), at(28, 30), at(36, 30), at(63, 0)], [200, 200, 0, 0].map(Some));
+        assert_eq!(at(5, 10), Some(0), "an unseen row is no road");
+        let error = estimate(Box::new(Fails), input).unwrap_err();
+        assert!(error.to_string().contains("it is tired"), "{error}");
+    }
+
+    #[test]
+    fn the_left_of_the_camera_is_the_left_of_the_ground_view() {
+        let intrinsics = Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 10.0 };
+        let camera = Camera::calibrated(64, 48, intrinsics, Distortion::None, Mount::level(1.5)).unwrap();
+        let view = GroundView::new(&GroundViewConfig::default(), BINS, &camera).unwrap();
+        let (picture, frame) = (view.black_picture(), RgbImage::new(64, 48));
+        let input = RoadInput {
+            picture: &picture,
+            validity: view.validity(),
+            sample: Rect { x: 0, y: 0, width: 1, height: 1 },
+            perspective: Perspective::Ground { view: &view, frame: &frame },
+            motion: None,
+        };
+        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
+        let at = |forward_m: f64, left_m: f64| {
+            let pixel = view.grid().ground_from_vehicle(Point2::new(forward_m, left_m));
+            found.get(pixel.column.round() as usize, pixel.row.round() as usize)
+        };
+        assert_eq!([at(10.0, 2.0), at(10.0, -2.0), at(18.0, 4.0)], [200, 0, 200].map(Some));
     }
 }
