@@ -133,8 +133,14 @@ impl Loop {
         )?;
         let feature = crossroads(trapezium.side_m())?;
         let line = DrivingLine::new(&config.driving_line, &config.vehicle, &feature)?;
-        let masks =
-            MaskCache::new(&config.feature_mask, &config.vehicle, view.grid(), &feature, line.as_ref());
+        let masks = MaskCache::new(
+            &config.feature_mask,
+            config.track.alignment.kerb_radius_m,
+            &config.vehicle,
+            view.grid(),
+            &feature,
+            line.as_ref(),
+        );
         let middle = 0.5 * trapezium.side_px as f64;
         let p_in_vehicle = view.grid().vehicle_from_ground(GroundPixel { column: middle, row: middle });
         Ok(Self {

@@ -33,7 +33,7 @@ pub(crate) struct DemoArgs {
 }
 
 /// Mauren in Liechtenstein. Map data © OpenStreetMap contributors, ODbL 1.0; see the file beside it.
-const TOWN_OSM: &[u8] =
+pub(crate) const TOWN_OSM: &[u8] =
     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town.osm"));
 /// A kilometre over junctions, side roads and bends of it.
 const TOWN_ROUTE: &str =

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, anyhow};
 use fingerpost::ground_view::GroundViewError;
+use fingerpost::road_surface::SurfaceFile;
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
@@ -91,6 +92,21 @@ impl Driver {
         })
     }
 
+    /// Takes over surfaces known from earlier drives.
+    pub(crate) fn know(&mut self, surfaces: &SurfaceFile) -> Result<()> {
+        Ok(self.pipeline.road_detector_mut().know(surfaces)?)
+    }
+
+    /// The surfaces that are known by now.
+    pub(crate) fn known_surfaces(&self) -> Option<SurfaceFile> {
+        self.pipeline.road_detector().known_surfaces()
+    }
+
+    /// What the route's features are called.
+    pub(crate) fn features(&self) -> &[FeatureIdentity] {
+        &self.features
+    }
+
     /// Takes one frame in.
     pub(crate) fn step(
         &mut self,
@@ -108,7 +124,7 @@ impl Driver {
         self.frames_used += 1;
         let stage_ms = clock.stage_ms;
         let sought = evidence.track.sought.as_ref();
-        let record = frame_record(time, output, sought, &self.features, stage_ms);
+        let record = frame_record(time, output, sought, &evidence.road, &self.features, stage_ms);
         let mut clock = FrameClock::start();
         let FrameTime { frame, t_s } = time;
         let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
@@ -123,8 +139,13 @@ impl Driver {
     /// frame will fit; a later one is a broken frame.
     fn misfit(&self, time: FrameTime, picture: &RgbImage) -> Result<FrameResult> {
         let (width, height) = (self.drawing.camera.width(), self.drawing.camera.height());
+        let exchanged = if (picture.height(), picture.width()) == (width, height) {
+            "; width and height are exchanged"
+        } else {
+            ""
+        };
         let cause = anyhow!(
-            "the picture has {} x {} pixels and the calibration is for {width} x {height}; give the calibration of this \
+            "the picture has {} x {} pixels and the calibration is for {width} x {height}{exchanged}; give the calibration of this \
              camera at this size",
             picture.width(),
             picture.height()

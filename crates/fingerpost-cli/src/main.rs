@@ -5,6 +5,7 @@
 
 mod arguments;
 mod calibrate;
+mod campaign;
 mod demo;
 mod driver;
 mod evaluate;
@@ -39,6 +40,7 @@ enum Command {
     Route(route::RouteArgs),
     Run(run::RunArgs),
     Simulate(simulate::SimulateArgs),
+    Campaign(campaign::CampaignArgs),
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand),
     #[command(subcommand)]
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
+        Command::Campaign(args) => campaign::campaign(&args),
         Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Schema(args) => schema::schema(&args),

@@ -72,6 +72,9 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
             message(&format!("distance driven: {percent:.1} % off"));
         }
     }
+    for fault in &summary.mount_faults {
+        message(&fault.to_string());
+    }
     let Summary { frames, broken_frames, lost_frames, fps, .. } = summary;
     message(&format!("{frames} frames ({broken_frames} broken, {lost_frames} lost) at {fps:.1} a second"));
     message(&format!("results in {}; look at {}", out.display(), out.join("report.html").display()));

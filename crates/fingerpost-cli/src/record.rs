@@ -6,11 +6,12 @@ use fingerpost::FrameOutput;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
+use fingerpost::road_surface::RoadEvidence;
 use fingerpost::track::{Followed, RouteStop, Sought, State};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
     ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, SoughtRecord, TrackState,
+    MountRecordState, RoadSurfaceRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
@@ -57,6 +58,7 @@ pub(crate) fn frame_record(
     time: FrameTime,
     output: &FrameOutput,
     sought: Option<&Sought>,
+    road: &RoadEvidence,
     features: &[FeatureIdentity],
     stage_ms: BTreeMap<String, f64>,
 ) -> FrameRecord {
@@ -69,6 +71,7 @@ pub(crate) fn frame_record(
         feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
         mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
+        surface: Some(surface_record(road)),
         driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
         driving_line_curvature_per_m: output
             .driving_line_curvature_per_m
@@ -100,6 +103,7 @@ pub(crate) fn broken_record(
         feature: None,
         motion: None,
         mount: None,
+        surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
@@ -191,6 +195,17 @@ fn contrast_record(matched: &Match) -> ContrastRecord {
     ContrastRecord {
         overall: matched.contrast().map(|contrast| rounded(contrast, DIGITS)),
         arms: arms.collect(),
+    }
+}
+
+fn surface_record(road: &RoadEvidence) -> RoadSurfaceRecord {
+    let known = road.bank.as_ref().filter(|bank| bank.surface.is_some());
+    RoadSurfaceRecord {
+        detector: road.detector.to_owned(),
+        p: rounded(road.sample_probability, DIGITS),
+        name: known.and_then(|bank| Some(bank.surface.as_ref()?.to_string())),
+        likeness: known.map(|bank| rounded(bank.likeness, DIGITS)),
+        remembered_share: road.memory.map(|memory| rounded(memory.remembered_share, DIGITS)),
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost_eval::{FeatureIdentity, evaluate_junctions, feature_summaries};
-use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
+use fingerpost_format::{FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord};
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
 use fingerpost_report::{
@@ -189,6 +189,7 @@ impl Recorder {
             stage_ms: self.times.summary(),
             features: feature_summaries(&self.records, &self.subject.features),
             lost_frames: state_count(TrackState::Lost),
+            mount_faults: mount_faults(&self.records),
             truth: evaluation.as_ref().ok().and_then(|of_truth| Some(of_truth.as_ref()?.summary.clone())),
             interrupted: end == RunEnd::Interrupted,
         };
@@ -210,6 +211,14 @@ impl Recorder {
     }
 }
 
+/// The moves of the camera, each once.
+fn mount_faults(records: &[FrameRecord]) -> Vec<MountFaultRecord> {
+    let fault = |record: &FrameRecord| record.mount.as_ref().and_then(|mount| mount.fault.clone());
+    let mut faults: Vec<MountFaultRecord> = records.iter().filter_map(fault).collect();
+    faults.dedup();
+    faults
+}
+
 /// What the end of a run reads of a record. All of it is in the file, and a long run has many: what is kept of a frame
 /// decides how the memory grows.
 fn essence(mut record: FrameRecord) -> FrameRecord {
@@ -226,6 +235,7 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
         feature.sub.retain(|_, p| weakest.is_some_and(|weakest| p.total_cmp(&weakest).is_eq()));
     }
     FrameRecord {
+        surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         stage_ms: BTreeMap::new(),

@@ -3,9 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost::Sensors;
+use fingerpost::road_surface::SurfaceFile;
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{Frame, FrameError, FrameSource, SourceOptions, read_camera, read_truth};
 use fingerpost_map::Route;
@@ -43,6 +44,10 @@ pub(crate) struct RunArgs {
     /// GPS track with times, .gpx; its first position belongs to the first frame.
     #[arg(long, value_name = "FILE", requires = "route")]
     gps: Option<PathBuf>,
+    /// Road surfaces known from earlier drives, JSON; those learned on this one are added at its end. A file that does not
+    /// exist yet is made. Needs a detector that knows surfaces, such as "combined".
+    #[arg(long, value_name = "FILE")]
+    bank: Option<PathBuf>,
     /// Truth to compare with, truth.jsonl; the method never sees it.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
@@ -95,7 +100,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
-    let driver = Driver::new(setting, &wishes, frames)?;
+    let mut driver = Driver::new(setting, &wishes, frames)?;
+    if let Some(bank) = &args.bank {
+        learn_from(&mut driver, bank)?;
+    }
     let bar = output::progress(frames, "frames");
     let recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
@@ -123,6 +131,28 @@ fn check_out(input: &Path, out: &Path) -> Result<()> {
         bail!("{} would be replaced by the results; choose another --out", input.display());
     }
     Ok(())
+}
+
+/// Gives the method the surfaces of an earlier drive, where there was one.
+fn learn_from(driver: &mut Driver, bank: &Path) -> Result<()> {
+    if driver.known_surfaces().is_none() {
+        bail!(
+            "the road detector knows no surfaces to keep; set road_surface.detector to \"bank\" or \"combined\""
+        );
+    }
+    if !bank.exists() {
+        return Ok(());
+    }
+    let text = fingerpost_io::read_text(bank)?;
+    let surfaces: SurfaceFile = serde_json::from_str(&text).with_context(|| {
+        format!("{} is no file of known surfaces; give another, or remove it", bank.display())
+    })?;
+    driver.know(&surfaces).with_context(|| bank.display().to_string())
+}
+
+fn write_surfaces(bank: &Path, surfaces: &SurfaceFile) -> Result<()> {
+    let text = serde_json::to_string(surfaces).context("the known surfaces cannot be written as JSON")?;
+    Ok(fingerpost_io::write_file(bank, text)?)
 }
 
 fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {
@@ -153,6 +183,8 @@ impl RecordedDrive {
     fn run(mut self, mut recorder: Recorder, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
         let overlap = if args.threads == Some(NonZeroUsize::MIN) { Overlap::None } else { Overlap::Writing };
         let failure = overlap::each(overlap, self.by_ref(), |result| recorder.add(result)).err();
+        let learned = args.bank.as_deref().zip(self.driver.known_surfaces());
+        let kept = learned.map_or(Ok(()), |(bank, surfaces)| write_surfaces(bank, &surfaces));
         let interrupted = self.interrupt.wanted();
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
         let stopped = interrupted || failure.is_some();
@@ -173,6 +205,7 @@ impl RecordedDrive {
             bail!("none of the {frames} frames of {} could be used; the messages above say why", args.input);
         }
         let summary = summary?;
+        kept?;
         output::print_summary(&summary, &args.out);
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }

@@ -10,7 +10,7 @@ use std::{env, fs};
 use fingerpost::ground_view::{GroundView, GroundViewConfig};
 use fingerpost::road_surface::BackprojectionConfig;
 use fingerpost_format::{FrameRecord, Summary, from_json_lines};
-use fingerpost_geometry::GroundPixel;
+use fingerpost_geometry::{GroundPixel, View};
 use fingerpost_io::{FrameSource, SourceOptions, read_camera, read_picture};
 use fingerpost_map::{ArmRole, FeatureKind, read_route};
 use fingerpost_vision::picture::RgbImage;
@@ -47,6 +47,15 @@ fn frames(run: &Path) -> Vec<FrameRecord> {
     from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap()
 }
 
+/// What `evaluate motion` says of a run against poses.
+fn motion_evaluation(run: &Path, poses: &Path) -> serde_json::Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["evaluate", "motion", text(run), "--kitti-poses", text(poses), "--json"])
+        .output()
+        .unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
 #[test]
 fn a_street_with_a_junction() {
     let folder = TempDir::new().unwrap();
@@ -80,14 +89,78 @@ fn a_street_with_a_junction() {
     assert!(report.contains("24546162") && report.contains("data:image/jpeg;base64,"));
     assert!(fs::metadata(run.join("annotated.mp4")).unwrap().len() > 100_000);
 
-    let poses = data("kitti/gt_00.txt");
-    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
-        .args(["evaluate", "motion", text(&run), "--kitti-poses", text(&poses), "--json"])
-        .output()
-        .unwrap();
-    let motion: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let motion = motion_evaluation(&run, &data("kitti/gt_00.txt"));
     assert_eq!(motion["steps"], 129);
     assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{motion}");
+}
+
+/// With the height and the intrinsics alone: the pitch, most of a degree, is found while driving.
+#[test]
+fn ego_motion_without_a_known_pitch() {
+    let drives = [
+        ("00", level_camera(1241, 376, 718.856, [607.1928, 185.2157]), 129),
+        ("06", level_camera(1226, 370, 707.0912, [601.8873, 183.1104]), 50),
+    ];
+    for (drive, camera, steps) in drives {
+        let folder = TempDir::new().unwrap();
+        let (file, run) = (folder.path().join("camera.toml"), folder.path().join("run"));
+        fs::write(&file, camera).unwrap();
+        let input = data(&format!("kitti/frames{drive}"));
+        fingerpost(&["run", text(&input), "--camera", text(&file), "--out", text(&run)]);
+        let motion = motion_evaluation(&run, &data(&format!("kitti/gt_{drive}.txt")));
+        assert_eq!(motion["steps"], steps);
+        assert!(motion["motion_error_pct"].as_f64().unwrap() < 3.0, "{drive}: {motion}");
+        assert!(motion["end_heading_error_deg"].as_f64().unwrap() < 1.5, "{drive}: {motion}");
+    }
+}
+
+/// A street's camera as its calibration has it, with nothing known of the mount but the height.
+fn level_camera(width: usize, height: usize, focal: f64, centre: [f64; 2]) -> String {
+    let [cx, cy] = centre;
+    format!(
+        "[image]\nwidth = {width}\nheight = {height}\n[intrinsics]\nfx = {focal}\nfy = {focal}\ncx = {cx}\ncy = {cy}\n\
+         [mount]\nheight_m = 1.65\n"
+    )
+}
+
+/// Two drives of one car: its mount from either must be the same.
+#[test]
+fn the_mount_of_two_streets() {
+    let folder = TempDir::new().unwrap();
+    let mounts = [
+        ("kitti/frames00", level_camera(1241, 376, 718.856, [607.1928, 185.2157])),
+        ("kitti/frames06", level_camera(1226, 370, 707.0912, [601.8873, 183.1104])),
+    ]
+    .map(|(drive, camera)| {
+        let (camera_path, out) = (folder.path().join("camera.toml"), folder.path().join("out.toml"));
+        fs::write(&camera_path, camera).unwrap();
+        let input = data(drive);
+        fingerpost(&[
+            "calibrate",
+            "mount",
+            text(&input),
+            "--camera",
+            text(&camera_path),
+            "--out",
+            text(&out),
+        ]);
+        let run = folder.path().join("run");
+        fingerpost(&["run", text(&input), "--camera", text(&camera_path), "--out", text(&run)]);
+        let records = frames(&run);
+        let faults = records.iter().filter(|record| record.mount.as_ref().is_some_and(|m| m.fault.is_some()));
+        assert_eq!(faults.count(), 0, "{drive}");
+        let camera = read_camera(&out).unwrap();
+        match camera.view() {
+            View::Calibrated { mount, .. } => Some(*mount),
+            View::RoadPlane(_) => None,
+        }
+        .unwrap()
+    });
+    let [pitch_deg, yaw_deg] =
+        [mounts.map(|mount| mount.pitch_rad.to_degrees()), mounts.map(|mount| mount.yaw_rad.to_degrees())];
+    assert!((pitch_deg[0] - pitch_deg[1]).abs() < 0.3, "{pitch_deg:?}");
+    assert!((yaw_deg[0] - yaw_deg[1]).abs() < 0.4, "{yaw_deg:?}");
+    assert!(pitch_deg.iter().all(|pitch| (0.5..1.3).contains(pitch)), "nose down: {pitch_deg:?}");
 }
 
 #[test]
@@ -137,4 +210,28 @@ fn largest_offset_from_straight(points: &[[f64; 2]]) -> f64 {
     let slope = points.iter().map(|p| (p[0] - mean_x) * (p[1] - mean_y)).sum::<f64>()
         / points.iter().map(|p| (p[0] - mean_x).powi(2)).sum::<f64>();
     points.iter().map(|p| (p[1] - mean_y - slope * (p[0] - mean_x)).abs()).fold(0.0, f64::max)
+}
+
+/// How well the online classifier tells the road of labelled street pictures, at one threshold for the whole set.
+fn online_iou(set: &str, labels: &str, further: &[&str]) -> f64 {
+    let (images, labels) = (data(set), data(labels));
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["evaluate", "road", "--images", text(&images), "--labels", text(&labels), "--road", "3"])
+        .args(["--void", "11", "--detector", "online", "--json"])
+        .args(further)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let numbers: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    numbers["detectors"][0]["iou"].as_f64().unwrap()
+}
+
+#[test]
+fn the_online_classifier_tells_the_road_from_the_pavement() {
+    let day = online_iou("camvid/val", "camvid/valannot", &[]);
+    assert!(day > 0.89, "by day {day}");
+    let first_frames = online_iou("camvid/val", "camvid/valannot", &["--stills"]);
+    assert!(first_frames > 0.88, "every frame the first {first_frames}");
+    let dusk = online_iou("camvid/dusk", "camvid/duskannot", &[]);
+    assert!(dusk > 0.77, "at dusk {dusk}");
 }

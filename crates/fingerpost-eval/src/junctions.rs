@@ -28,6 +28,9 @@ pub struct JunctionEvaluation {
     /// Distance between reported and true place in state `arrived`, where the feature is below the vehicle's view and
     /// its place is dead reckoning, metres.
     pub arrived_position_error_m: Option<ErrorQuantiles>,
+    /// The distances behind `position_error_m`, in the order of frames, metres: quantiles over several runs need them all.
+    #[serde(skip)]
+    pub position_errors_m: Vec<f64>,
 }
 
 /// Compares the features that a run followed with the truth of the same drive.
@@ -106,12 +109,16 @@ pub fn evaluate_junctions(
         features_detected: count(&detected),
         false_detections,
         arrivals: count(&arrived),
-        position_error_m: error_quantiles(errors_m),
+        position_error_m: error_quantiles(errors_m.iter().copied()),
         motion_error_pct: distance_error_pct(records, &poses_from_truth(truth)),
         fix_error_m: None,
         bound_violations: None,
     };
-    Ok(JunctionEvaluation { summary, arrived_position_error_m: error_quantiles(arrived_errors_m) })
+    Ok(JunctionEvaluation {
+        summary,
+        arrived_position_error_m: error_quantiles(arrived_errors_m),
+        position_errors_m: errors_m,
+    })
 }
 
 /// The truth of every frame of a run, by frame.

@@ -6,6 +6,7 @@
 //! Quantiles are nearest-rank: the smallest value that at least the stated share of values does not exceed, so that
 //! every quantile is a value that occurred.
 
+mod campaign;
 mod error;
 mod features;
 mod junctions;
@@ -15,6 +16,7 @@ mod quantiles;
 mod road;
 mod truth_features;
 
+pub use campaign::CampaignTally;
 pub use error::EvalError;
 pub use features::{FeatureIdentity, feature_summaries};
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};

@@ -41,6 +41,9 @@ pub struct FrameRecord {
     /// Where the camera looks against its calibration; none for a camera known by points and in broken frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<MountRecord>,
+    /// The road's surface; none after a broken frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<RoadSurfaceRecord>,
     /// The driving line through the feature: `[forward, left]` in the vehicle frame, metres.
     pub driving_line_m: Vec<[f64; 2]>,
     /// Signed curvature at each point of the driving line, 1/m, positive to the left.
@@ -76,10 +79,10 @@ pub struct FeatureRecord {
     /// P(F_sub) of each sub-mask that took part, paper 1 equation 1.
     pub sub: BTreeMap<String, f64>,
     /// How much more its arms are road than what lies just outside their edges.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "ContrastRecord::is_unknown")]
     pub contrast: ContrastRecord,
     /// How sure it is, 0 to 1: P(F) times the probability that the arms which tell it end at a verge.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// Distance ahead, metres.
     pub forward_m: f64,
@@ -116,6 +119,13 @@ pub struct ContrastRecord {
     pub overall: Option<f64>,
     /// Each arm beside which a verge could be seen, by its label.
     pub arms: BTreeMap<String, f64>,
+}
+
+impl ContrastRecord {
+    /// Whether no verge was seen, so that there is nothing to write.
+    fn is_unknown(&self) -> bool {
+        self.overall.is_none() && self.arms.is_empty()
+    }
 }
 
 /// The vehicle's motion since the frame before, in the vehicle frame of that frame.
@@ -172,6 +182,34 @@ pub struct MountFaultRecord {
     pub by_deg: f64,
     /// The frame in which it began, as far as can be told.
     pub since_frame: u64,
+}
+
+/// The road's surface as it was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoadSurfaceRecord {
+    /// Name of the detector.
+    pub detector: String,
+    /// Mean probability of road just ahead of the vehicle, where road is assumed, 0 to 1.
+    pub p: f64,
+    /// The known surface under way, for a detector that knows any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// How like that the road just ahead is, 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub likeness: Option<f64>,
+    /// Share of the ground view that is not seen but remembered, for a detector with a memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remembered_share: Option<f64>,
+}
+
+impl std::fmt::Display for MountFaultRecord {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { angle, by_deg, since_frame } = self;
+        write!(
+            f,
+            "the camera was turned by {by_deg:.1} degrees ({angle}) about frame {since_frame}; calibrate its mount anew"
+        )
+    }
 }
 
 /// The road's middle near the vehicle.

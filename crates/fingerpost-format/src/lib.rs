@@ -6,6 +6,7 @@
 
 mod camera_file;
 mod camera_yaml;
+mod campaign;
 mod frame_record;
 mod lines;
 mod summary;
@@ -14,9 +15,10 @@ mod truth;
 
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
+pub use campaign::{Campaign, CampaignDrive, CampaignGroup, WorstDrive};
 pub use frame_record::{
     CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord,
-    MountFaultRecord, MountRecord, MountRecordState, SoughtRecord, TrackState,
+    MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SoughtRecord, TrackState,
 };
 pub use lines::{LinesError, from_json_lines, to_json_line};
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};

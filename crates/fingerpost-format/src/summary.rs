@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::MountFaultRecord;
+
 /// A run in numbers; the last table only where a truth file was given.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -20,6 +22,9 @@ pub struct Summary {
     pub features: Vec<FeatureSummary>,
     /// Frames in state `lost`.
     pub lost_frames: u64,
+    /// Every time the camera was found to have been turned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mount_faults: Vec<MountFaultRecord>,
     /// Comparison with truth.
     #[serde(flatten)]
     pub truth: Option<TruthSummary>,

@@ -156,3 +156,15 @@ fn times_count_from_the_first_and_never_backwards() {
         assert!(matches!(parse_times(text), Err(TimesError::NotANumber { line: 2, .. })), "{text}");
     }
 }
+
+#[test]
+fn a_surface_says_what_is_known_of_it_and_no_more() {
+    let with = |surface: &str| EXAMPLE.replacen('{', &format!(r#"{{"surface": {surface}, "#), 1);
+    let named = r#"{"detector":"combined","p":0.98,"name":"asphalt","likeness":0.9,"remembered_share":0.2}"#;
+    for surface in [named, r#"{"detector":"backprojection","p":0.5}"#] {
+        let frame: FrameRecord = serde_json::from_str(&with(surface)).unwrap();
+        assert_eq!(value(&to_json_line(&frame).unwrap())["surface"], value(surface));
+    }
+    let frame: FrameRecord = serde_json::from_str(EXAMPLE).unwrap();
+    assert_eq!(value(&to_json_line(&frame).unwrap()).get("surface"), None);
+}

@@ -81,6 +81,10 @@ impl Camera {
         let centre = "a principal point inside the picture, in pixels (is the picture's size right?)";
         check_range("intrinsics.cx", intrinsics.cx, 0.0, w, centre)?;
         check_range("intrinsics.cy", intrinsics.cy, 0.0, h, centre)?;
+        let ratio =
+            "a focal length along v within half and twice that along u, because pixels are nearly square";
+        check_range("intrinsics.fy", intrinsics.fy, 0.5 * intrinsics.fx, 2.0 * intrinsics.fx, ratio)?;
+        check_fold(&intrinsics, &distortion, [w, h])?;
         mount.check()?;
         let vehicle_from_camera = mount.vehicle_from_camera();
         let view = View::Calibrated { intrinsics, distortion, mount, vehicle_from_camera };
@@ -196,6 +200,23 @@ impl Camera {
         (0.0..=self.width as f64 - 1.0).contains(&pixel.u)
             && (0.0..=self.height as f64 - 1.0).contains(&pixel.v)
     }
+}
+
+/// A lens whose picture turns back before the middle of an edge shows some places twice; corners may lie beyond.
+fn check_fold(
+    intrinsics: &Intrinsics,
+    distortion: &Distortion,
+    [width, height]: [f64; 2],
+) -> Result<(), GeometryError> {
+    let Some(fold) = distortion.fold_radius() else { return Ok(()) };
+    let edge = |centre: f64, side: f64, focal: f64| (centre.max(side - 1.0 - centre), focal);
+    let (cx, cy) = (intrinsics.cx, intrinsics.cy);
+    for (edge_px, focal_px) in [edge(cx, width, intrinsics.fx), edge(cy, height, intrinsics.fy)] {
+        if edge_px > fold * focal_px {
+            return Err(GeometryError::FoldedLens { fold_px: fold * focal_px, edge_px });
+        }
+    }
+    Ok(())
 }
 
 fn check_size(width: usize, height: usize) -> Result<(), GeometryError> {

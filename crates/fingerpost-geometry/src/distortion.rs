@@ -75,6 +75,17 @@ impl Distortion {
         Ok(Self::KannalaBrandt { coefficients, max_angle_rad })
     }
 
+    /// Largest distance from the axis that the lens reaches in its picture, before the intrinsics, where a radial polynomial
+    /// turns back there; none where it does not, and for a fish-eye lens, whose picture may end inside the frame.
+    pub(crate) fn fold_radius(&self) -> Option<f64> {
+        match self {
+            Self::BrownConrady { coefficients, max_radius } if *max_radius < BROWN_CONRADY_LIMIT => {
+                Some(max_radius * radial_factor(coefficients, max_radius * max_radius))
+            }
+            _ => None,
+        }
+    }
+
     /// Normalised picture coordinates (before the intrinsics) of a direction in the camera frame; none where the
     /// lens does not see.
     pub fn distort(&self, direction: Vector3<f64>) -> Option<Vector2<f64>> {

@@ -29,6 +29,17 @@ pub enum GeometryError {
         /// How many were given.
         found: usize,
     },
+    /// The lens turns back on itself inside the picture.
+    #[error(
+        "the lens distortion folds back {fold_px:.0} pixels from the principal point, inside the picture, whose edge is \
+         {edge_px:.0} pixels away; the coefficients are of another lens or of another picture size, calibrate again"
+    )]
+    FoldedLens {
+        /// Distance from the principal point at which the picture would turn back, pixels.
+        fold_px: f64,
+        /// Distance of the picture's farthest edge, pixels.
+        edge_px: f64,
+    },
     /// Four point pairs do not define a road plane (three in a line, or a mirrored order).
     #[error(
         "the four picture points and their places on the road do not fit one plane seen from above: {reason}; \

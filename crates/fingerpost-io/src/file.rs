@@ -90,6 +90,19 @@ pub fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileErr
     fs::write(path, contents).map_err(FileError::writing(path))
 }
 
+/// Writes a whole file beside the one of that name and puts it in its place: whatever ends the program, the file is the
+/// old one or the new one.
+///
+/// # Errors
+/// [`FileError::Write`] when it cannot be written.
+pub fn replace_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".new");
+    let beside = PathBuf::from(beside);
+    write_file(&beside, contents)?;
+    fs::rename(&beside, path).map_err(FileError::writing(path))
+}
+
 /// Makes a folder with everything above it; one that exists stays as it is.
 ///
 /// # Errors

@@ -19,7 +19,7 @@ mod video_writer;
 pub use camera::{CameraReadError, read_camera};
 pub use drive_folder::{DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
-pub use file::{FileError, create_folder, read_bytes, read_text, write_file};
+pub use file::{FileError, create_folder, read_bytes, read_text, replace_file, write_file};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use picture_file::{
     EncodeError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg,

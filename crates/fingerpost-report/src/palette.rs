@@ -89,6 +89,11 @@ pub(crate) fn heat(probability: u8) -> Rgb {
     mix(STOPS[below], STOPS[below + 1], place - below as f64)
 }
 
+/// Colour of a road probability that is remembered, not seen: dark to light violet, unlike any colour of [`heat`].
+pub(crate) fn remembered(probability: u8) -> Rgb {
+    mix([44, 26, 50], [214, 140, 240], f64::from(probability) / 255.0)
+}
+
 /// Grey of a road probability, as the ground for coloured masks.
 pub(crate) fn shade(probability: u8) -> Rgb {
     // Kept off black and white, so that both dark unseen areas and light labels stand out.
@@ -127,5 +132,12 @@ mod tests {
         let lightness = |p: u8| heat(p).iter().map(|&c| u32::from(c)).sum::<u32>();
         assert!((0..255).all(|p| lightness(p) <= lightness(p + 1) + 1));
         assert!(lightness(255) > lightness(0) + 300);
+        for p in 0..=255 {
+            let nearest = (0..=255).map(|q| {
+                let apart = |channel: usize| i32::from(remembered(p)[channel]) - i32::from(heat(q)[channel]);
+                (0..3).map(|channel| apart(channel).pow(2)).sum::<i32>()
+            });
+            assert!(nearest.min().unwrap() > 20 * 20, "{p} remembered looks like something seen");
+        }
     }
 }

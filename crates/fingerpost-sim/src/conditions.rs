@@ -1,5 +1,7 @@
 //! What the drive looks like: markings, ground, light, camera. One struct of numbers and named presets of it; a new
-//! kind of day is a new preset, or a new number that the old presets leave at zero.
+//! kind of day is a new preset, or a new number that the old presets leave without effect.
+
+mod presets;
 
 use serde::{Deserialize, Serialize};
 
@@ -50,10 +52,33 @@ pub struct Conditions {
     pub bare_verge: f64,
     /// Strength of the road's patches, cracks and stains, where 1 is an ordinary road.
     pub road_wear: f64,
+    /// Light of the open sky, where 1 is a clear day's at the camera's exposure.
+    pub sky_light: f64,
+    /// Light of the sun, likewise.
+    pub sun_light: f64,
+    /// How much the sky is covered: the sky's light and colour turn from blue to grey, share.
+    pub overcast: f64,
+    /// How far the sun's colour has turned to that of a low sun, share.
+    pub sun_warmth: f64,
+    /// How dappled and how sharp shadows are, share: 0 for soft ones with few flecks of sun, 1 for hard edges that turn
+    /// soft from place to place, and for leaves that let many flecks through.
+    pub shadow_detail: f64,
+    /// Water on the ground: from 0, dry, to 1, a film that mirrors and puddles.
+    pub wetness: f64,
+    /// Length of the stretches after which a road's covering changes (asphalt old and new, concrete, gravel, earth),
+    /// metres; 0 for the map's covering all along.
+    pub stretch_m: f64,
+    /// Share of the roadsides with kerb and pavement in place of grass.
+    pub pavements: f64,
+    /// Dust on everything and in the air, which has its colour then, share.
+    pub dust: f64,
+    /// Distance over which about a quarter of a colour is lost to the air, metres.
+    pub haze_m: f64,
+    /// Dirt on the lens: share of the picture that blots cover.
+    pub lens_dirt: f64,
+    /// Light of the vehicle's low beam 10 m ahead, in the units of `sky_light`.
+    pub headlights: f64,
 }
-
-/// Names of the presets, in the order of the documentation.
-const NAMES: [&str; 5] = ["clear", "unmarked", "shadows", "rough", "ideal"];
 
 impl Default for Conditions {
     fn default() -> Self {
@@ -62,92 +87,6 @@ impl Default for Conditions {
 }
 
 impl Conditions {
-    /// A marked road on a bright day: mild shadows, undulation and suspension.
-    pub const CLEAR: Self = Self {
-        markings: Markings::Lines,
-        undulation_m: 0.03,
-        // A tenth of a degree: a sedan at 30 km/h on a good road.
-        suspension_rms_rad: 0.0022,
-        // A tenth of a degree for each m/s2: about 1 degree for each g.
-        suspension_rad_per_mps2: 0.0018,
-        wander_m: 0.10,
-        noise_levels: 2.0,
-        vignette: 0.18,
-        shadow_strength: 0.6,
-        sun_elevation_rad: 0.96,
-        sun_azimuth_rad: -2.2,
-        trees_per_100_m: 6.0,
-        houses_per_100_m: 2.0,
-        clearance_m: 1.8,
-        bare_verge: 0.25,
-        road_wear: 1.0,
-    };
-
-    /// No markings, a ragged verge of grass and soil, few houses.
-    pub const UNMARKED: Self = Self {
-        markings: Markings::None,
-        houses_per_100_m: 0.8,
-        bare_verge: 0.45,
-        road_wear: 1.3,
-        ..Self::CLEAR
-    };
-
-    /// Low sun from the side and many trees near the road.
-    pub const SHADOWS: Self = Self {
-        shadow_strength: 0.95,
-        sun_elevation_rad: 0.61,
-        trees_per_100_m: 18.0,
-        houses_per_100_m: 3.0,
-        ..Self::CLEAR
-    };
-
-    /// An uneven road: the horizon and the road's far part move.
-    pub const ROUGH: Self = Self {
-        undulation_m: 0.30,
-        suspension_rms_rad: 0.0060,
-        suspension_rad_per_mps2: 0.0030,
-        road_wear: 1.6,
-        ..Self::CLEAR
-    };
-
-    /// Flat ground, a rigid body, no shadow and no noise: what geometry is tested on.
-    pub const IDEAL: Self = Self {
-        undulation_m: 0.0,
-        suspension_rms_rad: 0.0,
-        suspension_rad_per_mps2: 0.0,
-        wander_m: 0.0,
-        noise_levels: 0.0,
-        vignette: 0.0,
-        shadow_strength: 0.0,
-        ..Self::CLEAR
-    };
-
-    /// The preset of that name: `clear`, `unmarked`, `shadows`, `rough` or `ideal`.
-    ///
-    /// ```
-    /// use fingerpost_sim::Conditions;
-    /// assert_eq!(Conditions::named("clear").unwrap(), Conditions::CLEAR);
-    /// assert!(Conditions::named("fog on the moon").is_err());
-    /// ```
-    ///
-    /// # Errors
-    /// [`SimError::UnknownConditions`] lists the names there are.
-    pub fn named(name: &str) -> Result<Self, SimError> {
-        match name {
-            "clear" => Ok(Self::CLEAR),
-            "unmarked" => Ok(Self::UNMARKED),
-            "shadows" => Ok(Self::SHADOWS),
-            "rough" => Ok(Self::ROUGH),
-            "ideal" => Ok(Self::IDEAL),
-            _ => Err(SimError::UnknownConditions { name: name.to_owned(), known: NAMES.join(", ") }),
-        }
-    }
-
-    /// The names that [`Self::named`] knows.
-    pub const fn names() -> &'static [&'static str] {
-        &NAMES
-    }
-
     /// Checks every number.
     ///
     /// # Errors
@@ -168,7 +107,20 @@ impl Conditions {
         check_range("houses_per_100_m", self.houses_per_100_m, 0.0, 20.0, "0 to 20")?;
         check_range("clearance_m", self.clearance_m, 1.5, 30.0, "1.5 to 30 metres")?;
         check_range("bare_verge", self.bare_verge, 0.0, 1.0, share)?;
-        check_range("road_wear", self.road_wear, 0.0, 3.0, "0 to 3")
+        check_range("road_wear", self.road_wear, 0.0, 3.0, "0 to 3")?;
+        check_range("sky_light", self.sky_light, 0.01, 3.0, "0.01 to 3")?;
+        check_range("sun_light", self.sun_light, 0.0, 3.0, "0 to 3")?;
+        check_range("overcast", self.overcast, 0.0, 1.0, share)?;
+        check_range("sun_warmth", self.sun_warmth, 0.0, 1.0, share)?;
+        check_range("shadow_detail", self.shadow_detail, 0.0, 1.0, share)?;
+        check_range("wetness", self.wetness, 0.0, 1.0, share)?;
+        check_range("stretch_m", self.stretch_m, 0.0, 1000.0, "0 to 1000 metres")?;
+        check_range("pavements", self.pavements, 0.0, 1.0, share)?;
+        check_range("dust", self.dust, 0.0, 1.0, share)?;
+        // Below 10 m the road itself is no longer seen.
+        check_range("haze_m", self.haze_m, 10.0, 1e5, "10 to 100000 metres")?;
+        check_range("lens_dirt", self.lens_dirt, 0.0, 1.0, share)?;
+        check_range("headlights", self.headlights, 0.0, 3.0, "0 to 3")
     }
 }
 
@@ -186,7 +138,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_answered_with_the_known_ones() {
         let message = Conditions::named("sleet").unwrap_err().to_string();
-        assert!(message.contains("sleet") && message.contains("clear, unmarked, shadows, rough, ideal"));
+        assert!(message.contains("sleet") && message.contains("clear, unmarked, shadows, rough, ideal, wet"));
     }
 
     #[test]

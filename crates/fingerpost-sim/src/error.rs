@@ -55,6 +55,15 @@ pub enum SimError {
         /// Distance to the nearest road, metres.
         distance_m: f64,
     },
+    /// A map without a route of the kind asked for.
+    #[error(
+        "none of {attempts} pairs of places on the map has a route of the wanted length and number of features; \
+         give a larger map"
+    )]
+    NoRandomRoute {
+        /// Pairs that were tried.
+        attempts: usize,
+    },
     /// The camera is known by four road points, which say nothing of what stands above the road.
     #[error(
         "the camera is known by four picture points only, which cannot show anything above the road; \

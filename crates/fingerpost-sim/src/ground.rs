@@ -72,7 +72,7 @@ const NO_STROKE: u32 = u32::MAX;
 
 impl GroundPoint {
     /// Country beyond the raster.
-    const OPEN: Self = Self {
+    pub(crate) const OPEN: Self = Self {
         edge_m: FAR_M as f32,
         edge_slope: [0.0; 2],
         other_m: FAR_M as f32,

@@ -11,13 +11,16 @@
 
 mod conditions;
 mod config;
+mod dirt;
 mod drive;
 mod error;
 mod ground;
 mod lens;
+mod light;
 mod noise;
 mod object;
 mod path;
+mod random_drive;
 mod relief;
 mod render;
 mod roads;
@@ -28,8 +31,10 @@ mod surface;
 mod texture;
 mod tone;
 mod truth;
+mod wet;
 
 pub use conditions::{Conditions, Markings};
 pub use config::{SimConfig, TrafficSide};
 pub use error::SimError;
+pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};

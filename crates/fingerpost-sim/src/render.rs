@@ -3,25 +3,30 @@
 //! Rays are taken through the lens once, in the camera frame; a frame's pose only turns them. The picture is worked in
 //! bands of square tiles; a tile keeps the objects whose ball its cone of rays may touch, whatever the lens does.
 //! Every pixel depends on the frame and its own place alone, so bands can be rendered in any order.
+//! Wet ground is a mirror: what it shows is what the camera's mirror image below the ground would see.
+
+mod nearby;
 
 use fingerpost_geometry::Camera;
 use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 
+use self::nearby::{Candidates, Nearby, Neighbour, first_hit};
 use crate::conditions::Conditions;
+use crate::dirt::Dirt;
 use crate::ground::GroundMap;
 use crate::lens::{Lens, TILE_PX};
+use crate::light::{Light, mixed};
 use crate::noise::mix;
 use crate::object::{Hit, Object, Ray, dot};
 use crate::relief::ReliefRaster;
 use crate::scenery::Scenery;
 use crate::sky::Sky;
 use crate::surface::{Colour, Footprint, Painter};
+use crate::wet::Water;
 use crate::{SimError, tone};
 
-/// Objects farther off than this are left to the haze, metres.
-const OBJECT_REACH_M: f32 = 160.0;
 /// Ground farther off than this is seen so flatly that its waves do not matter, metres.
 const RELIEF_REACH_M: f32 = 300.0;
 /// A step of the search for the ground that is shorter than this many pixels of ground is the last: the ground's slope
@@ -29,15 +34,13 @@ const RELIEF_REACH_M: f32 = 300.0;
 const GUESS_TOLERANCE: f32 = 3.0;
 /// Distant woods hide the ground beyond, metres.
 const GROUND_REACH_M: f32 = 900.0;
-/// Light of the open sky and of the sun on a surface that faces them.
-const SKY_LIGHT: Colour = [0.33, 0.39, 0.50];
-const SUN_LIGHT: Colour = [1.06, 1.00, 0.88];
-
 /// Where the camera is in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FrameView {
     /// Number of the frame, for its noise.
     pub(crate) frame: u64,
+    /// Time of the frame, for what moves by itself, seconds.
+    pub(crate) t_s: f64,
     /// Pose of the camera in the map frame.
     pub(crate) map_from_camera: Isometry3<f64>,
     /// Height of the ground below the vehicle, metres.
@@ -56,55 +59,12 @@ pub(crate) struct Renderer {
     painter: Painter,
     sky: Sky,
     develop: tone::Development,
+    light: Light,
+    dirt: Dirt,
     seed: u64,
     shadow_strength: f32,
-}
-
-/// An object near the camera, relative to it, metres.
-#[derive(Debug, Clone, Copy)]
-struct Neighbour {
-    object: u32,
-    /// Middle of the ball around it.
-    middle: [f32; 3],
-    /// Radius of that ball.
-    ball_m: f32,
-    /// Distance of the ball's middle.
-    distance_m: f32,
-    /// Radius of the upright cylinder around it.
-    radius_m: f32,
-    /// Distance over ground at which that cylinder begins.
-    from_m: f32,
-    /// Height of its top above the camera.
-    top_m: f32,
-}
-
-impl Neighbour {
-    fn new(object: u32, shape: &Object, origin: [f32; 3]) -> Self {
-        let (middle, ball_m) = shape.ball();
-        let middle = [0, 1, 2].map(|i| middle[i] - origin[i]);
-        let radius_m = shape.radius_m();
-        let over_ground_m = (middle[0] * middle[0] + middle[1] * middle[1]).sqrt();
-        Self {
-            object,
-            middle,
-            ball_m,
-            distance_m: dot(middle, middle).sqrt(),
-            radius_m,
-            from_m: (over_ground_m - radius_m).max(0.0),
-            top_m: shape.foot[2] + shape.height_m() - origin[2],
-        }
-    }
-
-    /// Whether a ray cannot meet the upright cylinder around the object, or is above its top when it gets there.
-    #[inline]
-    fn is_missed(&self, d: [f32; 3]) -> bool {
-        let flat2 = d[0] * d[0] + d[1] * d[1];
-        let beside = self.middle[0] * d[1] - self.middle[1] * d[0];
-        // The square keeps the comparison free of roots; it is only right where both sides are positive.
-        let rise = self.from_m * d[2];
-        beside * beside > self.radius_m * self.radius_m * flat2
-            || (rise > 0.0 && rise * rise > self.top_m * self.top_m.abs() * flat2)
-    }
+    shadow_detail: f32,
+    wetness: f32,
 }
 
 impl Renderer {
@@ -125,10 +85,14 @@ impl Renderer {
             relief,
             scenery,
             painter,
-            sky: Sky::new(seed),
+            sky: Sky::new(seed, conditions),
             develop: tone::Development::new(conditions),
+            light: Light::new(conditions),
+            dirt: Dirt::new(camera.width(), camera.height(), conditions, seed),
             seed,
             shadow_strength: conditions.shadow_strength as f32,
+            shadow_detail: conditions.shadow_detail as f32,
+            wetness: conditions.wetness as f32,
         })
     }
 
@@ -146,6 +110,11 @@ impl Renderer {
     }
 }
 
+/// The mirror image of a place below level ground.
+fn mirrored([x, y, up]: [f32; 3], ground_m: f32) -> [f32; 3] {
+    [x, y, 2.0 * ground_m - up]
+}
+
 /// A frame being rendered.
 struct Shot<'a> {
     scene: &'a Renderer,
@@ -154,8 +123,10 @@ struct Shot<'a> {
     origin: [f32; 3],
     ground_m: f32,
     noise_seed: u64,
-    /// Objects within reach, nearest first.
-    near: Vec<Neighbour>,
+    t_s: f32,
+    /// What stands within reach of the camera, and of the camera's mirror image below wet ground.
+    near: Nearby,
+    below: Nearby,
 }
 
 impl<'a> Shot<'a> {
@@ -163,14 +134,17 @@ impl<'a> Shot<'a> {
         let matrix = view.map_from_camera.rotation.to_rotation_matrix();
         let rotation = [0, 1, 2].map(|c| [0, 1, 2].map(|r| matrix[(r, c)] as f32));
         let origin = [0, 1, 2].map(|i| view.map_from_camera.translation.vector[i] as f32);
-        let objects = scene.scenery.objects().iter().enumerate();
-        let mut near: Vec<Neighbour> = objects
-            .map(|(index, object)| Neighbour::new(index as u32, object, origin))
-            .filter(|near| near.distance_m < OBJECT_REACH_M && dot(near.middle, rotation[2]) > -near.ball_m)
-            .collect();
-        near.sort_by(|a, b| a.from_m.total_cmp(&b.from_m).then(a.object.cmp(&b.object)));
+        let objects = scene.scenery.objects();
+        let ground_m = view.ground_m as f32;
+        let near = Nearby::new(objects, origin, rotation[2]);
+        let below = if scene.wetness > 0.0 {
+            let [x, y, up] = rotation[2];
+            Nearby::new(objects, mirrored(origin, ground_m), [x, y, -up])
+        } else {
+            Nearby::default()
+        };
         let noise_seed = mix(scene.seed ^ mix(view.frame ^ 0x4652_414d));
-        Self { scene, rotation, origin, ground_m: view.ground_m as f32, noise_seed, near }
+        Self { scene, rotation, origin, ground_m, noise_seed, t_s: view.t_s as f32, near, below }
     }
 
     fn turned(&self, d: [f32; 3]) -> [f32; 3] {
@@ -181,9 +155,12 @@ impl<'a> Shot<'a> {
     fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
         let width = self.scene.width;
         let first = band * TILE_PX * width;
-        let mut candidates: Vec<Neighbour> = Vec::new();
+        let mut candidates = Candidates::default();
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
-            self.candidates(band * width.div_ceil(TILE_PX) + column, &mut candidates);
+            let (axis, cos, sin) = self.scene.lens.cones[band * width.div_ceil(TILE_PX) + column];
+            let axis = self.turned(axis);
+            self.near.touching((axis, cos, sin), &mut candidates.seen);
+            self.below.touching(([axis[0], axis[1], -axis[2]], cos, sin), &mut candidates.mirrored);
             for row in 0..mask.len() / width {
                 // Ground seen by neighbouring pixels is about as high: a good first guess.
                 let mut ground_m = self.ground_m;
@@ -197,28 +174,8 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Objects whose ball the tile's cone of rays may touch, nearest first.
-    fn candidates(&self, tile: usize, found: &mut Vec<Neighbour>) {
-        found.clear();
-        let (axis, cos, sin) = self.scene.lens.cones[tile];
-        let axis = self.turned(axis);
-        for near in &self.near {
-            let touches = near.distance_m <= near.ball_m || {
-                // Angle to the middle at most cone plus ball: compare cosines by the addition theorem.
-                let ball_sin = near.ball_m / near.distance_m;
-                let ball_cos = (1.0 - ball_sin * ball_sin).sqrt();
-                let limit = cos * ball_cos - sin * ball_sin;
-                let more_than_half_a_turn = sin * ball_cos + cos * ball_sin < 0.0;
-                more_than_half_a_turn || dot(near.middle, axis) >= limit * near.distance_m
-            };
-            if touches {
-                found.push(*near);
-            }
-        }
-    }
-
     #[inline]
-    fn pixel(&self, index: usize, candidates: &[Neighbour], ground_m: &mut f32) -> ([u8; 3], u8) {
+    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], u8) {
         let scene = self.scene;
         let (in_camera, off_centre) = scene.lens.pixels[index];
         if dot(in_camera, in_camera) < 0.5 {
@@ -227,13 +184,14 @@ impl<'a> Shot<'a> {
         let direction = self.turned(in_camera);
         let ground = self.ground_distance(direction, ground_m);
         let ray = Ray { origin: self.origin, direction };
-        let (light, road) = match self.first_hit(&ray, ground, candidates) {
+        let objects = scene.scenery.objects();
+        let (light, road) = match first_hit(objects, &ray, 0.0..ground, &candidates.seen) {
             Some((object, hit)) => (self.object_light(object, &hit), 0),
-            None if ground < GROUND_REACH_M => self.ground_light(direction, ground),
+            None if ground < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
             None => (scene.sky.colour(direction), 0),
         };
         let noise = mix(self.noise_seed ^ index as u64);
-        (scene.develop.develop(light, off_centre, noise), road)
+        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), road)
     }
 
     /// Distance along a ray to the ground, metres; infinite above the horizon. `ground_m` is a guess of the height
@@ -270,36 +228,53 @@ impl<'a> Shot<'a> {
     }
 
     #[inline]
-    fn first_hit(&self, ray: &Ray, mut limit: f32, candidates: &[Neighbour]) -> Option<(&'a Object, Hit)> {
-        let objects = self.scene.scenery.objects();
-        let mut best = None;
-        for near in candidates {
-            if near.from_m > limit {
-                break;
-            }
-            if near.is_missed(ray.direction) {
-                continue;
-            }
-            let object = &objects[near.object as usize];
-            if let Some(hit) = object.hit(ray).filter(|hit| hit.t < limit) {
-                limit = hit.t;
-                best = Some((object, hit));
-            }
+    fn ground_light(
+        &self,
+        d: [f32; 3],
+        in_camera: [f32; 3],
+        t: f32,
+        candidates: &Candidates,
+    ) -> (Colour, u8) {
+        let scene = self.scene;
+        let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
+        let point = scene.ground.at(x, y);
+        let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
+        let across_m = t * scene.lens.pixel_rad;
+        let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
+        let (road, colour) = scene.painter.ground(x, y, &point, &footprint);
+        let shadow = if scene.shadow_detail > 0.0 {
+            let detailed = scene.painter.detailed_shadow(x, y, &point, footprint.fineness_m());
+            point.shadow + (detailed - point.shadow) * scene.shadow_detail
+        } else {
+            point.shadow
+        };
+        let sun = (1.0 - scene.shadow_strength * shadow) * scene.scenery.to_sun()[2].max(0.7);
+        let Light { sky, sun: full_sun, .. } = scene.light;
+        let mut lit = [0, 1, 2].map(|i| colour[i] * (sky[i] + full_sun[i] * sun));
+        if scene.light.has_low_beam() {
+            let beam = scene.light.low_beam(t * in_camera[2], t * in_camera[0]);
+            lit = [0, 1, 2].map(|i| lit[i] + colour[i] * beam[i]);
         }
-        best
+        if scene.wetness > 0.0 {
+            let water = Water::at(scene.wetness, &point, road);
+            let grain = scene.painter.grain(x, y, footprint.fineness_m());
+            let mirrored = self.mirrored_light(water.mirrored(d, grain), water.clear, &candidates.mirrored);
+            lit = mixed(lit.map(|c| c * water.brightness), mirrored, water.mirrored_share(d));
+        }
+        let thickness = scene.sky.thickness(x, y, self.t_s);
+        (scene.sky.hazed(lit, t * thickness), if road >= 0.5 { 255 } else { 0 })
     }
 
-    #[inline]
-    fn ground_light(&self, d: [f32; 3], t: f32) -> (Colour, u8) {
-        let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
-        let point = self.scene.ground.at(x, y);
-        let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
-        let across_m = t * self.scene.lens.pixel_rad;
-        let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
-        let (road, colour) = self.scene.painter.ground(x, y, &point, &footprint);
-        let sun = (1.0 - self.scene.shadow_strength * point.shadow) * self.scene.scenery.to_sun()[2].max(0.7);
-        let lit = [0, 1, 2].map(|i| colour[i] * (SKY_LIGHT[i] + SUN_LIGHT[i] * sun));
-        (Sky::hazed(lit, t), if road >= 0.5 { 255 } else { 0 })
+    /// What a mirrored ray meets, in a mirror that is `clear` or rough, taken from the mirror image of the camera.
+    #[inline(never)]
+    fn mirrored_light(&self, direction: [f32; 3], clear: f32, candidates: &[Neighbour]) -> Colour {
+        let ray = Ray { origin: mirrored(self.origin, self.ground_m), direction };
+        // Below ground it meets nothing.
+        let from_ground = (self.origin[2] - self.ground_m).max(0.0) / direction[2];
+        match first_hit(self.scene.scenery.objects(), &ray, from_ground..f32::INFINITY, candidates) {
+            Some((object, hit)) => self.object_light(object, &hit),
+            None => mixed(self.scene.sky.blurred(direction[2]), self.scene.sky.colour(direction), clear),
+        }
     }
 
     fn object_light(&self, object: &Object, hit: &Hit) -> Colour {
@@ -307,8 +282,9 @@ impl<'a> Shot<'a> {
         let colour = self.scene.painter.object(object, hit, footprint_m);
         let facing = dot(hit.normal, self.scene.scenery.to_sun()).max(0.0);
         // Less sky is seen by what faces down.
-        let sky = 0.7 + 0.3 * hit.normal[2];
-        let lit = [0, 1, 2].map(|i| colour[i] * (SKY_LIGHT[i] * sky + SUN_LIGHT[i] * facing));
-        Sky::hazed(lit, hit.t)
+        let seen_sky = 0.7 + 0.3 * hit.normal[2];
+        let Light { sky, sun, .. } = self.scene.light;
+        let lit = [0, 1, 2].map(|i| colour[i] * (sky[i] * seen_sky + sun[i] * facing));
+        self.scene.sky.hazed(lit, hit.t)
     }
 }

@@ -131,6 +131,7 @@ impl Simulator {
         let map_from_vehicle = self.map_from_vehicle(&state);
         let view = FrameView {
             frame: index as u64,
+            t_s: index as f64 / self.fps,
             map_from_camera: map_from_vehicle * self.mount_of(&state).vehicle_from_camera(),
             ground_m: map_from_vehicle.translation.vector.z,
         };

@@ -1,64 +1,21 @@
 //! Colours of the ground and of what stands on it, linear light.
 
-use crate::conditions::{Conditions, Markings};
+mod lane;
+mod varied;
+
+pub(crate) use self::lane::{EDGE_LINE_M, Lines};
+use self::lane::{Lane, LocalPlace};
+use self::varied::{Covering, Varied};
+use crate::conditions::Conditions;
 use crate::ground::GroundPoint;
+use crate::light::mixed;
 use crate::noise::{floor_int, mix, unit};
 use crate::object::{Hit, Object, Part};
-use crate::roads::{RoadNetwork, Stroke, Surface};
+use crate::roads::{RoadNetwork, Surface};
 use crate::texture::{Grain, Texture};
 
 /// Linear red, green, blue.
 pub(crate) type Colour = [f32; 3];
-
-/// Width of a white line, metres.
-const LINE_M: f32 = 0.14;
-/// Distance of an edge line's middle from the road's edge, metres.
-pub(crate) const EDGE_LINE_M: f64 = 0.25;
-/// Length of a dash and of dash and gap together, metres.
-const DASH_M: [f32; 2] = [3.0, 9.0];
-/// Narrowest two-way road with a centre line, metres.
-const CENTRE_LINE_FROM_M: f64 = 5.0;
-/// Narrowest road with edge lines, metres.
-const EDGE_LINES_FROM_M: f64 = 5.4;
-/// Lines stop this far from another road's edge, metres.
-const MOUTH_M: f32 = 0.6;
-
-/// A stroke as the pixels need it.
-#[derive(Debug, Clone, Copy)]
-struct Lane {
-    start: [f32; 2],
-    direction: [f32; 2],
-    along_m: f32,
-    half_width_m: f32,
-    lines: Lines,
-    surface: Surface,
-}
-
-/// Which white lines a road has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Lines {
-    /// A dashed line in the middle.
-    pub(crate) centre: bool,
-    /// A line along each edge.
-    pub(crate) edges: bool,
-}
-
-impl Lines {
-    /// The lines of a stroke under these markings.
-    pub(crate) fn of(stroke: &Stroke, markings: Markings) -> Self {
-        let drawn = markings == Markings::Lines && stroke.surface == Surface::Paved;
-        let width_m = 2.0 * stroke.half_width_m;
-        Self {
-            centre: drawn && stroke.two_way && width_m >= CENTRE_LINE_FROM_M,
-            edges: drawn && width_m >= EDGE_LINES_FROM_M,
-        }
-    }
-
-    /// Whether lines are drawn at a place so far from another road's edge.
-    pub(crate) fn interrupted(other_m: f32) -> bool {
-        other_m < MOUTH_M
-    }
-}
 
 /// How much ground a pixel covers and in which direction it is drawn out.
 #[derive(Debug, Clone, Copy)]
@@ -72,6 +29,12 @@ pub(crate) struct Footprint {
 }
 
 impl Footprint {
+    /// Side of a square as large, metres.
+    #[inline]
+    pub(crate) fn fineness_m(&self) -> f32 {
+        (self.across_m * self.along_m).sqrt()
+    }
+
     /// Extent in the direction of a (unit) vector, metres.
     #[inline]
     fn extent_m(&self, [x, y]: [f32; 2]) -> f32 {
@@ -90,19 +53,19 @@ pub(crate) struct Painter {
     lanes: Vec<Lane>,
     bare_verge: f32,
     wear: f32,
+    varied: Option<Varied>,
+    dust: f32,
 }
+
+/// How far leaves move a shadow's rim, share of its depth.
+const FLECKS: f32 = 0.36;
+/// Colour of dust that lies on the ground.
+const DUST: Colour = [0.42, 0.345, 0.25];
 
 impl Painter {
     /// Paint for these roads.
     pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork) -> Self {
-        let lanes = roads.strokes().iter().map(|stroke| Lane {
-            start: [stroke.start.x as f32, stroke.start.y as f32],
-            direction: [stroke.direction.x as f32, stroke.direction.y as f32],
-            along_m: stroke.along_m as f32,
-            half_width_m: stroke.half_width_m as f32,
-            lines: Lines::of(stroke, conditions.markings),
-            surface: stroke.surface,
-        });
+        let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions.markings));
         Self {
             asphalt: Texture::new(seed, Grain::Asphalt),
             grass: Texture::new(seed, Grain::Grass),
@@ -110,6 +73,8 @@ impl Painter {
             lanes: lanes.collect(),
             bare_verge: conditions.bare_verge as f32,
             wear: conditions.road_wear as f32,
+            varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),
+            dust: conditions.dust as f32,
         }
     }
 
@@ -122,16 +87,22 @@ impl Painter {
         } else {
             (0.5 - point.edge_m / footprint.extent_m(point.edge_slope)).clamp(0.0, 1.0)
         };
-        let fineness = (footprint.across_m * footprint.along_m).sqrt();
+        let fineness = footprint.fineness_m();
         let mut colour = [0.0; 3];
         if road > 0.0 {
             colour = self.road(x, y, point, footprint, fineness);
         }
         if road < 1.0 {
-            let verge = self.verge(x, y, point, fineness);
+            let mut verge = self.verge(x, y, point, fineness);
+            if let Some((side, share)) = self.roadside(x, y, point, footprint, fineness) {
+                verge = mixed(verge, side, share);
+            }
             for i in 0..3 {
                 colour[i] = verge[i] + (colour[i] - verge[i]) * road;
             }
+        }
+        if self.dust > 0.0 {
+            colour = self.dusted(colour, x, y, point, fineness);
         }
         (road, colour)
     }
@@ -139,21 +110,29 @@ impl Painter {
     #[inline]
     fn road(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint, fineness: f32) -> Colour {
         let lane = point.stroke.map(|index| &self.lanes[index as usize]);
-        let loose = lane.is_some_and(|lane| lane.surface == Surface::Loose);
+        let covering = self.covering(lane, x, y);
+        let look = covering.look();
+        let as_mapped = lane.is_some_and(|lane| lane.surface == Surface::Loose);
+        let loose = look.map_or(as_mapped, |look| look.loose);
         let texture = if loose { &self.soil } else { &self.asphalt };
         let grain = texture.sample(x, y, fineness);
         // The same tile turned and enlarged by irrational numbers: together they do not repeat within sight.
         let other = texture.sample(0.49 * x - 0.33 * y + 3.1, 0.33 * x + 0.49 * y + 7.7, 0.6 * fineness);
-        let bright = 1.0 + self.wear * (0.40 * grain[0] + 0.30 * other[0] + 0.55 * point.tone);
+        let wear = look.map_or(self.wear, |look| self.wear * look.wear);
+        let bright = 1.0 + wear * (0.40 * grain[0] + 0.30 * other[0] + 0.55 * point.tone);
         let warm = 0.5 * point.hue + 0.35 * grain[1] + 0.25 * other[1];
-        let base = if loose { [0.36, 0.30, 0.225] } else { [0.200, 0.208, 0.222] };
+        let mapped = if loose { [0.36, 0.30, 0.225] } else { [0.200, 0.208, 0.222] };
+        let base = look.map_or(mapped, |look| look.base);
         let bright = bright.max(0.15);
         let mut colour = [
             base[0] * bright * (1.0 + 0.10 * warm),
             base[1] * bright,
             base[2] * bright * (1.0 - 0.12 * warm),
         ];
-        if let Some(lane) = lane {
+        if let Some(lane) = lane.filter(|_| !loose) {
+            if let Some(varied) = &self.varied {
+                colour = varied.repair(colour, covering, &lane.place(x, y), footprint, grain[0]);
+            }
             let paint = lane.paint(x, y, point, footprint) * (0.92 + 0.5 * grain[0].min(0.0));
             for (i, white) in [0.74, 0.74, 0.70].into_iter().enumerate() {
                 colour[i] += (white - colour[i]) * paint.clamp(0.0, 1.0);
@@ -182,6 +161,55 @@ impl Painter {
         [0, 1, 2].map(|i| grass_colour[i] + (brown[i] * earth - grass_colour[i]) * bare)
     }
 
+    /// The covering at a place of a road.
+    #[inline]
+    fn covering(&self, lane: Option<&Lane>, x: f32, y: f32) -> Covering {
+        match (&self.varied, lane) {
+            (Some(varied), Some(lane)) => varied.covering(&lane.place(x, y)),
+            _ => Covering::Map,
+        }
+    }
+
+    /// What takes the verge's place beside a road, and its share.
+    #[inline(never)]
+    fn roadside(
+        &self,
+        x: f32,
+        y: f32,
+        point: &GroundPoint,
+        footprint: &Footprint,
+        fineness: f32,
+    ) -> Option<(Colour, f32)> {
+        let varied = self.varied.as_ref()?;
+        let lane = &self.lanes[point.stroke? as usize];
+        let grain = self.asphalt.sample(y, x, fineness)[0];
+        Some(varied.roadside(&lane.place(x, y), point, footprint, grain))
+    }
+
+    /// Dust over a colour: more of it in drifts and beside the road than where wheels roll.
+    #[inline(never)]
+    fn dusted(&self, colour: Colour, x: f32, y: f32, point: &GroundPoint, fineness: f32) -> Colour {
+        let drifts = self.soil.sample(0.21 * x + 0.13 * y, 0.21 * y - 0.13 * x, 0.25 * fineness)[0];
+        let beside = (1.0 + point.edge_m).clamp(0.0, 1.0);
+        let share = self.dust * (0.62 + 0.35 * beside + 0.45 * drifts + 0.5 * point.tone);
+        let grain = self.soil.sample(x, y, fineness)[1];
+        mixed(colour, DUST.map(|c| c * (1.0 + 0.15 * grain)), share.clamp(0.0, 0.95))
+    }
+
+    /// Dapples and edges of a shadow: leaves that let sun through in flecks, rims from soft to hard.
+    #[inline(never)]
+    pub(crate) fn detailed_shadow(&self, x: f32, y: f32, point: &GroundPoint, fineness: f32) -> f32 {
+        let leaves = self.grass.sample(0.37 * x, 0.37 * y, 0.37 * fineness)[0];
+        // One in the softest places, six in the hardest.
+        let steepness = 3.5 + 2.5 * (2.5 * point.hue).clamp(-1.0, 1.0);
+        ((point.shadow - 0.5 + FLECKS * leaves) * steepness + 0.5).clamp(0.0, 1.0)
+    }
+
+    /// Fine unevenness of the ground at a place.
+    pub(crate) fn grain(&self, x: f32, y: f32, fineness: f32) -> [f32; 2] {
+        self.asphalt.sample(x, y, fineness)
+    }
+
     /// Colour of an object in full light.
     pub(crate) fn object(&self, object: &Object, hit: &Hit, footprint_m: f32) -> Colour {
         let [along, up] = hit.surface_m;
@@ -206,41 +234,6 @@ impl Painter {
                 [green * (0.62 + 0.25 * shade(6)), green, 0.30 * green].map(|c| c * bright)
             }
         }
-    }
-}
-
-impl Lane {
-    /// Share of the pixel that a white line covers.
-    #[inline]
-    fn paint(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> f32 {
-        if !(self.lines.centre || self.lines.edges) || Lines::interrupted(point.other_m) {
-            return 0.0;
-        }
-        let (dx, dy) = (x - self.start[0], y - self.start[1]);
-        let left = self.direction[0] * dy - self.direction[1] * dx;
-        let edge = left.abs() - (self.half_width_m - EDGE_LINE_M as f32);
-        if left.abs().min(edge.abs()) > 0.5 * LINE_M + footprint.along_m {
-            return 0.0;
-        }
-        let across = footprint.extent_m([-self.direction[1], self.direction[0]]);
-        let covered = |from_middle: f32, half: f32, extent: f32| {
-            ((half - from_middle.abs()) / extent + 0.5).clamp(0.0, 1.0).min(2.0 * half / extent)
-        };
-        let mut paint = 0.0_f32;
-        if self.lines.edges {
-            paint = covered(edge, 0.5 * LINE_M, across);
-        }
-        if self.lines.centre {
-            let line = covered(left, 0.5 * LINE_M, across);
-            if line > 0.0 {
-                let along = self.along_m + dx * self.direction[0] + dy * self.direction[1];
-                let in_period = along - DASH_M[1] * floor_int(along / DASH_M[1]) as f32;
-                let dash =
-                    covered(in_period - 0.5 * DASH_M[0], 0.5 * DASH_M[0], footprint.extent_m(self.direction));
-                paint = paint.max(line * dash.min(1.0));
-            }
-        }
-        paint
     }
 }
 

@@ -44,6 +44,52 @@ fn another_seed_is_another_drive_on_the_same_roads() {
     assert!(moved > 1e-3 && moved < 0.5, "{moved} m apart: the wander alone");
 }
 
+/// Mean grey level of the pixels that show road.
+fn road_brightness(frame: &SimFrame) -> f64 {
+    let pixels = frame.picture.as_slice().chunks_exact(3).zip(frame.road.as_slice());
+    let road: Vec<f64> =
+        pixels.filter(|(_, road)| **road > 0).map(|(pixel, _)| f64::from(pixel[1])).collect();
+    road.iter().sum::<f64>() / road.len() as f64
+}
+
+#[test]
+fn a_day_changes_the_light_and_leaves_the_road_where_it_is() {
+    let frame =
+        |conditions: Conditions| simulator(&SimConfig { conditions, ..SimConfig::default() }).frame(40);
+    let [clear, wet, dusk, dust] =
+        [Conditions::CLEAR, Conditions::WET, Conditions::DUSK, Conditions::DUST].map(frame);
+    for other in [&wet, &dusk, &dust] {
+        assert_eq!(other.road, clear.road);
+        assert!((other.truth.x_m - clear.truth.x_m).abs() < 1e-9);
+    }
+    let [clear, wet, dusk] = [&clear, &wet, &dusk].map(road_brightness);
+    assert!(dusk < 0.6 * clear && wet < 0.95 * clear, "{clear} {wet} {dusk}");
+}
+
+#[test]
+fn dirt_stays_on_the_lens_and_a_covering_on_the_road() {
+    let bare = Conditions { trees_per_100_m: 0.0, houses_per_100_m: 0.0, ..Conditions::IDEAL };
+    let frames = |conditions: Conditions| {
+        let simulator = simulator(&SimConfig { conditions, ..SimConfig::default() });
+        [30, 60].map(|index| simulator.frame(index))
+    };
+    let differing = |one: &SimFrame, other: &SimFrame| -> Vec<usize> {
+        let bytes = one.picture.as_slice().iter().zip(other.picture.as_slice()).enumerate();
+        bytes.filter(|(_, (a, b))| a != b).map(|(i, _)| i / 3).collect()
+    };
+    let clean = frames(bare);
+    let dirty = frames(Conditions { lens_dirt: 0.1, ..bare });
+    assert_eq!(dirty[0].road, clean[0].road);
+    let spots = [0, 1].map(|i| differing(&clean[i], &dirty[i]));
+    assert!(spots[0].len() > 500);
+    let common = spots[0].iter().filter(|pixel| spots[1].binary_search(pixel).is_ok()).count();
+    assert!(common * 10 > spots[0].len() * 8, "{common} of {} pixels", spots[0].len());
+    let mixed = frames(Conditions { stretch_m: 20.0, ..bare });
+    let changed = differing(&clean[0], &mixed[0]);
+    let on_road = changed.iter().filter(|&&pixel| clean[0].road.as_slice()[pixel] > 0).count();
+    assert!(on_road > 2000, "{on_road} road pixels have another covering");
+}
+
 #[test]
 fn noise_changes_from_frame_to_frame() {
     let simulator = simulator(&SimConfig { fps: 1000.0, ..SimConfig::default() });

@@ -14,6 +14,7 @@ pub use smoothing::{MAX_SIGMA_BINS, Smoothing};
 
 use crate::colour::{ColourError, HueSaturationBins};
 use crate::error::PictureError;
+use crate::picture::check_length;
 
 /// A histogram that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -96,6 +97,17 @@ impl Histogram {
         self.bins
     }
 
+    /// A histogram with these masses, by bin index.
+    ///
+    /// # Errors
+    /// [`HistogramError::Bins`] when the numbers of bins cannot be used; [`HistogramError::Picture`] when there is not one mass
+    /// for each.
+    pub fn from_masses(bins: HueSaturationBins, masses: Vec<f64>) -> Result<Self, HistogramError> {
+        bins.check()?;
+        check_length(usize::from(bins.saturation), usize::from(bins.hue), 1, masses.len())?;
+        Ok(Self { bins, masses })
+    }
+
     /// The mass of each bin, by bin index.
     #[must_use]
     pub fn masses(&self) -> &[f64] {
@@ -118,6 +130,16 @@ impl Histogram {
         let total = self.total();
         if total > 0.0 {
             self.masses.iter_mut().for_each(|mass| *mass /= total);
+        }
+    }
+
+    /// Moves each mass by `share` (0 to 1) of the way to that of `other`; a histogram over other bins changes nothing.
+    pub fn blend(&mut self, other: &Self, share: f64) {
+        if self.bins == other.bins {
+            self.masses
+                .iter_mut()
+                .zip(&other.masses)
+                .for_each(|(mass, other)| *mass += share * (other - *mass));
         }
     }
 
@@ -174,6 +196,16 @@ mod tests {
         mean.set_to_mean([]).unwrap();
         mean.normalise();
         assert!(mean.total() <= 0.0);
+    }
+
+    #[test]
+    fn masses_are_taken_over_and_blended() {
+        let mut histogram = Histogram::from_masses(BINS, vec![1.0; 24]).unwrap();
+        histogram.blend(&single(2), 0.25);
+        assert!((histogram.masses()[2] - 2.75).abs() < 1e-12 && (histogram.masses()[3] - 0.75).abs() < 1e-12);
+        histogram.blend(&Histogram::new(HueSaturationBins { hue: 4, saturation: 6 }).unwrap(), 0.5);
+        assert!((histogram.masses()[3] - 0.75).abs() < 1e-12, "other bins");
+        assert!(Histogram::from_masses(BINS, vec![1.0; 23]).is_err());
     }
 
     #[test]

@@ -20,8 +20,9 @@ const REACH: f32 = (WINDOW / 2) as f32;
 const LANES: usize = 16;
 /// Rows with a row of slopes' neighbours above and below.
 const ROWS: usize = WINDOW + 2;
-/// Steps shorter than this end the search, pixels.
+/// Steps shorter than this end the search at the last level, pixels, and at those before it, which the next one mends.
 const SHORT_PX: f32 = 0.01;
+const COARSE_SHORT_PX: f32 = 0.1;
 /// Steps that may be left when the search ends, pixels: a longer one shows a place that is not found.
 const SETTLED_PX: f32 = 0.1;
 
@@ -86,7 +87,8 @@ impl LucasKanade {
             let at = from.map(|place| place * scale);
             let guess = [at[0] + moved[0] * scale, at[1] + moved[1] * scale];
             let pictures = [&previous.levels()[level], &current.levels()[level]];
-            let fit = follow(path, pictures, at, guess, self.iterations, self.least_strength);
+            let short_px = if level == finest { SHORT_PX } else { COARSE_SHORT_PX };
+            let fit = follow(path, pictures, at, guess, self.iterations, short_px, self.least_strength);
             found = fit;
             if let Some((to, _)) = fit {
                 moved = [(to[0] - at[0]) / scale, (to[1] - at[1]) / scale];
@@ -149,6 +151,7 @@ simd_kernel! {
         at: [f32; 2],
         guess: [f32; 2],
         iterations: usize,
+        short_px: f32,
         least_strength: f32,
     ) -> Option<([f32; 2], f32)> {
         const AREA: f32 = (WINDOW * WINDOW) as f32;
@@ -215,7 +218,7 @@ simd_kernel! {
             let step = [(yy * by_x - xy * by_y) / determinant, (xx * by_y - xy * by_x) / determinant];
             to = [to[0] - step[0], to[1] - step[1]];
             step_px = (step[0] * step[0] + step[1] * step[1]).sqrt();
-            if step_px < SHORT_PX {
+            if step_px < short_px {
                 break;
             }
         }

@@ -4,6 +4,8 @@
 //! frame with the lens folded in. Limits: the road is taken as flat; whatever stands on it is smeared away from the
 //! camera.
 
+mod turn;
+
 use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel, View};
 use fingerpost_vision::colour::{BinDivision, ColourError, HueSaturationBins};
 use fingerpost_vision::error::PictureError;
@@ -13,6 +15,8 @@ use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+pub use turn::{CameraTurn, Viewpoint};
 
 /// Which part of the road the ground view shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,9 +72,8 @@ pub struct GroundView {
     table: WarpTable,
     division: BinDivision,
     nearest_seen_m: f64,
+    viewpoint: Viewpoint,
     camera: Camera,
-    camera_foot: Point2<f64>,
-    camera_height_m: f64,
 }
 
 /// The ground view of one frame.
@@ -132,19 +135,13 @@ impl GroundView {
             return Err(nothing_seen);
         }
         let Some(nearest_seen_m) = nearest_seen_m(&grid, validity.plane()) else { return Err(nothing_seen) };
-        let (camera_foot, camera_height_m) = match camera.view() {
-            View::Calibrated { mount, .. } => (Point2::new(mount.x_m, mount.y_m), mount.height_m),
-            View::RoadPlane(_) => (Point2::origin(), CAR_CAMERA_HEIGHT_M),
+        let viewpoint = match camera.view() {
+            View::Calibrated { mount, .. } => {
+                Viewpoint { foot: Point2::new(mount.x_m, mount.y_m), height_m: mount.height_m }
+            }
+            View::RoadPlane(_) => Viewpoint { foot: Point2::origin(), height_m: CAR_CAMERA_HEIGHT_M },
         };
-        Ok(Self {
-            grid,
-            table,
-            division,
-            nearest_seen_m,
-            camera: camera.clone(),
-            camera_foot,
-            camera_height_m,
-        })
+        Ok(Self { grid, table, division, nearest_seen_m, viewpoint, camera: camera.clone() })
     }
 
     /// The raster of the ground view.
@@ -162,6 +159,11 @@ impl GroundView {
         self.nearest_seen_m
     }
 
+    /// Where the camera looks from; for a camera known by points its height is that of a car's.
+    pub const fn viewpoint(&self) -> Viewpoint {
+        self.viewpoint
+    }
+
     /// The camera that the view is made from.
     pub const fn camera(&self) -> &Camera {
         &self.camera
@@ -169,12 +171,12 @@ impl GroundView {
 
     /// The place on the road below the camera, vehicle frame, metres.
     pub const fn camera_foot(&self) -> Point2<f64> {
-        self.camera_foot
+        self.viewpoint.foot
     }
 
-    /// Height of the camera above the road, metres; for a camera known by points that of a car's.
+    /// Height of the camera above the road, metres.
     pub const fn camera_height_m(&self) -> f64 {
-        self.camera_height_m
+        self.viewpoint.height_m
     }
 
     /// A picture for [`GroundView::render`] to fill.

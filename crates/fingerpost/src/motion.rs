@@ -3,6 +3,7 @@
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
 //! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way.
 
+mod camera_turn;
 mod coarse;
 mod direct;
 mod farneback;
@@ -21,6 +22,7 @@ pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
 use crate::ground_view::{GroundPicture, GroundView};
+use crate::mount::AttitudeObservation;
 
 /// Settings of the ego-motion.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -84,6 +86,10 @@ pub struct MotionEvidence {
     pub residual_px: f64,
     /// Where the estimate started from.
     pub start: FlowStart,
+    /// How the camera was turned, as this frame alone shows it; none where nothing was measured.
+    pub attitude: Option<AttitudeObservation>,
+    /// How the camera is turned by all that was seen so far: pitch and roll against the configured mount, radians.
+    pub turn_rad: [f64; 2],
 }
 
 /// The displacement of one place.

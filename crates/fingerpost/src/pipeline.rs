@@ -8,6 +8,7 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
 
+use crate::calibration_check::{self, CalibrationFault};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
@@ -84,6 +85,9 @@ pub enum PipelineError {
     /// A setting is out of range.
     #[error("configuration: {0}")]
     Config(#[from] ConfigError),
+    /// The calibration cannot be that of a camera above this road.
+    #[error("calibration: {0}")]
+    Calibration(#[from] CalibrationFault),
     /// The ground view cannot be made.
     #[error(transparent)]
     GroundView(#[from] GroundViewError),
@@ -134,6 +138,7 @@ impl Pipeline {
         start_m: Option<f64>,
     ) -> Result<Self, PipelineError> {
         config.check()?;
+        calibration_check::check(camera, &config.ground_view)?;
         let view = GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), camera)?;
         let setting = TrackerSetting {
             track: &config.track,
@@ -149,7 +154,7 @@ impl Pipeline {
             detector: config.road_surface.detector()?,
             motion: config.motion.estimator()?,
             camera: camera.clone(),
-            attitude: AttitudeWatch::new(),
+            attitude: AttitudeWatch::new(camera),
             mount: MountFilter::new(&config.mount),
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
@@ -182,7 +187,9 @@ impl Pipeline {
         let (motion, motion_evidence) = self.motion.estimate(view, ground)?.unzip();
         finished(Stage::Motion);
 
-        if let (Some(seen), Some(motion)) = (self.attitude.look_at(&self.camera, frame)?, &motion) {
+        // A frame that shows nothing still lets the suspension swing back.
+        let seen = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
+        if let Some(motion) = &motion {
             self.mount.observe(&seen, motion);
         }
         finished(Stage::Mount);
@@ -226,6 +233,16 @@ impl Pipeline {
     /// The raster and table of the ground view.
     pub const fn view(&self) -> &GroundView {
         &self.view
+    }
+
+    /// The road detector.
+    pub fn road_detector(&self) -> &dyn RoadDetector {
+        &*self.detector
+    }
+
+    /// The road detector, to be given what is known from earlier drives.
+    pub fn road_detector_mut(&mut self) -> &mut dyn RoadDetector {
+        &mut *self.detector
     }
 
     /// The tracker with the features of the route.

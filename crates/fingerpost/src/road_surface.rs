@@ -4,10 +4,15 @@
 //! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
 
 mod backprojection;
+mod bank;
+mod colours;
+mod fused;
 mod memory;
+mod named;
 mod network;
 mod online;
 mod perspective;
+mod region;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -21,9 +26,13 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
-pub use memory::{Memory, MemoryConfig, MemoryEvidence};
+pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
+pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
 pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
+
+use fused::Fused;
+use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::Motion;
@@ -32,8 +41,9 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// "backprojection": the papers' histogram back-projection; "memory": the same, remembered as the vehicle moves on;
-    /// "online": a classifier trained as the drive goes; default "backprojection".
+    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online": a
+    /// classifier trained as the drive goes; "memory": what one of these sees, remembered as the vehicle moves on; "combined":
+    /// the same, with the surface named by the bank, and "online" in camera pictures; default "combined".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -41,6 +51,8 @@ pub struct RoadSurfaceConfig {
     pub sample_width_m: f64,
     /// The papers' detector.
     pub backprojection: BackprojectionConfig,
+    /// The bank of known surfaces.
+    pub bank: BankConfig,
     /// The classifier trained as the drive goes.
     pub online: OnlineConfig,
     /// The memory.
@@ -54,6 +66,7 @@ impl Default for RoadSurfaceConfig {
             sample_length_m: 4.0,
             sample_width_m: 1.8,
             backprojection: BackprojectionConfig::default(),
+            bank: BankConfig::default(),
             online: OnlineConfig::default(),
             memory: MemoryConfig::default(),
         }
@@ -65,23 +78,29 @@ impl Default for RoadSurfaceConfig {
 #[serde(rename_all = "snake_case")]
 pub enum RoadMethod {
     /// [`Backprojection`].
-    #[default]
     Backprojection,
-    /// [`Memory`] of what back-projection finds.
-    Memory,
+    /// [`Bank`].
+    Bank,
     /// [`Online`].
     Online,
+    /// [`Memory`] of what another detector sees.
+    Memory,
+    /// The same, with the surface under way named by the bank, and [`Online`] in camera pictures.
+    #[default]
+    Combined,
 }
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 3] = [Self::Backprojection, Self::Memory, Self::Online];
+    pub const ALL: [Self; 5] = [Self::Backprojection, Self::Bank, Self::Online, Self::Memory, Self::Combined];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Backprojection => "backprojection",
+            Self::Bank => "bank",
             Self::Memory => "memory",
+            Self::Combined => "combined",
             Self::Online => "online",
         }
     }
@@ -97,11 +116,26 @@ impl RoadSurfaceConfig {
     /// # Errors
     /// [`RoadError`] when its settings are out of range.
     pub fn detector(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
-        let backprojection = Box::new(Backprojection::new(&self.backprojection)?);
         Ok(match self.detector {
-            RoadMethod::Backprojection => backprojection,
-            RoadMethod::Memory => Box::new(Memory::new(&self.memory, backprojection)),
+            RoadMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
+            RoadMethod::Bank => Box::new(Bank::new(&self.bank)?),
             RoadMethod::Online => Box::new(Online::new(&self.online)),
+            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing()?)),
+            RoadMethod::Combined => {
+                let in_camera = Box::new(Online::new(&self.online));
+                let named = Box::new(Named::new(&self.bank, in_camera, self.seeing()?)?);
+                Box::new(Memory::new(self.detector, &self.memory, named))
+            }
+        })
+    }
+
+    /// The detector whose surfaces are remembered.
+    fn seeing(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        Ok(match self.memory.of {
+            RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
+            RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
+            RememberedMethod::Online => Box::new(Online::new(&self.online)),
+            RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
         })
     }
 
@@ -211,6 +245,8 @@ pub struct RoadEvidence {
     pub sample_probability: f64,
     /// Histograms in the rolling mean; 0 for a detector without one.
     pub histograms: usize,
+    /// Which known surface is under way; none for a detector that knows none.
+    pub bank: Option<BankEvidence>,
     /// What was learned and weighed; none for a detector that is not trained online.
     pub online: Option<OnlineEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
@@ -246,9 +282,13 @@ pub enum RoadError {
     /// Picture and validity do not fit together.
     #[error("road_surface: {0}")]
     Picture(#[from] PictureError),
+    /// The known surfaces cannot be used.
+    #[error(transparent)]
+    Surfaces(#[from] SurfacesError),
     /// A network is asked for, and none was given.
     #[error(
-        "road_surface.detector = \"onnx\" needs a program that runs networks: build it with --features onnx"
+        "road_surface asks for \"onnx\" and this program runs no networks: build it with `--features onnx`, or choose another \
+         detector"
     )]
     NoNetwork,
     /// The network fails.
@@ -280,6 +320,19 @@ pub trait RoadDetector: Send {
         let evidence = self.estimate(input, &mut surface.probability)?;
         surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(evidence)
+    }
+
+    /// Takes over surfaces known from earlier drives, in place of what was learned; a detector that knows none passes them by.
+    ///
+    /// # Errors
+    /// [`RoadError::Surfaces`] when they cannot be used.
+    fn know(&mut self, _surfaces: &SurfaceFile) -> Result<(), RoadError> {
+        Ok(())
+    }
+
+    /// The surfaces known by now; none of a detector that knows none.
+    fn known_surfaces(&self) -> Option<SurfaceFile> {
+        None
     }
 
     /// Forgets what was learned, as at the start of a drive.

@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RouteProgressConfig {
-    /// Standard deviation of a start given by hand, metres, above 0; default 5.
+    /// Standard deviation of a start given by hand, metres, above 0; default 3.
     pub start_sigma_m: f64,
-    /// Standard deviation of dead reckoning, share of the distance driven, 0 to 1; default 0.05.
+    /// Standard deviation of dead reckoning, share of the distance driven, 0 to 1; default 0.03.
     pub drift_share: f64,
     /// Standard deviation of a GPS position along the road, metres, above 0; default 6.
     pub gps_sigma_m: f64,
@@ -25,7 +25,7 @@ pub struct RouteProgressConfig {
 
 impl Default for RouteProgressConfig {
     fn default() -> Self {
-        Self { start_sigma_m: 5.0, drift_share: 0.05, gps_sigma_m: 6.0, gps_gate_m: 40.0 }
+        Self { start_sigma_m: 3.0, drift_share: 0.03, gps_sigma_m: 6.0, gps_gate_m: 40.0 }
     }
 }
 
@@ -138,7 +138,7 @@ mod tests {
             progress.advance(1.0);
         }
         let (mean, sigma) = progress.belief_m().unwrap();
-        assert!((mean - 110.0).abs() < 1e-9 && (sigma - 10.0).abs() < 1e-6, "{mean} {sigma}");
+        assert!((mean - 110.0).abs() < 1e-9 && (sigma - 6.0).abs() < 1e-6, "{mean} {sigma}");
         progress.observe(105.0, 0.4);
         assert!((progress.belief_m().unwrap().0 - 105.0).abs() < 1e-9);
     }
@@ -158,6 +158,6 @@ mod tests {
     fn without_a_start_the_distance_driven_is_the_least() {
         let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
         progress.advance(40.0);
-        assert!((progress.at_least_m() - 34.0).abs() < 1e-9);
+        assert!((progress.at_least_m() - 36.4).abs() < 1e-9);
     }
 }

@@ -163,6 +163,7 @@ fn a_standing_vehicle_does_not_move_and_a_creeping_one_does() {
     let crept: f64 = drive.steps.iter().map(|step| step.translation.x).sum();
     let found: f64 =
         motions(&drive, &mut direct()).iter().map(|m| m.previous_from_current.translation.x).sum();
+    // A swing of the camera by a thousandth of a degree looks the same, so a fifth may be missing.
     assert!(crept > 0.03 && (found - crept).abs() < 0.008, "{found} m of {crept} m");
 }
 

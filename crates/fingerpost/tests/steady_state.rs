@@ -10,6 +10,7 @@ mod painted;
 use allocation_counter::measure;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
+use fingerpost::road_surface::RoadMethod;
 use fingerpost::track::State;
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, Pipeline, Sensors};
@@ -124,6 +125,15 @@ fn the_papers_motion_and_surface_allocate_nothing() {
     config.motion.estimator = MotionMethod::Farneback;
     config.matching.surface = MatchedSurface::Binary;
     Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
+}
+
+#[test]
+fn no_road_detector_allocates_anything() {
+    for detector in RoadMethod::ALL {
+        let mut config = coarse();
+        config.road_surface.detector = detector;
+        Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
+    }
 }
 
 #[test]

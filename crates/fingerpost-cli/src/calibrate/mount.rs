@@ -101,10 +101,12 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     let known = known_scale(args)?;
     let camera = read_camera(&args.camera)?;
     let mut calibrator = MountCalibrator::new(&camera)?;
-    for_each_frame(args, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
+    let interrupt = Interrupt::listen()?;
+    for_each_frame(args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
     let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
     if let Some(lane_width_m) = args.lane_width_m {
-        let height = height_from_lane(args, &camera.with_mount(calibration.mount)?, lane_width_m)?;
+        let height =
+            height_from_lane(args, &interrupt, &camera.with_mount(calibration.mount)?, lane_width_m)?;
         let share = height.value / calibration.mount.height_m;
         calibration.mount.height_m = height.value;
         calibration.distance_m = calibration.distance_m.map(|distance_m| distance_m * share);
@@ -136,12 +138,15 @@ fn known_scale(args: &MountArgs) -> Result<KnownScale> {
 }
 
 /// Hands every picture of the input on; broken ones are passed over.
-fn for_each_frame(args: &MountArgs, mut take: impl FnMut(&RgbImage, f64) -> Result<()>) -> Result<()> {
+fn for_each_frame(
+    args: &MountArgs,
+    interrupt: &Interrupt,
+    mut take: impl FnMut(&RgbImage, f64) -> Result<()>,
+) -> Result<()> {
     let options = SourceOptions { fps: args.fps, ..SourceOptions::default() };
     let mut source = FrameSource::open(&args.input, &options)?;
     let most = args.frames.unwrap_or(u64::MAX);
     let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
-    let interrupt = Interrupt::listen()?;
     let mut left = most;
     while let Some(frame) = source.next().filter(|_| left > 0) {
         if interrupt.wanted() {
@@ -162,9 +167,14 @@ fn for_each_frame(args: &MountArgs, mut take: impl FnMut(&RgbImage, f64) -> Resu
     Ok(())
 }
 
-fn height_from_lane(args: &MountArgs, camera: &Camera, lane_width_m: f64) -> Result<Estimated> {
+fn height_from_lane(
+    args: &MountArgs,
+    interrupt: &Interrupt,
+    camera: &Camera,
+    lane_width_m: f64,
+) -> Result<Estimated> {
     let mut lane = LaneWidth::new(camera)?;
-    for_each_frame(args, |picture, _| Ok(lane.add(picture)?))?;
+    for_each_frame(args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
     let Some(width) = lane.width() else {
         bail!(
             "the drive shows no lane with markings on both sides for long enough, so that its width does not give the \

@@ -57,6 +57,13 @@ fn calibrations_that_cannot_be_right() {
     };
     for (contents, words) in [
         (with("fx", "nan"), ["fx", "focal length"]),
+        (with("fx", "1.0"), ["fx", "focal length"]),
+        (with("fy", "2000.0"), ["fy", "square"]),
+        (with("cx", "900.0"), ["cx", "inside the picture"]),
+        (with("cy", "-3.0"), ["cy", "inside the picture"]),
+        (with("cx", "nan"), ["cx", "inside the picture"]),
+        (with("height_m", "0.0"), ["height_m", "above the road"]),
+        (with("height_m", "nan"), ["height_m", "NaN"]),
         (with("height_m", "-1.5"), ["height_m", "-1.5"]),
         (with("height_m", "150.0"), ["height_m", "150"]),
         (with("pitch_deg", "inf"), ["pitch", "inf"]),
@@ -70,6 +77,44 @@ fn calibrations_that_cannot_be_right() {
         called.refused(1, &words);
         called.refused(1, &["bad.toml"]);
     }
+}
+
+/// A run with the drive's calibration changed: the table in place of the lines that begin with one of its keys.
+fn run_with_camera(changes: &[(&str, &str)]) -> crate::program::Called {
+    let text = fs::read_to_string(Drive::get().camera()).unwrap();
+    let change = |line: &str| {
+        let changed = changes.iter().find(|(key, _)| line.split(' ').next() == Some(key));
+        changed.map_or(format!("{line}\n"), |(key, value)| format!("{key} = {value}\n"))
+    };
+    let contents: String = text.lines().map(change).collect();
+    let (_folder, camera) = file("changed.toml", &contents);
+    run_with(|line| line.replace(&Drive::get().camera().display().to_string(), &camera.display().to_string()))
+}
+
+#[test]
+fn calibrations_that_do_not_fit_the_road_or_the_pictures() {
+    run_with_camera(&[("width", "240"), ("height", "320"), ("cx", "119.5"), ("cy", "159.5")])
+        .refused(1, &["320 x 240", "240 x 320", "exchanged"]);
+    run_with_camera(&[("height_m", "0.06")]).refused(1, &["far edge", "mount.height_m"]);
+    run_with_camera(&[("pitch_deg", "-60.0")]).refused(1, &["sees", "pitch"]);
+    run_with_camera(&[("yaw_deg", "79.0")]).refused(1, &["sees", "of the ground view"]);
+    let lens = "\"brown-conrady\"";
+    run_with_camera(&[("model", lens), ("coefficients", "[-1.5, 0.0, 0.0, 0.0]")])
+        .refused(1, &["folds back", "calibrate again"]);
+    run_with_camera(&[("model", lens), ("coefficients", "[-0.25, 0.07]")])
+        .refused(1, &["coefficients", "4, 5 or 8"]);
+}
+
+#[test]
+fn four_points_whose_horizon_is_in_the_ground_view() {
+    let text = "[image]\nwidth = 320\nheight = 240\n[points]\n\
+                image_px = [[60.0, 200.0], [260.0, 200.0], [150.0, 180.0], [170.0, 180.0]]\n\
+                road_m = [[5.0, 2.0], [5.0, -2.0], [9.0, 2.0], [9.0, -2.0]]\n";
+    let (_folder, camera) = file("points.toml", text);
+    run_with(|line| {
+        line.replace(&Drive::get().camera().display().to_string(), &camera.display().to_string())
+    })
+    .refused(1, &["horizon"]);
 }
 
 #[test]

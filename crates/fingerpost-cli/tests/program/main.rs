@@ -5,6 +5,8 @@
 
 mod bad_inputs;
 mod broken_frames;
+mod calibrating;
+mod campaigning;
 mod drive;
 mod evaluating;
 mod evaluating_road;

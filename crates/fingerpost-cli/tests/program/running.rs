@@ -155,3 +155,32 @@ fn gps_times_choose_the_frames() {
     assert!((believed_m - 16.0).abs() < 5.0, "{believed_m}");
     assert_ne!(route_m("without"), Some(believed_m));
 }
+
+#[test]
+fn surfaces_learned_on_a_drive_are_kept_for_the_next() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let [bank, config, run] = ["bank.json", "bank.toml", "run"].map(|name| out.path().join(name));
+    fs::write(&config, "[road_surface]\ndetector = \"combined\"\n").unwrap();
+    let line = drive.run_line(&drive.path(), &run);
+    let line = format!("{line} --frames 12 --config {} --bank {}", config.display(), bank.display());
+    call_line(&line).done();
+    let learned =
+        || -> serde_json::Value { serde_json::from_str(&fs::read_to_string(&bank).unwrap()).unwrap() };
+    let first = learned();
+    assert_eq!((first["version"].as_u64(), first["surfaces"].as_array().unwrap().len()), (Some(1), 1));
+    let surface = frames(&run).pop().unwrap().surface.unwrap();
+    assert_eq!(
+        (surface.detector.as_str(), surface.name.as_deref()),
+        ("combined", first["surfaces"][0]["name"].as_str())
+    );
+    assert!(surface.likeness.unwrap() > 0.6 && surface.remembered_share.unwrap() > 0.0, "{surface:?}");
+
+    call_line(&line).done();
+    let total = |bank: &serde_json::Value| bank["surfaces"][0]["frames"].as_u64().unwrap();
+    assert_eq!(total(&learned()), 2 * total(&first), "the second run learned on");
+
+    fs::write(&bank, "{").unwrap();
+    call_line(&line).refused(1, &["bank.json is no file of known surfaces"]);
+    fs::write(&config, "[road_surface]\ndetector = \"backprojection\"\n").unwrap();
+    call_line(&line).refused(1, &["knows no surfaces", "combined"]);
+}

@@ -36,6 +36,7 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
     }
     html! {
         dl class="facts" { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+        @for fault in &summary.mount_faults { p class="warning" { (fault.to_string()) "." } }
         @if summary.interrupted { p class="warning" { "The run was ended before its input was." } }
     }
 }

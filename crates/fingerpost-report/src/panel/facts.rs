@@ -78,6 +78,22 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         "road",
         format!("{}: P {:.2} in the sample, {sample}", road.detector, road.sample_probability),
     ));
+    if let Some((bank, surface)) = road.bank.as_ref().and_then(|bank| Some((bank, bank.surface.as_ref()?))) {
+        let founded = if bank.founded { ", new" } else { "" };
+        let words = format!("{surface}, likeness {:.2}{founded}; {} known", bank.likeness, bank.surfaces);
+        let won = format!("; it wins {:.0} % of the road", 100.0 * bank.won_share);
+        facts.push(("surface", if bank.road_share > 0.0 { words + &won } else { words }));
+    }
+    if let Some(memory) = &road.memory {
+        let [seen, remembered, kept] =
+            [memory.seen_share, memory.remembered_share, memory.kept].map(|share| 100.0 * share);
+        facts.push((
+            "memory",
+            format!(
+                "{seen:.0} % of the view seen, {remembered:.0} % remembered; {kept:.0} % kept over the step"
+            ),
+        ));
+    }
     if let Some(route_m) = output.track.route_m {
         facts.push(("route", format!("believed at {route_m:.0} m")));
     }

@@ -10,14 +10,16 @@ use crate::palette;
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "The feature's masks on the road surface (grey, light is road), with the mean probability \
-    of road under each; P(F) is the smallest of those that take part. Dim: takes no part. Hatched: not seen.";
+    of road under each; P(F) is the smallest of those that take part. Dim: takes no part. Hatched: not known.";
 
 /// Opacity of masks that take part, and of those that do not.
 const OPACITIES: [f64; 2] = [0.62, 0.22];
 
 /// Draws the masks.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
-    let (surface, validity) = (&scene.evidence.surface.probability, scene.evidence.validity);
+    let surface = &scene.evidence.surface.probability;
+    let known = scene.evidence.surface.known();
+    let validity = if known.size() == surface.size() { known.plane() } else { scene.evidence.validity };
     let coloured = scene.matched().zip(scene.evidence.masks.as_ref()).map(|(matched, placed)| {
         let mut overlay = Plane::new(plot.grid.columns(), plot.grid.rows(), 0);
         for (index, sub) in placed.masks.subs.iter().enumerate() {

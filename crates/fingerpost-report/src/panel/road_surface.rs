@@ -1,5 +1,6 @@
 //! The road surface: the probability of road as a heat map, and where the road was assumed.
 
+use fingerpost::road_surface::Knowledge;
 use fingerpost_vision::picture::Rect;
 
 use super::ground_plot::GroundPlot;
@@ -7,18 +8,25 @@ use crate::draw::{Canvas, Paint, TextSize};
 use crate::palette::{self, Rgb};
 use crate::scene::Scene;
 
-pub(crate) const LEGEND: &str = "Probability of road, from dark (0) to yellow (1). Dashed: the region ahead that is \
-    assumed to be road and sampled. Hatched: not seen.";
+pub(crate) const LEGEND: &str = "Probability of road, from dark (0) to yellow (1); in violet (0 to 1: dark to light) where it is \
+    not seen but remembered. Dashed: the region ahead that is assumed to be road and sampled. Hatched: not known.";
 
 /// Width and height of the scale of colours, pixels.
 const SCALE_PX: (usize, usize) = (80, 8);
 
 /// Draws the heat map.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
-    let probability = &scene.evidence.surface.probability;
+    let (surface, seen) = (scene.evidence.surface, scene.evidence.validity);
     let heat: [Rgb; 256] = std::array::from_fn(|p| palette::heat(p as u8));
-    plot.raster(canvas, scene.evidence.validity, |column, row| {
-        heat[usize::from(probability.get(column, row).unwrap_or(0))]
+    let remembered: [Rgb; 256] = std::array::from_fn(|p| palette::remembered(p as u8));
+    // A surface that was never summed up is known where it is seen.
+    let known = if surface.known().size() == seen.size() { surface.known().plane() } else { seen };
+    plot.raster(canvas, known, |column, row| {
+        let p = usize::from(surface.probability.get(column, row).unwrap_or(0));
+        match surface.knowledge(seen, column, row) {
+            Knowledge::Remembered => remembered[p],
+            Knowledge::Seen | Knowledge::Unknown => heat[p],
+        }
     });
     plot.metre_lines(canvas);
     canvas.clipped(plot.area, |canvas| {

@@ -1,6 +1,6 @@
 //! Residuals of a warp and the sums over them.
 
-use super::{LANES, Lanes, QuadraticField, Target, Template, UNKNOWNS};
+use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
 use crate::simd::{CodePath, simd_kernel};
 
 /// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
@@ -77,7 +77,7 @@ impl Residuals {
         &mut self,
         template: &Template,
         target: &Target,
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         scale: f32,
     ) {
@@ -89,7 +89,7 @@ impl Residuals {
         path: CodePath,
         template: &Template,
         target: &Target,
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         scale: f32,
     ) {
@@ -97,7 +97,7 @@ impl Residuals {
             lanes.reserve(template.u.capacity().saturating_sub(lanes.len()));
             lanes.resize(template.u.len(), [0.0; LANES]);
         }
-        let points = [&template.u[..], &template.v, &template.grey];
+        let points = [&template.u[..], &template.v, &template.grey, &template.trust];
         let (cells, width, height) = (target.cells.as_slice(), target.cells.width(), target.cells.height());
         let sums = sample(
             path,
@@ -129,7 +129,8 @@ impl Residuals {
 
     pub(super) fn sums_with(&self, path: CodePath, template: &Template) -> Sums {
         let descent = template.descent.each_ref().map(Vec::as_slice);
-        let (products, gradient, unweighted) = accumulate(path, descent, &self.residual, &self.weight);
+        let (products, gradient, unweighted) =
+            accumulate(path, descent, &self.residual, &self.weight, &template.trust);
         let mut hessian = [[0.0; UNKNOWNS]; UNKNOWNS];
         for ((row, column), product) in ENTRIES.into_iter().zip(products) {
             hessian[row][column] = product;
@@ -179,23 +180,23 @@ fn split(place: f32) -> (u32, f32) {
 
 simd_kernel! {
     fn sample(
-        points: [&[Lanes]; 3],
+        points: [&[Lanes]; 4],
         cells: &[u32],
         size: [usize; 2],
-        warp: &QuadraticField,
+        warp: &ProjectiveMap,
         brightness: Brightness,
         inverse_variance: f32,
         residuals: &mut [Lanes],
         weights: &mut [Lanes],
     ) -> [f32; 7] {
         let groups = residuals.len();
-        let ([u, v, grey], weights) = (points.map(|lanes| &lanes[..groups]), &mut weights[..groups]);
+        let ([u, v, grey, trust], weights) = (points.map(|lanes| &lanes[..groups]), &mut weights[..groups]);
         // The last pixel has no right neighbour: its cell is unseen.
         let nowhere = cells.len().saturating_sub(1) as u32;
         let (right, bottom) = (size[0].saturating_sub(1) as f32, size[1].saturating_sub(1) as f32);
         let mut sums = [[0.0_f32; LANES]; 7];
         for group in 0..groups {
-            let (u, v, grey) = (&u[group], &v[group], &grey[group]);
+            let (u, v, grey, trust) = (&u[group], &v[group], &grey[group], &trust[group]);
             let (mut share_u, mut share_v) = ([0.0_f32; LANES], [0.0_f32; LANES]);
             let mut index = [0_u32; LANES];
             for lane in 0..LANES {
@@ -225,7 +226,7 @@ simd_kernel! {
                 let square = residual * residual;
                 let share = FREEDOM / (FREEDOM + square * inverse_variance);
                 let square_share = share * share;
-                let weight = seen * (square_share * square_share);
+                let weight = (seen * trust[lane]) * (square_share * square_share);
                 let weighted = weight * residual;
                 residual_out[lane] = residual;
                 weight_out[lane] = weight;
@@ -247,9 +248,11 @@ simd_kernel! {
         descent: [&[Lanes]; UNKNOWNS],
         residuals: &[Lanes],
         weights: &[Lanes],
+        trust: &[Lanes],
     ) -> ([f32; PRODUCTS], [f32; UNKNOWNS], [f32; UNKNOWNS]) {
         let groups = residuals.len();
         let (descent, weights) = (descent.map(|lanes| &lanes[..groups]), &weights[..groups]);
+        let trust = &trust[..groups];
         let mut products = [[0.0_f32; LANES]; PRODUCTS];
         let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
         let mut unweighted = [[0.0_f32; LANES]; UNKNOWNS];
@@ -261,8 +264,8 @@ simd_kernel! {
                     let slope = descent[i][group][lane];
                     weighted[i][lane] = weights[lane] * slope;
                     gradient[i][lane] += weighted[i][lane] * residuals[lane];
-                    let seen = if weights[lane] > 0.0 { slope } else { 0.0 };
-                    unweighted[i][lane] += seen * seen;
+                    let trusted = if weights[lane] > 0.0 { trust[group][lane] } else { 0.0 };
+                    unweighted[i][lane] += trusted * (slope * slope);
                 }
             }
             for (sum, (row, column)) in products.iter_mut().zip(ENTRIES) {

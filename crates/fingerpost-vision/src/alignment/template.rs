@@ -11,12 +11,47 @@ const NOWHERE: f32 = -1e6;
 const MAX_CELL_PX: usize = 16;
 const MOST_ORDERS: usize = MAX_CELL_PX * MAX_CELL_PX;
 
+/// The part of a picture that a vehicle is about to drive through, which is road; what lies beside it may stand higher or
+/// upright, and then moves otherwise than the road.
+///
+/// Points within are believed. Those outside are believed as far as their gradient runs across the columns: a kerb's edge
+/// along the direction of travel tells the place across it, however high it is, while the grain of a raised verge would
+/// tell a wrong distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corridor {
+    /// Column of its middle in row v: coefficients of 1, v and v^2.
+    pub middle: [f32; 3],
+    /// From its middle to its edge, columns.
+    pub half_width: f32,
+    /// How far a point outside is believed at the most, 0 to 1.
+    pub outside: f32,
+}
+
+impl Corridor {
+    /// All of a picture.
+    pub const EVERYWHERE: Self = Self { middle: [0.0; 3], half_width: f32::INFINITY, outside: 1.0 };
+
+    /// How far a point with that gradient is believed, 0 to 1.
+    fn trust(&self, [u, v]: [f32; 2], [right, down]: [f32; 2]) -> f32 {
+        let [constant, linear, square] = self.middle;
+        if (u - (constant + v * (linear + v * square))).abs() <= self.half_width {
+            return 1.0;
+        }
+        let (across, along) = (right * right, down * down);
+        let share = across / (across + along).max(f32::MIN_POSITIVE);
+        // To the fourth power: an edge that runs twenty degrees off the direction of travel has half a say.
+        self.outside * (share * share) * (share * share)
+    }
+}
+
 /// Points of a picture with their grey and gradient, in groups of lanes.
 #[derive(Debug, Clone, Default)]
 pub struct Template {
     pub(super) u: Vec<Lanes>,
     pub(super) v: Vec<Lanes>,
     pub(super) grey: Vec<Lanes>,
+    /// How far each point is believed, 0 to 1.
+    pub(super) trust: Vec<Lanes>,
     gradient_u: Vec<Lanes>,
     gradient_v: Vec<Lanes>,
     /// Change of grey for a unit of each unknown (the steepest-descent images).
@@ -30,12 +65,27 @@ pub struct Template {
 impl Template {
     /// Takes in the points of `grey` (0: unseen) within `region`: of each cell of `cell` x `cell` pixels the one with the
     /// largest gradient, the first of equals. A point has its four neighbours seen. Cells have 16 pixels a side at the most.
-    pub fn choose(&mut self, grey: &Plane<u8>, region: Rect, cell: usize) {
-        self.choose_with(CodePath::fastest(), grey, region, cell);
+    /// Points are believed as `corridor` says.
+    pub fn choose(&mut self, grey: &Plane<u8>, region: Rect, cell: usize, corridor: &Corridor) {
+        self.choose_with(CodePath::fastest(), grey, region, cell, corridor);
     }
 
-    pub(super) fn choose_with(&mut self, path: CodePath, grey: &Plane<u8>, region: Rect, cell: usize) {
-        for lanes in [&mut self.u, &mut self.v, &mut self.grey, &mut self.gradient_u, &mut self.gradient_v] {
+    pub(super) fn choose_with(
+        &mut self,
+        path: CodePath,
+        grey: &Plane<u8>,
+        region: Rect,
+        cell: usize,
+        corridor: &Corridor,
+    ) {
+        for lanes in [
+            &mut self.u,
+            &mut self.v,
+            &mut self.grey,
+            &mut self.trust,
+            &mut self.gradient_u,
+            &mut self.gradient_v,
+        ] {
             lanes.clear();
         }
         self.points = 0;
@@ -52,9 +102,16 @@ impl Template {
         let rows = if columns > 0 { bottom.saturating_sub(top) / cell } else { 0 };
         // Room for a point in every cell, so that a richer frame needs no new memory.
         let most_groups = (columns * rows).div_ceil(LANES);
-        for lanes in [&mut self.u, &mut self.v, &mut self.grey, &mut self.gradient_u, &mut self.gradient_v]
-            .into_iter()
-            .chain(&mut self.descent)
+        for lanes in [
+            &mut self.u,
+            &mut self.v,
+            &mut self.grey,
+            &mut self.trust,
+            &mut self.gradient_u,
+            &mut self.gradient_v,
+        ]
+        .into_iter()
+        .chain(&mut self.descent)
         {
             lanes.reserve(most_groups.saturating_sub(lanes.len()));
         }
@@ -83,7 +140,7 @@ impl Template {
                 let best = self.keys[column * cell..][..cell].iter().fold(0, |best, &key| best.max(key));
                 if best >= MOST_ORDERS as u32 {
                     let order = MOST_ORDERS - 1 - best as usize % MOST_ORDERS;
-                    self.push(grey, left + column * cell + order % cell, y + order / cell);
+                    self.push(grey, left + column * cell + order % cell, y + order / cell, corridor);
                 }
             }
         }
@@ -93,12 +150,13 @@ impl Template {
         }
     }
 
-    fn push(&mut self, grey: &Plane<u8>, x: usize, y: usize) {
+    fn push(&mut self, grey: &Plane<u8>, x: usize, y: usize, corridor: &Corridor) {
         let lane = self.points % LANES;
         if lane == 0 {
             self.u.push([NOWHERE; LANES]);
             self.v.push([NOWHERE; LANES]);
             self.grey.push([0.0; LANES]);
+            self.trust.push([0.0; LANES]);
             self.gradient_u.push([0.0; LANES]);
             self.gradient_v.push([0.0; LANES]);
         }
@@ -107,8 +165,10 @@ impl Template {
         self.u[group][lane] = x as f32;
         self.v[group][lane] = y as f32;
         self.grey[group][lane] = at(x, y);
-        self.gradient_u[group][lane] = 0.5 * (at(x + 1, y) - at(x - 1, y));
-        self.gradient_v[group][lane] = 0.5 * (at(x, y + 1) - at(x, y - 1));
+        let [right, down] = [0.5 * (at(x + 1, y) - at(x - 1, y)), 0.5 * (at(x, y + 1) - at(x, y - 1))];
+        self.gradient_u[group][lane] = right;
+        self.gradient_v[group][lane] = down;
+        self.trust[group][lane] = corridor.trust([x as f32, y as f32], [right, down]);
         self.points += 1;
     }
 

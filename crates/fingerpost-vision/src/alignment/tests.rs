@@ -60,6 +60,18 @@ fn plain_residual(
     Some((residual, share.powi(4)))
 }
 
+/// How far a point is believed, by the angle of its gradient.
+fn plain_trust(corridor: &Corridor, [u, v]: [f32; 2], [right, down]: [f32; 2]) -> f32 {
+    let middle = corridor.middle[0] + corridor.middle[1] * v + corridor.middle[2] * v * v;
+    if (u - middle).abs() <= corridor.half_width {
+        1.0
+    } else if right.hypot(down) > 0.0 {
+        corridor.outside * down.atan2(right).cos().powi(8)
+    } else {
+        0.0
+    }
+}
+
 fn close(a: f32, b: f32, tolerance: f32) -> bool {
     (a - b).abs() <= tolerance * (1.0 + a.abs().max(b.abs()))
 }
@@ -111,7 +123,7 @@ proptest! {
         }
         for path in CodePath::available() {
             let mut template = Template::default();
-            template.choose_with(path, &grey, region, cell);
+            template.choose_with(path, &grey, region, cell, &Corridor::EVERYWHERE);
             let places: Vec<[f32; 2]> = (0..template.len()).filter_map(|point| template.place(point)).collect();
             prop_assert_eq!(&places, &expected);
         }
@@ -124,17 +136,20 @@ proptest! {
         shift in [-3.0_f32..3.0, -3.0_f32..3.0], bend in -0.02_f32..0.02,
         seed in prop::collection::vec(-1.0_f32..1.0, 7..9),
         gain in 0.8_f32..1.2, offset in -9.0_f32..9.0, scale in 1.0_f32..20.0,
+        outside in 0.0_f32..1.0,
     ) {
         let (older, newer) = (holey(width, height, &bytes), holey(width, height, &bytes[3..]));
-        let warp = QuadraticField {
-            u: [shift[0], 1.0, bend, 0.01 * bend, 0.0, 0.02 * bend],
-            v: [shift[1], -bend, 1.0, 0.0, -0.01 * bend, 0.0],
+        let warp = ProjectiveMap {
+            right: [shift[0], 1.0, bend],
+            down: [shift[1], -bend, 1.0],
+            scale: [1.0, 0.05 * bend, -0.1 * bend],
         };
         let (brightness, fields) = (Brightness { gain, offset }, fields(&seed));
+        let corridor = Corridor { middle: [0.5 * width as f32, bend, -0.1 * bend], half_width: 4.5, outside };
         let mut results = Vec::new();
         for path in CodePath::available() {
             let mut template = Template::default();
-            template.choose_with(path, &older, Rect { x: 0, y: 0, width, height }, cell);
+            template.choose_with(path, &older, Rect { x: 0, y: 0, width, height }, cell, &corridor);
             template.set_directions_with(path, &fields);
             let mut residuals = Residuals::default();
             residuals.measure_with(path, &template, &target(path, &newer), &warp, brightness, scale);
@@ -154,6 +169,7 @@ proptest! {
             let at = |dx: usize, dy: usize| f32::from(older.get(u as usize + dx - 1, v as usize + dy - 1).unwrap());
             let plain = plain_residual(&newer, warp.at(u, v), at(1, 1), brightness, scale);
             let (residual, weight) = plain.unwrap_or((0.0, 0.0));
+            let weight = weight * plain_trust(&corridor, [u, v], [at(2, 1) - at(0, 1), at(1, 2) - at(1, 0)]);
             prop_assert!(close(residuals.residual(point).unwrap(), residual, 1e-3));
             prop_assert!(close(residuals.weight(point).unwrap(), weight, 1e-3));
             seen += if plain.is_some() { 1.0 } else { 0.0 };
@@ -205,23 +221,23 @@ proptest! {
 fn a_displaced_picture_is_found_again() {
     let (older, newer) = (hills(80, 60, |u, v| [u, v]), hills(80, 60, |u, v| [u - 0.8, v + 0.6]));
     let mut template = Template::default();
-    template.choose(&older, Rect { x: 4, y: 4, width: 70, height: 50 }, 2);
+    template.choose(&older, Rect { x: 4, y: 4, width: 70, height: 50 }, 2, &Corridor::EVERYWHERE);
     let mut fields = [QuadraticField::default(); UNKNOWNS];
     fields[0].u[0] = 1.0;
     fields[1].v[0] = 1.0;
     template.set_directions(&fields);
     let mut target = Target::default();
     target.fill(&newer);
-    let (mut warp, mut residuals, mut agreeing) = (QuadraticField::IDENTITY, Residuals::default(), 0.0);
+    let (mut warp, mut residuals, mut agreeing) = (ProjectiveMap::IDENTITY, Residuals::default(), 0.0);
     for _ in 0..6 {
         residuals.measure(&template, &target, &warp, Brightness::default(), 5.0);
         let Sums { hessian: h, gradient: g, unweighted } = residuals.sums(&template);
         agreeing = h[0][0] / unweighted[0];
         let determinant = h[0][0] * h[1][1] - h[0][1] * h[0][1];
-        warp.u[0] -= (h[1][1] * g[0] - h[0][1] * g[1]) / determinant;
-        warp.v[0] -= (h[0][0] * g[1] - h[0][1] * g[0]) / determinant;
+        warp.right[0] -= (h[1][1] * g[0] - h[0][1] * g[1]) / determinant;
+        warp.down[0] -= (h[0][0] * g[1] - h[0][1] * g[0]) / determinant;
     }
-    assert!((warp.u[0] - 0.8).abs() < 0.02 && (warp.v[0] + 0.6).abs() < 0.02, "{warp:?}");
+    assert!((warp.right[0] - 0.8).abs() < 0.02 && (warp.down[0] + 0.6).abs() < 0.02, "{warp:?}");
     assert!(agreeing > 0.9, "all of the picture agrees: {agreeing}");
 }
 
@@ -230,18 +246,28 @@ fn nothing_seen_is_no_residual_and_nothing_panics() {
     for (width, height) in [(0, 0), (0, 3), (3, 0), (1, 1), (1, 40), (40, 1), (3, 3)] {
         let grey = Plane::new(width, height, 0);
         let mut template = Template::default();
-        template.choose(&grey, Rect { x: 1, y: 1, width: usize::MAX, height: usize::MAX }, 2);
+        template.choose(
+            &grey,
+            Rect { x: 1, y: 1, width: usize::MAX, height: usize::MAX },
+            2,
+            &Corridor::EVERYWHERE,
+        );
         assert!(template.is_empty());
         let mut target = Target::default();
         target.fill(&grey);
         let mut residuals = Residuals::default();
-        residuals.measure(&template, &target, &QuadraticField::IDENTITY, Brightness::default(), 1.0);
+        residuals.measure(&template, &target, &ProjectiveMap::IDENTITY, Brightness::default(), 1.0);
         assert!(residuals.seen < 0.5);
     }
     let mut template = Template::default();
-    template.choose(&hills(20, 20, |u, v| [u, v]), Rect { x: 0, y: 0, width: 20, height: 20 }, 1);
+    template.choose(
+        &hills(20, 20, |u, v| [u, v]),
+        Rect { x: 0, y: 0, width: 20, height: 20 },
+        1,
+        &Corridor::EVERYWHERE,
+    );
     let mut residuals = Residuals::default();
-    let lost = QuadraticField { u: [f32::NAN; 6], v: [f32::INFINITY; 6] };
+    let lost = ProjectiveMap { right: [f32::NAN; 3], down: [f32::INFINITY; 3], scale: [0.0; 3] };
     residuals.measure(&template, &Target::default(), &lost, Brightness::default(), 0.0);
     assert!(residuals.seen < 0.5 && residuals.sums(&template).hessian[0][0].abs() < 1e-9);
 }

@@ -36,13 +36,13 @@ impl PrefixRows {
         self.sums.resize(self.stride() * height, 0);
     }
 
-    /// Sums the values of `plane` inside the runs of `validity`; both must have the size given to [`PrefixRows::reset`],
-    /// and since then the runs must have been the same.
+    /// Sums the values of `plane` inside the runs of `validity`; both must have the size given to [`PrefixRows::reset`].
     pub(crate) fn rebuild(&mut self, path: CodePath, plane: PlaneView<'_, u8>, validity: &ValidityMask) {
         let stride = self.stride();
         for (y, sums) in self.sums.chunks_exact_mut(stride).enumerate() {
             let (values, runs) = (plane.row(y), validity.runs(y));
             let mut before = 0;
+            sums[..runs.first().map_or(stride, |first| LANES + 1 + first.start)].fill(0);
             for (index, run) in runs.iter().enumerate() {
                 let next = runs.get(index + 1).map_or(stride - 1 - LANES, |next| next.start);
                 let sums = &mut sums[LANES + 1 + run.start..LANES + 1 + next];

@@ -103,8 +103,11 @@ impl RowSums {
         let (width, height) = validity.size();
         (self.width, self.height) = (width, height);
         self.validity.clone_from(validity);
-        self.probability.reset(width, height);
-        self.seen.reset(width, height);
+        for rows in
+            [&mut self.probability, &mut self.seen].into_iter().filter(|rows| !rows.is_for(width, height))
+        {
+            rows.reset(width, height);
+        }
         self.seen.rebuild(path, validity.plane().view(), validity);
         self.longest_runs.clear();
         let longest = |y| validity.runs(y).iter().max_by_key(|run| run.end - run.start).copied();

@@ -2,8 +2,9 @@
 //!
 //! The road is a plane and the vehicle moves on it in three degrees of freedom, so nothing need be known of where single
 //! pixels go: the strip of road ahead is laid over that of the frame before, and forward, left and yaw are changed until
-//! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The body's sway is fitted
-//! beside them, and a change of the light; kerbs, cars and walls are told from the road by weights. The motion of the frame
+//! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The camera's pitch and
+//! roll against the road are fitted beside them ([`super::camera_turn`]), and a change of the light; kerbs, cars and walls
+//! are told from the road by weights, and by lying beside the path. The motion of the frame
 //! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its uncertainty grows.
 //!
 //! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and
@@ -17,15 +18,16 @@ mod patch;
 mod plane_warp;
 mod start;
 
-use fingerpost_vision::alignment::Residuals;
+use fingerpost_vision::alignment::{Brightness, Residuals};
 use nalgebra::{Isometry2, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::gauss_newton::{Estimate, Prior, align};
 use self::patch::Patch;
-use self::plane_warp::Displacement;
+use self::plane_warp::{Displacement, Views};
 use self::start::{cost, start};
+use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
 };
@@ -35,10 +37,10 @@ use crate::ground_view::{GroundPicture, GroundView};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectMotionConfig {
-    /// Width of the strip of road that is aligned, metres, 1 to 40; default 6.4: a lane with its edges. A wider one knows the
-    /// turn better on an open road, but sees more of what is no road.
+    /// Width of the strip of road that is aligned, metres, 1 to 40; default 10: a street with its kerbs. Half a lane to either
+    /// side of the path counts with all its texture, what is farther off with edges along the direction of travel alone.
     pub width_m: f64,
-    /// Its length from the nearest place seen, metres, 1 to 40; default 8.
+    /// Its length from the nearest place seen, metres, 1 to 40; default 7.5.
     pub length_m: f64,
     /// Most iterations at each level, 1 to 50; default 10.
     pub iterations: usize,
@@ -46,7 +48,7 @@ pub struct DirectMotionConfig {
 
 impl Default for DirectMotionConfig {
     fn default() -> Self {
-        Self { width_m: 6.4, length_m: 8.0, iterations: 10 }
+        Self { width_m: 10.0, length_m: 7.5, iterations: 10 }
     }
 }
 
@@ -76,6 +78,10 @@ const NOT_CONVERGED: f64 = 0.5;
 /// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
 /// standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
+/// A shorter step does not tell how the path bends, metres.
+const LEAST_ARC_M: f64 = 0.05;
+/// No car turns tighter, 1/m.
+const TIGHTEST_PER_M: f64 = 0.2;
 /// About how many displacements the evidence shows.
 const SAMPLES: usize = 400;
 
@@ -87,6 +93,7 @@ pub struct DirectMotion {
     residuals: Residuals,
     evidence: MotionEvidence,
     last: Option<Last>,
+    turn: TurnFilter,
 }
 
 /// What the next frame is to know of this one.
@@ -116,6 +123,7 @@ impl DirectMotion {
             residuals: Residuals::default(),
             evidence: MotionEvidence::default(),
             last: None,
+            turn: TurnFilter::default(),
         }
     }
 
@@ -123,33 +131,48 @@ impl DirectMotion {
         let patch = self.patch.as_mut()?;
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
-        let (start, motion) = start(coarsest, residuals, last.current_from_previous, last.bearable);
+        let views = Views::default();
+        let expected_turn = self.turn.predicted();
+        let turn_before_rad = self.turn.turn_rad();
+        let displaced = |motion| Displacement::of(motion, turn_before_rad);
+        let mut cost_of =
+            |motion| cost(coarsest, residuals, &displaced(motion), &views, Brightness::default());
+        let (start, motion) = start(&mut cost_of, last.current_from_previous, last.bearable);
         let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
         // A search is for what was not expected.
-        let prior = match start {
-            FlowStart::CoarseSearch => Prior::new(motion, diagonal(UNKNOWN_SIGMA))?,
-            _ => Prior::new(last.current_from_previous, expected)?,
+        let (current_from_previous, spread) = match start {
+            FlowStart::CoarseSearch => (motion, diagonal(UNKNOWN_SIGMA)),
+            _ => (last.current_from_previous, expected),
         };
-        let mut estimate = Estimate::at(motion);
+        let information = spread.try_inverse()?;
+        let prior = Prior { current_from_previous, information, turn: expected_turn.prior()? };
+        let mut estimate = Estimate::at(displaced(motion));
         for level in patch.levels[patch.finest..].iter_mut().rev() {
-            estimate = align(level, residuals, &prior, self.config.iterations, estimate)?;
+            estimate = align(level, residuals, (&prior, &views), self.config.iterations, estimate)?;
         }
-        show(patch, residuals, &estimate, start, &mut self.evidence);
+        show(patch, residuals, (&estimate, &views), start, &mut self.evidence);
 
         let coarsest = patch.levels.last()?;
         let Estimate { displacement, brightness, .. } = estimate;
-        let left_over = cost(coarsest, residuals, &displacement, brightness);
-        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(|shift| {
+        let mut cost_when_moved = |shift_m| {
             let current_from_previous =
-                Isometry2::translation(shift, 0.0) * displacement.current_from_previous;
-            cost(coarsest, residuals, &Displacement { current_from_previous, ..displacement }, brightness)
-        });
+                Isometry2::translation(shift_m, 0.0) * displacement.current_from_previous;
+            let displacement = Displacement { current_from_previous, ..displacement };
+            cost(coarsest, residuals, &displacement, &views, brightness)
+        };
+        let left_over = cost_when_moved(0.0);
+        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(cost_when_moved);
         let shifted = shifted[0].min(shifted[1]);
         let quality = quality(&estimate, told_apart(left_over, shifted));
+        let mut seen_turn = estimate.seen_turn;
         if quality < BELIEVED {
-            estimate.displacement = Displacement::of(last.current_from_previous);
+            estimate.displacement = displaced(last.current_from_previous);
             estimate.covariance = expected;
+            seen_turn = SeenTurn::default();
         }
+        self.turn = expected_turn.updated(&seen_turn);
+        self.evidence.attitude = seen_turn.observation();
+        self.evidence.turn_rad = self.turn.turn_rad();
         let displacement = estimate.displacement;
         let mut previous_from_current = displacement.current_from_previous.inverse();
         let covariance = covariance(&previous_from_current, &estimate.covariance);
@@ -159,7 +182,7 @@ impl DirectMotion {
         if stands {
             previous_from_current = Isometry2::identity();
         } else {
-            patch.keep();
+            patch.keep(curvature_per_m(&previous_from_current));
         }
         self.last = Some(Last {
             current_from_previous: previous_from_current.inverse(),
@@ -190,14 +213,21 @@ impl MotionEstimator for DirectMotion {
         let motion = self.last.and_then(|last| self.between(last));
         if let (None, Some(patch)) = (&motion, &mut self.patch) {
             self.last = Some(Last::first());
-            patch.keep();
+            patch.keep(0.0);
         }
         Ok(motion.map(|motion| (motion, &self.evidence)))
     }
 
     fn reset(&mut self) {
         self.last = None;
+        self.turn = TurnFilter::default();
     }
+}
+
+/// How the path bends, 1/m, positive to the left; straight when the vehicle hardly moves.
+fn curvature_per_m(previous_from_current: &Isometry2<f64>) -> f64 {
+    let (forward_m, yaw_rad) = (previous_from_current.translation.x, previous_from_current.rotation.angle());
+    if forward_m > LEAST_ARC_M { (yaw_rad / forward_m).clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) } else { 0.0 }
 }
 
 /// How far a motion is to be believed, 0 to 1: whether the picture tells it from a longer one, whether the road's texture
@@ -226,12 +256,12 @@ fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
 fn show(
     patch: &Patch,
     residuals: &Residuals,
-    estimate: &Estimate,
+    (estimate, views): (&Estimate, &Views),
     start: FlowStart,
     evidence: &mut MotionEvidence,
 ) {
     let Some(level) = patch.levels.get(patch.finest) else { return };
-    let warp = level.raster.warp(&estimate.displacement);
+    let warp = level.raster.warp(&estimate.displacement, views);
     let ground = |pixel: [f32; 2]| {
         let pixel = patch.grid.ground_from_vehicle(level.raster.vehicle_from_pixel(pixel));
         [pixel.column, pixel.row]

@@ -15,7 +15,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rigid_fit::{Pair, Residuals, RigidFit, fit};
-use super::sway::Viewpoint;
 use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, coarse, mean_flow,
     told_apart,
@@ -196,7 +195,7 @@ impl FarnebackMotion {
         // The window ties neighbouring vectors together: only one in a window is independent.
         let area = (pairs.len() * SAMPLE_STRIDE_PX * SAMPLE_STRIDE_PX) as f64;
         let independent = (area / (self.config.window_px * self.config.window_px) as f64).max(1.0);
-        let viewpoint = Viewpoint { foot: view.camera_foot(), height_m: view.camera_height_m() };
+        let viewpoint = view.viewpoint();
         let floor_m = FLOW_FLOOR_PX * view.grid().metres_per_pixel();
         let fitted = fit(pairs, &mut self.residuals, viewpoint, floor_m, independent)?;
         match self.config.model {

@@ -7,7 +7,8 @@
 
 use nalgebra::{Isometry2, Matrix2x3, Matrix3, Point2, SMatrix, SVector, Vector2};
 
-use super::sway::{SWAY_SIGMA_RAD, Viewpoint, sway_field};
+use super::sway::{SWAY_SIGMA_RAD, sway_field};
+use crate::ground_view::Viewpoint;
 
 /// A place on the road before and after, vehicle frame, metres.
 #[derive(Debug, Clone, Copy)]

@@ -1,34 +1,27 @@
 //! The body's sway on its springs, as the ground view shows it.
 //!
 //! The ground view is made for the camera at rest. A camera turned by a small rotation (pitch p, roll r) shows the place
-//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h + r XY/h, Y + p XY/h + r (Y^2 + h^2)/h). Left out, a tenth of a
-//! degree of roll between two frames would read as half a degree of turn. So estimators carry three unknowns beside the
-//! motion: the change of pitch, the change of roll, and a standing roll, as in a bend, which shears the displacement. They
-//! are held small by priors and thrown away.
+//! (X, Y), seen from height h, at (X + p (X^2 + h^2)/h - r XY/h, Y + p XY/h - r (Y^2 + h^2)/h). Left out, a tenth of a
+//! degree of roll between two frames would read as half a degree of turn. So the fit to a flow carries three unknowns
+//! beside the motion: the change of pitch, the change of roll, and a standing roll, as in a bend, which shears the
+//! displacement. They are held small by priors and thrown away.
 //!
-//! A standing pitch is left out on purpose: it stretches the displacement much as distance does, and an unknown for it
-//! turns the estimate's own small errors into percents of the distance.
+//! A standing pitch is left out here: it stretches the displacement much as distance does, and is only told from it over
+//! many frames ([`super::camera_turn`]).
 
 use nalgebra::{Point2, Vector2};
+
+use crate::ground_view::Viewpoint;
 
 /// Standard deviations of the change of pitch and of roll between frames, and of a standing roll, radians; a car on its
 /// springs moves by a few tenths of a degree and leans by half a degree in a bend.
 pub(super) const SWAY_SIGMA_RAD: [f64; 3] = [0.005, 0.005, 0.01];
 
-/// Where the camera looks from, in the vehicle frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Viewpoint {
-    /// Place on the road below the camera, metres.
-    pub(super) foot: Point2<f64>,
-    /// Height of the camera, metres.
-    pub(super) height_m: f64,
-}
-
 /// How a place moves in the ground view for a unit of pitch and of roll.
 pub(super) fn sway_field(p: Point2<f64>, viewpoint: Viewpoint) -> (Vector2<f64>, Vector2<f64>) {
     let (d, h) = (p - viewpoint.foot, viewpoint.height_m);
     let by_pitch = Vector2::new((d.x * d.x + h * h) / h, d.x * d.y / h);
-    let by_roll = Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
+    let by_roll = -Vector2::new(d.x * d.y / h, (d.y * d.y + h * h) / h);
     (by_pitch, by_roll)
 }
 
@@ -53,6 +46,6 @@ mod tests {
         let angle = 1e-5;
         assert!((shown(Mount { pitch_rad: angle, ..mount }) / angle - by_pitch).norm() < 0.01);
         let roll = shown(Mount { roll_rad: angle, ..mount }) / angle;
-        assert!((roll - by_roll).norm().min((roll + by_roll).norm()) < 0.01, "{roll} {by_roll}");
+        assert!((roll - by_roll).norm() < 0.01, "{roll} {by_roll}");
     }
 }

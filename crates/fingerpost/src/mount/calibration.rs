@@ -152,7 +152,7 @@ const BLOCK: usize = 10;
 const TRAVEL_FLOOR_RAD: f64 = 0.1 * DEGREE;
 /// The same of the road's plane: a street is crowned by 2.5 %, of which a lane shows a part, and its slope changes ahead.
 const ROAD_PITCH_FLOOR_RAD: f64 = 0.3 * DEGREE;
-const ROAD_ROLL_FLOOR_RAD: f64 = 1.0 * DEGREE;
+const ROAD_ROLL_FLOOR_RAD: f64 = 0.7 * DEGREE;
 /// A roll that differs from the configured one by more standard deviations is taken over.
 const ROLL_SIGMAS: f64 = 2.0;
 /// Place of the camera ahead of the rear axle, metres, where the calibration has none, and how far off it may be: in a bend

@@ -30,11 +30,14 @@ pub(super) struct CameraMotion {
 /// Memory of the fit.
 #[derive(Debug, Default)]
 pub(super) struct MotionFit {
-    sizes: Vec<f64>,
+    /// Residual of each pair and its derivative by rotation and direction.
+    rows: Vec<(f64, Vector5<f64>)>,
     sorted: Vec<f64>,
 }
 
 const ITERATIONS: usize = 10;
+/// Least square of the gradient's length: rays this near the direction of travel say nothing, and are not divided by zero.
+const LEAST_GRADIENT: f64 = 1e-12;
 /// Fewer pairs than a few for each unknown say too little.
 const LEAST_PAIRS: usize = 20;
 /// Weights are halved where a residual is this many standard deviations.
@@ -49,10 +52,10 @@ const SETTLED_RAD: f64 = 1e-5;
 impl MotionFit {
     /// Makes room for so many pairs, so that no later fit needs more.
     pub(super) fn reserve(&mut self, pairs: usize) {
-        for buffer in [&mut self.sizes, &mut self.sorted] {
-            buffer.clear();
-            buffer.reserve(pairs);
-        }
+        self.rows.clear();
+        self.rows.reserve(pairs);
+        self.sorted.clear();
+        self.sorted.reserve(pairs);
     }
 
     /// Fits the motion, beginning at no rotation and the direction `ahead`; none for too few pairs.
@@ -66,22 +69,21 @@ impl MotionFit {
         for _ in 0..ITERATIONS {
             let turn = rotation.to_rotation_matrix();
             let sides = sides(&travel);
-            self.sizes.clear();
-            self.sizes.extend(pairs.iter().map(|pair| residual(pair, &turn, &travel).0.abs()));
+            self.rows.clear();
+            self.rows.extend(pairs.iter().map(|pair| linearised(pair, &turn, &travel, &sides)));
             self.sorted.clear();
-            self.sorted.extend_from_slice(&self.sizes);
+            self.sorted.extend(self.rows.iter().map(|(residual, _)| residual.abs()));
             let middle = self.sorted.len() / 2;
             let (_, median, _) = self.sorted.select_nth_unstable_by(middle, f64::total_cmp);
             let sigma = (MAD_TO_SIGMA * *median).max(SIGMA_FLOOR_RAD);
             let mut information = Matrix5::zeros();
             let mut gradient = Vector5::zeros();
             agreeing = 0.0;
-            for (pair, size) in pairs.iter().zip(&self.sizes) {
-                let x = size / (WEIGHT_SIGMAS * sigma);
+            for (residual, jacobian) in &self.rows {
+                let x = residual / (WEIGHT_SIGMAS * sigma);
                 let weight = (1.0 + x * x).powi(-2);
-                let (residual, jacobian) = linearised(pair, &turn, &travel, &sides);
                 information += weight * jacobian * jacobian.transpose();
-                gradient += weight * residual * jacobian;
+                gradient += weight * *residual * jacobian;
                 agreeing += weight;
             }
             agreeing /= pairs.len() as f64;
@@ -116,30 +118,23 @@ fn sides(travel: &Unit<Vector3<f64>>) -> [Vector3<f64>; 2] {
     [travel.cross(&right), right]
 }
 
-/// Sampson's distance of a pair from the constraint, radians, with the turned older ray and the gradient's length.
-fn residual(pair: &RayPair, turn: &Rotation3<f64>, travel: &Unit<Vector3<f64>>) -> (f64, Vector3<f64>, f64) {
-    let turned = turn * pair.previous;
-    let product = travel.dot(&turned.cross(&pair.current));
-    // How the product changes when either ray is turned: its gradients across the rays.
-    let by_current = travel.cross(&turned);
-    let by_previous = pair.current.cross(travel);
-    let across =
-        |gradient: &Vector3<f64>, ray: &Vector3<f64>| gradient.norm_squared() - gradient.dot(ray).powi(2);
-    let length = (across(&by_current, &pair.current) + across(&by_previous, &turned)).max(1e-12).sqrt();
-    (product / length, turned, length)
-}
-
-/// The residual and its derivative by the rotation and the direction to both sides.
+/// Sampson's distance of a pair from the constraint, radians, and its derivative by the rotation and the direction to both
+/// sides.
 fn linearised(
     pair: &RayPair,
     turn: &Rotation3<f64>,
     travel: &Unit<Vector3<f64>>,
     sides: &[Vector3<f64>; 2],
 ) -> (f64, Vector5<f64>) {
-    let (residual, turned, length) = residual(pair, turn, travel);
-    let by_rotation = travel.dot(&turned) * pair.current - turned.dot(&pair.current) * travel.into_inner();
+    let turned = turn * pair.previous;
     let cross = turned.cross(&pair.current);
+    // How the product changes when either ray is turned: its gradients across the rays.
+    let across =
+        |gradient: Vector3<f64>, ray: &Vector3<f64>| gradient.norm_squared() - gradient.dot(ray).powi(2);
+    let by_rays = across(travel.cross(&turned), &pair.current) + across(pair.current.cross(travel), &turned);
+    let scale = by_rays.max(LEAST_GRADIENT).sqrt().recip();
+    let by_rotation = travel.dot(&turned) * pair.current - turned.dot(&pair.current) * travel.into_inner();
     let jacobian =
         Vector5::new(by_rotation.x, by_rotation.y, by_rotation.z, sides[0].dot(&cross), sides[1].dot(&cross));
-    (residual, jacobian / length)
+    (scale * travel.dot(&cross), scale * jacobian)
 }

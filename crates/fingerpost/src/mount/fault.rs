@@ -57,13 +57,16 @@ impl RollJump {
         Self { moved_rad, sum_rad: 0.0, frames: 0 }
     }
 
-    /// Takes in a change of the roll, radians; the fault if the camera has been turned. A vehicle that turns leans, which
-    /// does not count.
+    /// Takes in a change of the roll, radians; the fault if the camera has been turned. A vehicle that turns leans, and its
+    /// turn is easily taken for some roll, so nothing counts meanwhile: a camera that is turned just then is not noticed.
     pub(super) fn add(&mut self, change_rad: f64, is_turning: bool) -> Option<MountFault> {
+        if is_turning {
+            return None;
+        }
         self.sum_rad = JUMP_KEPT * self.sum_rad + change_rad;
         if self.sum_rad.abs() <= self.moved_rad {
             self.frames = 0;
-        } else if !is_turning {
+        } else {
             self.frames += 1;
         }
         (self.frames >= JUMP_FRAMES).then_some(MountFault {

@@ -42,10 +42,11 @@ pub(super) struct RayPair {
     pub(super) current: Vector3<f64>,
 }
 
-/// Most reductions of the picture: 16 times, so that 6 pixels of the smallest are a hundred of the picture.
-const REDUCTIONS: usize = 4;
+/// Most reductions of the picture, to an eighth: places may move by some 50 pixels. In smaller pictures a window holds near
+/// and far things at once, and the mean of their motions leads astray.
+const REDUCTIONS: usize = 3;
 /// Least side of a level, pixels: a few windows.
-const SMALLEST_PX: usize = 24;
+const SMALLEST_PX: usize = 40;
 /// Least texture of a corner, square grey levels a square pixel: above the noise of a camera by day.
 const LEAST_STRENGTH: f32 = 2.0;
 /// A window that differs by more than this is another thing, grey levels.

@@ -8,10 +8,12 @@ use super::AttitudeObservation;
 use super::sighting::Sightings;
 use super::sparse::{BackCheck, SparseSetting};
 
-/// A corner for every 64 x 64 pixels of the picture, found at a quarter of its size and followed at half of it: a hundred or
-/// so of them tell the motion.
-const QUICK: SparseSetting =
-    SparseSetting { find_level: 2, cell_px: 16, follow_level: 1, iterations: 6, check: BackCheck::Off };
+/// About how many corners tell the motion: more cost time, fewer leave too few of each part of the scene.
+const CORNERS: usize = 72;
+/// Level of the pyramid at which they are looked for: a quarter of the picture's size.
+const FIND_LEVEL: usize = 2;
+/// Smallest cell that holds a corner, pixels of that level: a window of the second moments.
+const LEAST_CELL_PX: usize = 5;
 
 /// Watches where the camera moves to in its own picture, which needs no road.
 #[derive(Debug)]
@@ -19,17 +21,19 @@ pub struct AttitudeWatch {
     sightings: Sightings,
 }
 
-impl Default for AttitudeWatch {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl AttitudeWatch {
-    /// A watch that has seen no frame yet.
+    /// A watch through `camera` that has seen no frame yet.
     #[must_use]
-    pub fn new() -> Self {
-        Self { sightings: Sightings::new(QUICK) }
+    pub fn new(camera: &Camera) -> Self {
+        let area = (camera.width() >> FIND_LEVEL) * (camera.height() >> FIND_LEVEL);
+        let quick = SparseSetting {
+            find_level: FIND_LEVEL,
+            cell_px: (area / CORNERS).isqrt().max(LEAST_CELL_PX),
+            follow_level: 0,
+            iterations: 6,
+            check: BackCheck::Off,
+        };
+        Self { sightings: Sightings::new(quick) }
     }
 
     /// Takes in a frame: what it says about the attitude of `camera` against its mount; none for the first frame, for one

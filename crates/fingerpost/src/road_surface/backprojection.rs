@@ -17,10 +17,10 @@ use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::histogram::{BinCounter, Histogram, Smoothing};
 use fingerpost_vision::picture::{Plane, Rect};
-use fingerpost_vision::span::SpanMask;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::region::Region;
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 
 /// Settings of histogram back-projection.
@@ -83,43 +83,6 @@ pub struct Backprojection {
     spare: Vec<Histogram>,
     left_out: usize,
     lookup: Vec<u8>,
-}
-
-/// A rectangle of the view and the histogram of what is seen there.
-#[derive(Debug)]
-struct Region {
-    rect: Rect,
-    spans: SpanMask,
-    /// Smoothed, mass 1; empty where nothing is seen.
-    histogram: Histogram,
-}
-
-impl Region {
-    fn new(bins: HueSaturationBins) -> Result<Self, RoadError> {
-        let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
-        Ok(Self { rect, spans: SpanMask::from_rect(rect), histogram: Histogram::new(bins)? })
-    }
-
-    fn measure(
-        &mut self,
-        rect: Rect,
-        input: &RoadInput<'_>,
-        counter: &mut BinCounter,
-        smoothing: &mut Smoothing,
-    ) -> Result<(), RoadError> {
-        if self.rect != rect {
-            (self.rect, self.spans) = (rect, SpanMask::from_rect(rect));
-        }
-        self.histogram.clear();
-        counter.count(input.picture.bin.view(), input.validity, &self.spans, &mut self.histogram)?;
-        smoothing.apply(&mut self.histogram)?;
-        self.histogram.normalise();
-        Ok(())
-    }
-
-    fn is_seen(&self) -> bool {
-        self.histogram.total() > 0.0
-    }
 }
 
 impl Backprojection {
@@ -195,8 +158,10 @@ impl RoadDetector for Backprojection {
     ) -> Result<RoadEvidence, RoadError> {
         let (width, height) = input.picture.bin.size();
         let whole = Rect { x: 0, y: 0, width, height };
-        self.whole.measure(whole, &input, &mut self.counter, &mut self.smoothing)?;
-        self.sample.measure(input.sample, &input, &mut self.counter, &mut self.smoothing)?;
+        let (bin, validity) = (input.picture.bin.view(), input.validity);
+        for (region, rect) in [(&mut self.whole, whole), (&mut self.sample, input.sample)] {
+            region.measure(rect, bin, validity, &mut self.counter, &mut self.smoothing)?;
+        }
         let mut sample_use = SampleUse::Unseen;
         let mut sample_probability = 0.0;
         if self.whole.is_seen() {

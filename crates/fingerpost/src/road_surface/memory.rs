@@ -16,7 +16,9 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
+use super::{
+    Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod, RoadSurface, SurfaceFile,
+};
 use crate::ground_view::GroundView;
 use crate::motion::Motion;
 use road_map::{RoadMap, SensorModel};
@@ -25,14 +27,18 @@ use road_map::{RoadMap, SensorModel};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
-    /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.1.
+    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", or "fused": back-projection where colours
+    /// tell the road, and elsewhere "online", sharpened by the colours of what it finds; default "fused".
+    pub of: RememberedMethod,
+    /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
     pub cell_m: f64,
     /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1 less this,
     /// 0.01 to 0.4; default 0.1.
     pub doubt: f64,
     /// Distance from the camera at which a pixel adds half as much to the map as a near one, metres, 1 to 1000; default 12.
     pub half_trust_m: f64,
-    /// Share of what a cell says that is left when it is seen anew, 0 to 0.95; default 0.6.
+    /// Share of what a cell says that is left when it is seen anew, 0 to 0.95; default 0.5: a frame
+    /// that is sure then outvotes the surest memory.
     pub keep_seen: f64,
     /// Distance driven over which what is not seen any more fades to a third, metres, 1 to 1000; default 20.
     pub fade_m: f64,
@@ -42,8 +48,31 @@ pub struct MemoryConfig {
 
 impl Default for MemoryConfig {
     fn default() -> Self {
-        Self { cell_m: 0.1, doubt: 0.1, half_trust_m: 12.0, keep_seen: 0.6, fade_m: 20.0, min_known: 0.65 }
+        Self {
+            of: RememberedMethod::default(),
+            cell_m: 0.2,
+            doubt: 0.1,
+            half_trust_m: 12.0,
+            keep_seen: 0.5,
+            fade_m: 20.0,
+            min_known: 0.65,
+        }
     }
+}
+
+/// Detectors whose surfaces can be remembered.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RememberedMethod {
+    /// [`super::Backprojection`].
+    Backprojection,
+    /// [`super::Bank`].
+    Bank,
+    /// [`super::Online`].
+    Online,
+    /// [`super::Backprojection`] where colours tell the road, elsewhere [`super::Online`] with the colours that it finds.
+    #[default]
+    Fused,
 }
 
 /// What the memory added.
@@ -65,6 +94,7 @@ const KEPT_WITHOUT_MOTION: f64 = 0.5;
 
 /// Another detector with a memory.
 pub struct Memory {
+    method: RoadMethod,
     config: MemoryConfig,
     seeing: Box<dyn RoadDetector>,
     map: RoadMap,
@@ -79,10 +109,11 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// A memory of what `seeing` finds.
-    pub fn new(config: &MemoryConfig, seeing: Box<dyn RoadDetector>) -> Self {
+    /// A memory of what `seeing` finds, which calls itself `method`.
+    pub fn new(method: RoadMethod, config: &MemoryConfig, seeing: Box<dyn RoadDetector>) -> Self {
         let model = SensorModel::new(config);
         Self {
+            method,
             config: config.clone(),
             seeing,
             map: RoadMap::new(model),
@@ -122,9 +153,7 @@ impl Memory {
         self.prior_row.resize(width, 0);
         for row in 0..height {
             if row % side == 0 {
-                let priors = self.prior.row(row / side);
-                let places = self.prior_row.chunks_mut(side);
-                places.zip(priors).for_each(|(place, prior)| place.fill(*prior));
+                spread(self.prior.row(row / side), side, &mut self.prior_row);
             }
             let (seen, fused) = (self.seen.row(row), fused.row_mut(row));
             fused.fill(0);
@@ -140,6 +169,24 @@ impl Memory {
     }
 }
 
+/// Repeats each value `side` times.
+fn spread(values: &[u8], side: usize, out: &mut [u8]) {
+    // Known sides become copies of whole registers.
+    match side {
+        2 => spread_by::<2>(values, out),
+        3 => spread_by::<3>(values, out),
+        4 => spread_by::<4>(values, out),
+        _ => out.chunks_mut(side).zip(values).for_each(|(place, value)| place.fill(*value)),
+    }
+}
+
+fn spread_by<const SIDE: usize>(values: &[u8], out: &mut [u8]) {
+    let (places, rest) = out.as_chunks_mut::<SIDE>();
+    let (whole, last) = values.split_at(places.len().min(values.len()));
+    places.iter_mut().zip(whole).for_each(|(place, value)| *place = [*value; SIDE]);
+    rest.fill(last.first().copied().unwrap_or(0));
+}
+
 impl RoadDetector for Memory {
     fn estimate(
         &mut self,
@@ -147,9 +194,11 @@ impl RoadDetector for Memory {
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
         let Perspective::Ground { view, .. } = input.perspective else {
-            return self.seeing.estimate(input, probability);
+            let evidence = self.seeing.estimate(input, probability)?;
+            return Ok(RoadEvidence { detector: self.method.name(), ..evidence });
         };
         let mut evidence = self.seeing.estimate(input, &mut self.seen)?;
+        evidence.detector = self.method.name();
         self.map.lie_under(view, self.config.cell_m);
         let kept = self.carry(view, input.motion);
         self.map.read(&mut self.prior, &mut self.known);
@@ -166,12 +215,21 @@ impl RoadDetector for Memory {
     }
 
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
-        let Perspective::Ground { .. } = input.perspective else {
-            return self.seeing.detect(input, surface);
-        };
         let evidence = self.estimate(input, &mut surface.probability)?;
-        surface.sums.rebuild(surface.probability.view(), &self.known_pixels)?;
+        let known = match input.perspective {
+            Perspective::Camera { .. } => input.validity,
+            Perspective::Ground { .. } => &self.known_pixels,
+        };
+        surface.sums.rebuild(surface.probability.view(), known)?;
         Ok(evidence)
+    }
+
+    fn know(&mut self, surfaces: &SurfaceFile) -> Result<(), RoadError> {
+        self.seeing.know(surfaces)
+    }
+
+    fn known_surfaces(&self) -> Option<SurfaceFile> {
+        self.seeing.known_surfaces()
     }
 
     fn reset(&mut self) {

@@ -63,7 +63,7 @@ pub struct OnlineConfig {
     /// Step in log-brightness, at an edge towards the vanishing point, across which the probability falls to a half, 0.05
     /// to 10; default 0.75, a factor of 2.1.
     pub half_step: f64,
-    /// Share by which a step between two colours known as road counts less, 0 to 1; default 0.7.
+    /// Share by which a step between two colours known as road counts less, 0 to 1; default 0.85.
     pub known_step: f64,
     /// What the part of a slope that runs along lines to the vanishing point counts, 0 to 1; default 0.35.
     pub edges_along: f64,
@@ -77,7 +77,7 @@ impl Default for OnlineConfig {
             surfaces: 4,
             marking_width_heights: 0.12,
             half_step: 0.75,
-            known_step: 0.7,
+            known_step: 0.85,
             edges_along: 0.35,
         }
     }

@@ -1,29 +1,24 @@
 //! Gauss-Newton on one level of the patch, with priors.
 
 use fingerpost_vision::alignment::{Brightness, Residuals, UNKNOWNS};
-use nalgebra::{Isometry2, Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Isometry2, Matrix3, Matrix4, SMatrix, SVector, Vector2, Vector3, Vector4};
 
 use super::patch::Level;
-use super::plane_warp::Displacement;
-use crate::motion::sway::SWAY_SIGMA_RAD;
+use super::plane_warp::{Displacement, Views};
+use crate::motion::camera_turn::SeenTurn;
 
-/// Matrix over all unknowns.
-type Matrix6 = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
-type Vector6 = SVector<f64, UNKNOWNS>;
+/// Matrix over all unknowns: forward, left, yaw, change of pitch and of roll, pitch and roll before.
+type Matrix7 = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+type Vector7 = SVector<f64, UNKNOWNS>;
 
-/// What is known of the motion before the pictures are looked at.
+/// What is known before the pictures are looked at.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prior {
     pub(super) current_from_previous: Isometry2<f64>,
     /// Inverse of its covariance: forward, left, yaw in the older frame.
     pub(super) information: Matrix3<f64>,
-}
-
-impl Prior {
-    /// `None` for a covariance that has no inverse.
-    pub(super) fn new(current_from_previous: Isometry2<f64>, covariance: Matrix3<f64>) -> Option<Self> {
-        Some(Self { current_from_previous, information: covariance.try_inverse()? })
-    }
+    /// The camera's turning: change of pitch and of roll, pitch and roll before.
+    pub(super) turn: SeenTurn,
 }
 
 /// What is carried from iteration to iteration and from level to level.
@@ -35,6 +30,8 @@ pub(super) struct Estimate {
     pub(super) scale: f64,
     /// Covariance of the motion: forward, left, yaw in the older frame.
     pub(super) covariance: Matrix3<f64>,
+    /// What the pictures alone say of the camera's turning, whatever the motion.
+    pub(super) seen_turn: SeenTurn,
     /// Root mean square of the residuals, as a displacement of the road, metres.
     pub(super) residual_m: f64,
     /// Share of the points that were led to seen pixels.
@@ -46,12 +43,13 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    pub(super) fn at(current_from_previous: Isometry2<f64>) -> Self {
+    pub(super) fn at(displacement: Displacement) -> Self {
         Self {
-            displacement: Displacement::of(current_from_previous),
+            displacement,
             brightness: Brightness::default(),
             scale: FIRST_SCALE,
             covariance: Matrix3::identity(),
+            seen_turn: SeenTurn::default(),
             residual_m: 0.0,
             seen: 0.0,
             agreeing: 0.0,
@@ -66,7 +64,7 @@ pub(super) const FIRST_SCALE: f64 = 4.0;
 const SCALE_FLOOR: f64 = 0.5;
 /// Share of the points that count as independent measurements: what is left of a good alignment is not noise but a road
 /// that is not quite flat, alike over metres. Found from the errors of simulated drives (`tests/motion_accuracy.rs`).
-const INDEPENDENT: f64 = 0.03;
+const INDEPENDENT: f64 = 0.06;
 /// Distance at which a turn is counted as a displacement, metres: the far end of the patch.
 const REACH_M: f64 = 10.0;
 /// A step below this ends a level, pixels.
@@ -76,14 +74,14 @@ const SMALL_STEP_PX: f64 = 0.02;
 pub(super) fn align(
     level: &mut Level,
     residuals: &mut Residuals,
-    prior: &Prior,
+    (prior, views): (&Prior, &Views),
     iterations: usize,
     mut estimate: Estimate,
 ) -> Option<Estimate> {
     let raster = level.raster;
     level.template.set_directions(&raster.directions(&estimate.displacement));
     for left in (0..iterations).rev() {
-        let warp = raster.warp(&estimate.displacement);
+        let warp = raster.warp(&estimate.displacement, views);
         residuals.measure(&level.template, &level.target, &warp, estimate.brightness, estimate.scale as f32);
         if residuals.seen < 1.0 {
             return None;
@@ -91,17 +89,20 @@ pub(super) fn align(
         let sums = residuals.sums(&level.template);
         estimate.scale = f64::from(residuals.square_sum / residuals.seen).sqrt().max(SCALE_FLOOR);
         let weight = INDEPENDENT / (estimate.scale * estimate.scale);
-        let mut information = Matrix6::from_fn(|row, column| weight * f64::from(sums.hessian[row][column]));
-        let mut gradient = Vector6::from_fn(|row, _| weight * f64::from(sums.gradient[row]));
-        add_priors(&mut information, &mut gradient, prior, &estimate.displacement);
+        let mut information = Matrix7::from_fn(|row, column| weight * f64::from(sums.hessian[row][column]));
+        let mut gradient = Vector7::from_fn(|row, _| weight * f64::from(sums.gradient[row]));
+        add_motion_prior(&mut information, &mut gradient, prior, &estimate.displacement);
+        let seen_turn = seen_turn(&information, &gradient, &estimate.displacement)?;
+        add_turn_prior(&mut information, &mut gradient, prior, &estimate.displacement);
         let factors = information.cholesky()?;
         let change = factors.solve(&gradient);
         estimate.displacement = changed(&estimate.displacement, &change);
         estimate.agreeing = f64::from(sums.hessian[0][0] / sums.unweighted[0].max(f32::MIN_POSITIVE));
         estimate.brightness = brightness(residuals, estimate.brightness);
-        let step_m = change.x.hypot(change.y) + REACH_M * change.z.abs();
+        let step_m = change[0].hypot(change[1]) + REACH_M * change[2].abs();
         estimate.has_converged = step_m < SMALL_STEP_PX * raster.metres_per_pixel;
         if estimate.has_converged || left == 0 {
+            estimate.seen_turn = seen_turn;
             estimate.covariance = factors.inverse().fixed_view::<3, 3>(0, 0).into();
             let slope = f64::from(sums.hessian[0][0] + sums.hessian[1][1]).max(f64::MIN_POSITIVE);
             estimate.residual_m = (f64::from(residuals.square_sum) / slope).sqrt();
@@ -112,25 +113,46 @@ pub(super) fn align(
     Some(estimate)
 }
 
-fn add_priors(information: &mut Matrix6, gradient: &mut Vector6, prior: &Prior, now: &Displacement) {
+fn add_motion_prior(information: &mut Matrix7, gradient: &mut Vector7, prior: &Prior, now: &Displacement) {
     let off = prior.current_from_previous.inverse() * now.current_from_previous;
     let off = Vector3::new(off.translation.x, off.translation.y, off.rotation.angle());
     let mut motion = information.fixed_view_mut::<3, 3>(0, 0);
     motion += prior.information;
     let mut pull = gradient.fixed_rows_mut::<3>(0);
     pull += prior.information * off;
-    for (i, sigma) in SWAY_SIGMA_RAD.iter().enumerate() {
-        information[(3 + i, 3 + i)] += sigma.powi(-2);
-        gradient[3 + i] += now.sway_rad[i] * sigma.powi(-2);
-    }
+}
+
+fn add_turn_prior(information: &mut Matrix7, gradient: &mut Vector7, prior: &Prior, now: &Displacement) {
+    let mut turn = information.fixed_view_mut::<4, 4>(3, 3);
+    turn += prior.turn.information;
+    let mut pull = gradient.fixed_rows_mut::<4>(3);
+    pull += prior.turn.information * turn_of(now) - prior.turn.vector;
+}
+
+fn turn_of(displacement: &Displacement) -> Vector4<f64> {
+    let ([pitch, roll], [pitch_change, roll_change]) =
+        (displacement.turn_before_rad, displacement.turn_change_rad);
+    Vector4::new(pitch_change, roll_change, pitch, roll)
+}
+
+/// What is left for the turning when every motion is allowed for as likely as it is (the Schur complement).
+fn seen_turn(information: &Matrix7, gradient: &Vector7, now: &Displacement) -> Option<SeenTurn> {
+    let of_motion = information.fixed_view::<3, 3>(0, 0).into_owned().cholesky()?;
+    let both = information.fixed_view::<3, 4>(0, 3);
+    let explained = both.transpose() * of_motion.solve(&both.into_owned());
+    let of_turn: Matrix4<f64> = information.fixed_view::<4, 4>(3, 3) - explained;
+    let pulled = both.transpose() * of_motion.solve(&gradient.fixed_rows::<3>(0).into_owned());
+    let pull: Vector4<f64> = gradient.fixed_rows::<4>(3) - pulled;
+    Some(SeenTurn { information: of_turn, vector: of_turn * turn_of(now) - pull })
 }
 
 /// The inverse compositional update: what would have moved the older picture is taken off the warp.
-fn changed(now: &Displacement, change: &Vector6) -> Displacement {
-    let moved = Isometry2::new(change.xy(), change.z);
+fn changed(now: &Displacement, change: &Vector7) -> Displacement {
+    let moved = Isometry2::new(Vector2::new(change[0], change[1]), change[2]);
     Displacement {
         current_from_previous: now.current_from_previous * moved.inverse(),
-        sway_rad: std::array::from_fn(|i| now.sway_rad[i] - change[3 + i]),
+        turn_before_rad: std::array::from_fn(|i| now.turn_before_rad[i] - change[5 + i]),
+        turn_change_rad: std::array::from_fn(|i| now.turn_change_rad[i] - change[3 + i]),
     }
 }
 

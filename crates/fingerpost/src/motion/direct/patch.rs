@@ -9,7 +9,6 @@ use fingerpost_vision::pyramid::halve;
 use super::DirectMotionConfig;
 use super::plane_warp::Raster;
 use crate::ground_view::GroundView;
-use crate::motion::sway::Viewpoint;
 
 /// Scale of the finest level, metres per pixel, at least: finer ones show the camera's noise.
 const FINEST_M: f64 = 0.04;
@@ -59,7 +58,7 @@ impl Patch {
     /// The patch of a ground view; `None` when the view shows too little.
     pub(super) fn new(view: &GroundView, config: &DirectMotionConfig) -> Option<Self> {
         let grid = *view.grid();
-        let viewpoint = Viewpoint { foot: view.camera_foot(), height_m: view.camera_height_m() };
+        let viewpoint = view.viewpoint();
         let scale = grid.metres_per_pixel();
         let pixels = |length_m: f64| (length_m / scale).round() as usize;
         let finest = (FINEST_M / scale).log2().ceil().max(0.0) as usize;
@@ -133,10 +132,11 @@ impl Patch {
         Ok(())
     }
 
-    /// Makes the frame taken in last the older one.
-    pub(super) fn keep(&mut self) {
+    /// Makes the frame taken in last the older one, on a path that bends so.
+    pub(super) fn keep(&mut self, curvature_per_m: f64) {
         for level in &mut self.levels[self.finest..] {
-            level.template.choose(&level.grey, level.region, level.cell_px);
+            let corridor = level.raster.corridor(curvature_per_m);
+            level.template.choose(&level.grey, level.region, level.cell_px, &corridor);
         }
     }
 }

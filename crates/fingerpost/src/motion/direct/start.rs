@@ -5,7 +5,7 @@ use nalgebra::{Isometry2, Vector2};
 
 use super::gauss_newton::FIRST_SCALE;
 use super::patch::Level;
-use super::plane_warp::Displacement;
+use super::plane_warp::{Displacement, Views};
 use crate::motion::FlowStart;
 
 /// Farthest the vehicle is taken to move in a frame, metres: 40 m/s at ten frames a second.
@@ -28,9 +28,10 @@ pub(super) fn cost(
     level: &Level,
     residuals: &mut Residuals,
     displacement: &Displacement,
+    views: &Views,
     brightness: Brightness,
 ) -> f64 {
-    let warp = level.raster.warp(displacement);
+    let warp = level.raster.warp(displacement, views);
     residuals.measure(&level.template, &level.target, &warp, brightness, FIRST_SCALE as f32);
     if residuals.seen > 0.0 && residuals.seen >= MIN_SEEN * level.template.len() as f32 {
         f64::from(residuals.square_sum / residuals.seen)
@@ -39,15 +40,13 @@ pub(super) fn cost(
     }
 }
 
-/// Where to begin: standing, or as `last`; a search over the whole reach when both cost more than `bearable`.
+/// Where to begin by the costs of motions: standing, or as `last`; a search over the whole reach when both cost more than
+/// `bearable`.
 pub(super) fn start(
-    level: &Level,
-    residuals: &mut Residuals,
+    mut cost_of: impl FnMut(Isometry2<f64>) -> f64,
     last: Isometry2<f64>,
     bearable: f64,
 ) -> (FlowStart, Isometry2<f64>) {
-    let mut cost_of =
-        |motion: Isometry2<f64>| cost(level, residuals, &Displacement::of(motion), Brightness::default());
     let (standing, same) = (cost_of(Isometry2::identity()), cost_of(last));
     if standing.min(same) > bearable {
         (FlowStart::CoarseSearch, search(cost_of))

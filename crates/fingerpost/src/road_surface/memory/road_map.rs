@@ -20,6 +20,7 @@ const MAX_UNITS: i32 = (MAX_LOG_ODDS * UNIT) as i32;
 const MAX_SIDE: usize = 2048;
 /// Bits behind the point of places counted in cells or pixels.
 const PLACE_BITS: u32 = 16;
+const HALF: i64 = 1 << (PLACE_BITS - 1);
 
 /// What a frame says about cells.
 #[derive(Debug)]
@@ -105,7 +106,7 @@ impl RoadMap {
         self.grid = Some(*grid);
         self.side_px = ((cell_m / grid.metres_per_pixel()).round() as usize).max(1);
         self.cell_m = self.side_px as f64 * grid.metres_per_pixel();
-        // The whole view whichever way it lies, and a cell more all around to read between.
+        // The whole view whichever way it lies, and a cell more all around for rounding.
         let across_px = (grid.columns() as f64).hypot(grid.rows() as f64);
         let reach = (across_px / self.side_px as f64).ceil() as usize + 4;
         let side = reach.next_power_of_two().min(MAX_SIDE);
@@ -195,19 +196,10 @@ impl RoadMap {
         let cells = self.cells.as_slice();
         let log_side = self.cells.width().trailing_zeros();
         for row in 0..size.1 {
-            let [mut x, mut y] = at(0, row);
+            let [mut x, mut y] = at(0, row).map(|place| place + HALF);
             for (prior, known) in prior.row_mut(row).iter_mut().zip(known.row_mut(row)) {
-                let (left, upper) = ((x >> PLACE_BITS) as usize, (y >> PLACE_BITS) as usize);
-                let (columns, rows) = ([left & mask, (left + 1) & mask], [upper & mask, (upper + 1) & mask]);
-                let cell = |column: usize, row: usize| {
-                    i32::from(cells.get((rows[row] << log_side) + columns[column]).copied().unwrap_or(0))
-                };
-                // Weights of 8 bits are finer than the log-odds of any cell's edge.
-                let (right, below) = (((x >> 8) & 255) as i32, ((y >> 8) & 255) as i32);
-                let upper = cell(0, 0) * (256 - right) + cell(1, 0) * right;
-                let lower = cell(0, 1) * (256 - right) + cell(1, 1) * right;
-                let units =
-                    (((upper >> 8) * (256 - below) + (lower >> 8) * below) >> 8).clamp(-MAX_UNITS, MAX_UNITS);
+                let (column, line) = ((x >> PLACE_BITS) as usize & mask, (y >> PLACE_BITS) as usize & mask);
+                let units = cells.get((line << log_side) + column).map_or(0, |units| i32::from(*units));
                 *prior = self.model.prior.get(((units + MAX_UNITS) >> 1) as usize).copied().unwrap_or(0);
                 *known = u8::from(units.abs() >= self.model.min_known);
                 x += step[0];
@@ -255,19 +247,23 @@ impl RoadMap {
             let step = step.map(fixed);
             let cells = self.cells.row_mut(row as usize & mask);
             for column in *columns.start() + first..*columns.start() + end {
-                let pixel = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
+                // A place before the first becomes one far behind the last.
+                let (line, across) = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
                 (u, v) = (u + step[0], v + step[1]);
-                let index = pixel.0 * width + pixel.1;
+                // Rounding may lead a place at the edge out of the view.
+                if line >= height || across >= width {
+                    continue;
+                }
+                let index = line * width + across;
                 let shown = validity.plane().as_slice().get(index).is_some_and(|&shown| shown != 0);
-                let (Some(&p), Some(&trust)) = (seen.as_slice().get(index), self.row_trust.get(pixel.0))
+                let (Some(&p), Some(&trust), true) =
+                    (seen.as_slice().get(index), self.row_trust.get(line), shown)
                 else {
                     continue;
                 };
-                if shown && pixel.1 < width {
-                    let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
-                    let cell = &mut cells[column as usize & mask];
-                    *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
-                }
+                let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
+                let cell = &mut cells[column as usize & mask];
+                *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
             }
         }
     }

@@ -1,0 +1,204 @@
+//! `fingerpost campaign`: many simulated drives, each from a seed, and the method on them.
+//!
+//! A drive follows from its seed and its conditions alone: route, speed, sun, scenery, noise. Drives run side by side, one
+//! a thread; what is written does not depend on their number. After every drive `campaign.json` is replaced by one that
+//! holds it, so that whatever ends the campaign, finished drives stay.
+
+mod drive;
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use fingerpost::Config;
+use fingerpost_eval::CampaignTally;
+use fingerpost_format::{Campaign, CampaignGroup};
+use fingerpost_geometry::Camera;
+use fingerpost_io::{create_folder, replace_file};
+use fingerpost_map::{OsmData, RoadGraph};
+use fingerpost_sim::Conditions;
+use indicatif::ProgressBar;
+
+use crate::arguments::PictureSize;
+use crate::demo::TOWN_OSM;
+use crate::interrupt::Interrupt;
+use crate::simulate::{Lens, default_camera};
+use crate::{inputs, output};
+
+/// Simulate many short drives, run the method on each and count: features found, falsely found and arrived at, errors of
+/// place and of motion, by conditions. The truth is only used to measure the results.
+#[derive(Debug, Args)]
+pub(crate) struct CampaignArgs {
+    /// How many drives.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    drives: u64,
+    /// Seed of the first drive; the others count up from it. A drive follows from its seed and its conditions.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// What the days are like; drives take these in turns.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_values_t = DEFAULT_CONDITIONS.map(str::to_owned),
+          value_parser = PossibleValuesParser::new(Conditions::names()))]
+    conditions: Vec<String>,
+    /// OpenStreetMap data to drive on, in place of the built-in town.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Settings of the method; every key is optional.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Size of the pictures, pixels.
+    #[arg(long, value_name = "WxH", default_value = "480x360")]
+    size: PictureSize,
+    /// Frames a second.
+    #[arg(long, default_value_t = 10.0)]
+    fps: f64,
+    /// Drives at the same time; as many as the machine has processor cores by default. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Write a run folder with report, pictures, route and truth for every drive.
+    #[arg(long)]
+    reports: bool,
+    /// Folder to write campaign.json and the run folders into.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print what campaign.json holds on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The difficult days.
+const DEFAULT_CONDITIONS: [&str; 5] = ["shadows", "wet", "mixed", "dusk", "dust"];
+
+/// What all drives share.
+struct Setting<'a> {
+    args: &'a CampaignArgs,
+    graph: RoadGraph,
+    camera: Camera,
+    config: Config,
+    interrupt: Interrupt,
+}
+
+/// Drives, evaluates and counts.
+pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
+    if args.seed.checked_add(args.drives).is_none() {
+        bail!("--seed {} leaves no seeds for {} drives; give a smaller one", args.seed, args.drives);
+    }
+    let graph = match &args.map {
+        Some(map) => inputs::road_graph(map)?,
+        None => RoadGraph::from_osm(&OsmData::from_bytes(TOWN_OSM)?)?,
+    };
+    let setting = Setting {
+        args,
+        graph,
+        camera: default_camera(args.size, Lens::None)?,
+        config: inputs::config(args.config.as_deref())?,
+        interrupt: Interrupt::listen()?,
+    };
+    create_folder(&args.out)?;
+    let bar = output::progress(Some(args.drives), "drives");
+    let campaign = drive_all(&setting, &bar)?;
+    bar.finish_and_clear();
+    if setting.interrupt.wanted() {
+        let done = campaign.total.drives;
+        bail!(
+            "interrupted after {done} of {} drives; results so far are in {}",
+            args.drives,
+            args.out.display()
+        );
+    }
+    print_table(&campaign);
+    output::message(&format!("results in {}", args.out.join(RESULT_FILE).display()));
+    if args.json {
+        output::print_json(&campaign)?;
+    }
+    match campaign.drives.iter().find_map(|drive| Some((drive.seed, drive.error.as_ref()?))) {
+        Some((seed, error)) => {
+            bail!(
+                "{} drives failed, the first of them with seed {seed}: {error}",
+                campaign.total.drives_failed
+            )
+        }
+        None => Ok(()),
+    }
+}
+
+/// File of the results.
+const RESULT_FILE: &str = "campaign.json";
+
+/// Runs all drives, each thread taking the next one when it has finished one.
+fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
+    let args = setting.args;
+    let threads = args.threads.or(thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let next = AtomicU64::new(0);
+    let tally = Mutex::new(CampaignTally::new(&args.conditions, args.drives));
+    let work = || -> Result<()> {
+        // A drive's own parallel work stays in its thread: another drive must not begin in the middle of one.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        while !setting.interrupt.wanted() {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            if number >= args.drives {
+                break;
+            }
+            let conditions = &args.conditions[(number % args.conditions.len() as u64) as usize];
+            let driven = pool.install(|| drive::drive(setting, args.seed + number, conditions));
+            let Some((drive, position_errors_m)) = driven else { break };
+            let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+            tally.add(drive, position_errors_m);
+            write(args, &tally.campaign())?;
+            bar.set_position(tally.done());
+        }
+        Ok(())
+    };
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let mut ends = workers.into_iter().map(|worker| worker.join());
+        ends.try_for_each(|end| end.unwrap_or_else(|fault| std::panic::resume_unwind(fault)))
+    })?;
+    let tally = tally.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    Ok(tally.campaign())
+}
+
+fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
+    let mut text =
+        serde_json::to_string_pretty(campaign).context("the campaign cannot be written as JSON")?;
+    text.push('\n');
+    Ok(replace_file(&args.out.join(RESULT_FILE), text)?)
+}
+
+fn print_table(campaign: &Campaign) {
+    output::message(
+        "conditions  drives  features  detected  false  arrived  lost  position error, m        distance",
+    );
+    output::message(
+        "                                                              p50    p95    max    p50, % off",
+    );
+    for group in campaign.conditions.iter().chain([&campaign.total]) {
+        output::message(&line(group));
+    }
+    for worst in &campaign.worst {
+        let p95 = worst.position_error_p95_m.map_or("-".to_owned(), |m| format!("{m:.2} m"));
+        output::message(&format!(
+            "worst: {} missed, {} false, p95 {p95}: --drives 1 --seed {} --conditions {} --reports shows it",
+            worst.missed, worst.false_detections, worst.seed, worst.conditions
+        ));
+    }
+}
+
+fn line(group: &CampaignGroup) -> String {
+    let name = group.conditions.as_deref().unwrap_or("all");
+    let CampaignGroup {
+        drives, features_total, features_detected, false_detections, arrivals, losses, ..
+    } = group;
+    let metres = |value: Option<f64>| value.map_or("-".to_owned(), |m| format!("{m:.2}"));
+    let [p50, p95, max] = [0, 1, 2]
+        .map(|i| metres(group.position_error_m.map(|error_m| [error_m.p50, error_m.p95, error_m.max][i])));
+    let distance = metres(group.motion_error_pct.map(|error_pct| error_pct.p50));
+    format!(
+        "{name:<10}  {drives:>6}  {features_total:>8}  {features_detected:>8}  {false_detections:>5}  {arrivals:>7}  \
+         {losses:>4}  {p50:>5}  {p95:>5}  {max:>5}  {distance:>12}"
+    )
+}

@@ -1,0 +1,131 @@
+//! One drive of a campaign: drawn, simulated, run and evaluated in memory.
+
+use std::path::PathBuf;
+
+use anyhow::{Error, Result};
+use fingerpost::Sensors;
+use fingerpost_eval::{evaluate_junctions, feature_summaries};
+use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
+use fingerpost_io::{JsonLinesFile, write_file};
+use fingerpost_map::{Route, write_route};
+use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
+use indicatif::ProgressBar;
+
+use super::Setting;
+use crate::driver::{Driver, FrameResult, RunSetting};
+use crate::output;
+use crate::record::{FrameTime, broken_record};
+use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+
+/// Every so many frames of a drive with a report one is written with all that was seen in it: one a second.
+const PICTURE_EVERY_FRAMES: u64 = 10;
+
+/// A drive in numbers, and the position errors of its frames, metres.
+type Driven = (CampaignDrive, Vec<f64>);
+
+/// The drive of a seed; none when it was interrupted.
+pub(super) fn drive(setting: &Setting<'_>, seed: u64, conditions: &str) -> Option<Driven> {
+    let named = CampaignDrive { seed, conditions: conditions.to_owned(), ..CampaignDrive::default() };
+    let failed = |error: &Error| {
+        let error = Some(output::cause_chain(error));
+        Some((CampaignDrive { error, ..named.clone() }, Vec::new()))
+    };
+    try_drive(setting, &named).unwrap_or_else(|error| failed(&error))
+}
+
+fn try_drive(setting: &Setting<'_>, named: &CampaignDrive) -> Result<Option<Driven>> {
+    let route = random_route(&setting.graph, named.seed, &RandomRouteOptions::default())?;
+    let drawn = random_drive(named.seed, &Conditions::named(&named.conditions)?);
+    let config = SimConfig { fps: setting.args.fps, ..drawn };
+    let simulator = Simulator::new(&setting.graph, &route, &setting.camera, &config)?;
+    let mut run = Run::start(setting, named, &route, &config, simulator.frames())?;
+    for index in 0..simulator.frames() {
+        if setting.interrupt.wanted() {
+            return Ok(None);
+        }
+        let frame = simulator.frame(index);
+        let time = FrameTime { frame: index as u64, t_s: index as f64 / config.fps };
+        run.truth.push(frame.truth);
+        let result = run.driver.step(time, &frame.picture, Sensors::default())?;
+        run.take(time, result)?;
+    }
+    run.finish(named, &route).map(Some)
+}
+
+/// The method on a drive.
+struct Run {
+    driver: Driver,
+    /// Where a report is wanted.
+    recorder: Option<Recorder>,
+    /// The folder that it goes to.
+    folder: PathBuf,
+    records: Vec<FrameRecord>,
+    truth: Vec<TruthRecord>,
+}
+
+impl Run {
+    fn start(
+        setting: &Setting<'_>,
+        named: &CampaignDrive,
+        route: &Route,
+        config: &SimConfig,
+        frames: usize,
+    ) -> Result<Self> {
+        let run_setting = RunSetting {
+            config: &setting.config,
+            camera: &setting.camera,
+            route: Some(route),
+            start_m: Some(config.start_m),
+        };
+        let name = format!("{}_{}", named.conditions, named.seed);
+        let pictures =
+            if setting.args.reports { Pictures::Every(PICTURE_EVERY_FRAMES) } else { Pictures::None };
+        let wishes = Wishes { title: format!("Fingerpost campaign: {name}"), pictures, video_fps: None };
+        let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
+        let folder = setting.args.out.join(name);
+        let recorder = setting.args.reports.then(|| {
+            let subject = driver.subject(run_setting)?;
+            Recorder::create(&folder, subject, wishes, ProgressBar::hidden())
+        });
+        let recorder = recorder.transpose()?;
+        Ok(Self {
+            driver,
+            recorder,
+            folder,
+            records: Vec::with_capacity(frames),
+            truth: Vec::with_capacity(frames),
+        })
+    }
+
+    fn take(&mut self, time: FrameTime, result: FrameResult) -> Result<()> {
+        let record = match &result.outcome {
+            Ok(seen) => seen.record.clone(),
+            Err(error) => broken_record(time, self.records.last(), TrackState::Searching, error.clone()),
+        };
+        self.records.push(record);
+        self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.add(result))
+    }
+
+    fn finish(self, named: &CampaignDrive, route: &Route) -> Result<Driven> {
+        let Self { driver, recorder, folder, records, truth } = self;
+        if let Some(recorder) = recorder {
+            recorder.finish(RunEnd::Complete, Some(&truth))?;
+            write_file(&folder.join("route.geojson"), write_route(route)?)?;
+            let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
+            truth.iter().try_for_each(|truth| lines.append(truth))?;
+        }
+        let ids: Vec<i64> = route.features.iter().map(|feature| feature.id).collect();
+        let evaluation = evaluate_junctions(&records, &truth, &ids)?;
+        let is_lost = |record: &FrameRecord| record.state == TrackState::Lost;
+        let losses = records.windows(2).filter(|pair| !is_lost(&pair[0]) && is_lost(&pair[1])).count();
+        let drive = CampaignDrive {
+            route_m: route.polyline()?.length_m(),
+            frames: records.len() as u64,
+            losses: losses as u64,
+            truth: evaluation.summary,
+            features: feature_summaries(&records, driver.features()),
+            ..named.clone()
+        };
+        Ok((drive, evaluation.position_errors_m))
+    }
+}

@@ -1,0 +1,149 @@
+//! `calibrate` from outside: mounts from drives and from points.
+
+use std::fs;
+
+use fingerpost_format::camera_from_toml;
+use fingerpost_geometry::{Mount, View};
+use fingerpost_io::read_truth;
+use tempfile::TempDir;
+
+use crate::drive::Drive;
+use crate::program::call_line;
+
+/// Mount of the drives, degrees.
+const PITCH_DEG: f64 = 6.5;
+const YAW_DEG: f64 = -2.0;
+const HEIGHT_M: f64 = 1.4;
+
+fn camera_text(pitch_deg: f64, yaw_deg: f64, height_m: f64) -> String {
+    format!(
+        "[image]\nwidth = 480\nheight = 360\n[intrinsics]\nfx = 315.0\nfy = 315.0\ncx = 239.5\ncy = 179.5\n\
+         [mount]\nheight_m = {height_m}\npitch_deg = {pitch_deg}\nyaw_deg = {yaw_deg}\nx_m = 1.5\n"
+    )
+}
+
+fn mount_of(path: &std::path::Path) -> Mount {
+    let camera = camera_from_toml(&fs::read_to_string(path).unwrap()).unwrap();
+    match camera.view() {
+        View::Calibrated { mount, .. } => Some(*mount),
+        View::RoadPlane(_) => None,
+    }
+    .unwrap()
+}
+
+#[test]
+fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(path("true.toml"), camera_text(PITCH_DEG, YAW_DEG, HEIGHT_M)).unwrap();
+    fs::write(path("guess.toml"), camera_text(8.0, 0.0, 1.6)).unwrap();
+    let (map, route) = (drive.map(), drive.route());
+    call_line(&format!(
+        "simulate --map {} --route {} --conditions clear --frames 45 --camera {} --out {}",
+        map.display(),
+        route.display(),
+        path("true.toml"),
+        path("drive")
+    ))
+    .done();
+    let line = format!(
+        "calibrate mount {} --camera {} --out {} --json",
+        path("drive"),
+        path("guess.toml"),
+        path("out.toml")
+    );
+
+    let kept = call_line(&line).done();
+    assert!(kept.stderr.contains("height kept at 1.600 m"), "{}", kept.stderr);
+    let report: serde_json::Value = serde_json::from_str(&kept.stdout).unwrap();
+    assert!(report["height_m"].is_null() && report["pitch_deg"]["sigma"].as_f64().unwrap() > 0.0, "{report}");
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.pitch_rad.to_degrees() - PITCH_DEG).abs() < 0.2, "{mount:?}");
+    assert!((mount.yaw_rad.to_degrees() - YAW_DEG).abs() < 0.2, "{mount:?}");
+
+    let truth = read_truth(&folder.path().join("drive/truth.jsonl")).unwrap();
+    let steps = truth.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m));
+    let distance_m: f64 = steps.sum();
+    let speed_mps = distance_m / (truth.last().unwrap().t_s - truth[0].t_s);
+    call_line(&format!("{line} --speed-mps {speed_mps}")).done();
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+
+    fs::remove_file(path("out.toml")).unwrap();
+    call_line(&format!("{line} --frames 12"))
+        .refused(1, &["nothing was written", "straight", "give a longer drive"]);
+    call_line(&format!("{line} --speed-mps 8 --distance-m 40")).refused(2, &["--distance-m"]);
+    call_line(&format!("{line} --speed-mps 0")).refused(1, &["--speed-mps 0", "give 0.5 to"]);
+    assert!(!folder.path().join("out.toml").exists());
+}
+
+/// Pictures of a vehicle that stands.
+#[test]
+fn a_drive_without_motion_is_refused() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let first = drive.path().join("frames/000000.jpg");
+    for index in 0..30 {
+        fs::copy(&first, folder.path().join(format!("{index:06}.jpg"))).unwrap();
+    }
+    let out = folder.path().join("out.toml");
+    call_line(&format!(
+        "calibrate mount {} --camera {} --out {}",
+        folder.path().display(),
+        drive.camera().display(),
+        out.display()
+    ))
+    .refused(1, &["nothing was written", "0 of 30 frames"]);
+    assert!(!out.exists());
+}
+
+#[test]
+fn four_points_make_a_camera_and_with_a_lens_a_mount() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let camera = camera_from_toml(&fs::read_to_string(drive.camera()).unwrap()).unwrap();
+    let places = [[6.0, 1.5], [6.0, -1.5], [12.0, 1.5], [12.0, -1.5]];
+    let points: Vec<String> = places
+        .iter()
+        .map(|&[x, y]| {
+            let pixel = camera.pixel_of_ground([x, y].into()).unwrap();
+            format!("{},{},{x},{y}", pixel.u, pixel.v)
+        })
+        .collect();
+    let out = folder.path().join("out.toml");
+    let inline = points.join(";");
+    call_line(&format!("calibrate points --image-size 320x240 --points {inline} --out {}", out.display()))
+        .done();
+    let by_points = camera_from_toml(&fs::read_to_string(&out).unwrap()).unwrap();
+    let ground = by_points.ground_of_pixel(camera.pixel_of_ground([9.0, 0.5].into()).unwrap()).unwrap();
+    assert!((ground.x - 9.0).abs() < 0.01 && (ground.y - 0.5).abs() < 0.01, "{ground}");
+    let run = folder.path().join("run");
+    let line = drive.run_line(&drive.path(), &run);
+    call_line(&line.replace(&drive.camera().display().to_string(), &out.display().to_string())).done();
+
+    let file = folder.path().join("points.txt");
+    fs::write(&file, format!("# u,v,forward,left\n{}\n", points.join("\n"))).unwrap();
+    let line = |points: &str| {
+        let camera = drive.camera();
+        format!("calibrate points --camera {} --points {points} --out {}", camera.display(), out.display())
+    };
+    call_line(&line(&file.display().to_string())).done();
+    let (found, true_mount) = (mount_of(&out), mount_of(&drive.camera()));
+    assert!((found.height_m - true_mount.height_m).abs() < 0.01, "{found:?}");
+    assert!((found.pitch_rad - true_mount.pitch_rad).abs() < 0.002, "{found:?}");
+
+    fs::remove_file(&out).unwrap();
+    for (points, words) in [
+        ("1,2,3,4", ["1 points", "FORWARD,LEFT"]),
+        ("100,200,6,1;200,200,6,-1;150,200,9,0;120,150,9,1", ["one line", "measure them again"]),
+        ("200,200,6,1;100,200,6,-1;180,150,9,1;120,150,9,-1", ["mirrors the road", "same order"]),
+        ("100,200,6,1;200,200,6,-1;120,150,9,1;900,150,9,-1", ["outside the picture", "900"]),
+        ("100,200,6,1;200,200,6,-1;120,150,9,1;a,150,9,-1", ["no point", "metres"]),
+    ] {
+        call_line(&format!(
+            "calibrate points --image-size 320x240 --points {points} --out {}",
+            out.display()
+        ))
+        .refused(1, &words);
+    }
+    call_line(&line("60,200,6,1;260,210,6,-1;140,120,9,1;150,160,9,-1")).refused(1, &["nothing was written"]);
+    assert!(!out.exists());
+}

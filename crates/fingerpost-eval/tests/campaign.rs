@@ -1,0 +1,67 @@
+//! Many drives in numbers.
+#![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
+
+use fingerpost_eval::{CampaignTally, error_quantiles};
+use fingerpost_format::{CampaignDrive, TruthSummary};
+
+/// A drive past four features whose position errors are `errors_m`.
+fn drive(seed: u64, conditions: &str, detected: u64, errors_m: &[f64]) -> (CampaignDrive, Vec<f64>) {
+    let truth = TruthSummary {
+        features_total: 4,
+        features_detected: detected,
+        arrivals: detected,
+        position_error_m: error_quantiles(errors_m.iter().copied()),
+        motion_error_pct: Some(seed as f64),
+        ..TruthSummary::default()
+    };
+    (
+        CampaignDrive { seed, conditions: conditions.to_owned(), truth, ..CampaignDrive::default() },
+        errors_m.to_vec(),
+    )
+}
+
+fn names() -> Vec<String> {
+    ["wet", "dusk", "dust"].map(str::to_owned).to_vec()
+}
+
+#[test]
+fn sums_and_quantiles_are_over_the_frames_of_all_drives() {
+    let mut tally = CampaignTally::new(&names(), 4);
+    let few = drive(2, "dusk", 4, &[9.0]);
+    let many = drive(1, "wet", 3, &[0.1; 99]);
+    let failed = CampaignDrive { error: Some("no route".to_owned()), ..drive(3, "wet", 4, &[]).0 };
+    for (drive, errors_m) in [few, many, (failed, Vec::new())] {
+        tally.add(drive, errors_m);
+    }
+    let campaign = tally.campaign();
+    assert!(campaign.interrupted, "three of four are done");
+    let total = &campaign.total;
+    assert_eq!((total.drives, total.drives_failed), (3, 1));
+    assert_eq!((total.features_total, total.features_detected, total.arrivals), (8, 7, 7));
+    let error_m = total.position_error_m.unwrap();
+    assert!(error_m.p95 < 0.2 && error_m.max > 8.0, "one bad frame of a hundred: {error_m:?}");
+    assert!((total.motion_error_pct.unwrap().max - 2.0).abs() < 1e-9);
+    let groups: Vec<_> = campaign.conditions.iter().map(|group| group.conditions.as_deref()).collect();
+    assert_eq!(groups, [Some("wet"), Some("dusk")], "no drive was in dust");
+    assert_eq!(campaign.conditions[0].features_total, 4);
+    assert_eq!(
+        (campaign.worst[0].seed, campaign.worst[0].missed),
+        (1, 1),
+        "a miss weighs more than an error"
+    );
+    assert_eq!(campaign.worst[1].seed, 2);
+}
+
+#[test]
+fn the_order_of_the_drives_does_not_matter() {
+    let drives = [drive(1, "wet", 4, &[0.2]), drive(2, "dusk", 4, &[0.4]), drive(3, "wet", 2, &[0.3])];
+    let campaign = |order: [usize; 3]| {
+        let mut tally = CampaignTally::new(&names(), 3);
+        for i in order {
+            tally.add(drives[i].0.clone(), drives[i].1.clone());
+        }
+        tally.campaign()
+    };
+    assert_eq!(campaign([0, 1, 2]), campaign([2, 0, 1]));
+    assert!(!campaign([0, 1, 2]).interrupted);
+}

@@ -1,0 +1,101 @@
+//! The estimate of the mount while driving, on simulated drives: right, never alarmed by the road, and alarmed within five
+//! seconds when the camera is turned.
+
+// A helper that fails has failed the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use fingerpost::motion::Motion;
+use fingerpost::mount::{AttitudeWatch, MountAngle, MountConfig, MountEstimate, MountFilter, MountState};
+use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+use fingerpost_map::{OsmData, RoadGraph, read_route};
+use fingerpost_sim::{Conditions, SimConfig, Simulator};
+use nalgebra::{Isometry2, Matrix3, Vector2};
+
+const MOUNT: Mount =
+    Mount { height_m: 1.5, pitch_rad: 0.14, yaw_rad: 0.0, roll_rad: 0.0, x_m: 1.5, y_m: 0.0 };
+/// Three degrees.
+const TURNED_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
+/// Frames before the camera is turned, and five seconds of them.
+const BEFORE: usize = 40;
+const FIVE_SECONDS: usize = 50;
+
+fn camera(mount: Mount) -> Camera {
+    let intrinsics = Intrinsics { fx: 262.5, fy: 262.5, cx: 199.5, cy: 149.5 };
+    Camera::calibrated(400, 300, intrinsics, Distortion::None, mount).unwrap()
+}
+
+fn simulator(mount: Mount, config: &SimConfig) -> Simulator {
+    let town = include_bytes!("../../fingerpost-sim/assets/town.osm");
+    let graph = RoadGraph::from_osm(&OsmData::from_bytes(town).unwrap()).unwrap();
+    let route = read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap();
+    Simulator::new(&graph, &route, &camera(mount), config).unwrap()
+}
+
+/// The estimates of a drive whose frames come from the first simulator and, from `BEFORE` on, from the second.
+fn estimates(before: &Simulator, after: &Simulator, frames: usize) -> Vec<MountEstimate> {
+    let camera = camera(MOUNT);
+    let (mut watch, mut filter) = (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default()));
+    let pose = |index: usize| {
+        let truth = before.truth(index);
+        Isometry2::new(Vector2::new(truth.x_m, truth.y_m), truth.heading_rad)
+    };
+    (0..frames)
+        .map(|index| {
+            let simulator = if index < BEFORE { before } else { after };
+            let seen = watch.look_at(&camera, &simulator.frame(index).picture).unwrap();
+            if let (Some(seen), Some(last)) = (seen, index.checked_sub(1)) {
+                let previous_from_current = pose(last).inverse() * pose(index);
+                let motion =
+                    Motion { previous_from_current, covariance: Matrix3::identity() * 1e-4, quality: 1.0 };
+                filter.observe(&seen, &motion);
+            }
+            filter.estimate()
+        })
+        .collect()
+}
+
+#[test]
+fn a_turned_camera_is_noticed_within_five_seconds_and_found_again() {
+    let config = SimConfig { seed: 5, ..SimConfig::default() };
+    let before = simulator(MOUNT, &config);
+    for (mount, angle) in [
+        (Mount { pitch_rad: MOUNT.pitch_rad - TURNED_RAD, ..MOUNT }, MountAngle::Pitch),
+        (Mount { yaw_rad: TURNED_RAD, ..MOUNT }, MountAngle::Yaw),
+        (Mount { roll_rad: -TURNED_RAD, ..MOUNT }, MountAngle::Roll),
+    ] {
+        let estimates = estimates(&before, &simulator(mount, &config), BEFORE + FIVE_SECONDS);
+        assert_eq!(estimates[BEFORE - 1].state, MountState::Valid);
+        assert!(estimates[..BEFORE].iter().all(|estimate| estimate.fault.is_none()), "alarmed too early");
+        let noticed = estimates.iter().position(|estimate| estimate.fault.is_some());
+        assert!(noticed.is_some(), "{angle:?} was not noticed");
+        let fault = estimates[noticed.unwrap()].fault.unwrap();
+        assert_eq!(fault.angle, angle, "{fault:?}");
+        let by = mount.pitch_rad - MOUNT.pitch_rad + mount.yaw_rad + mount.roll_rad;
+        assert!((fault.by_rad - by).abs() < 0.4 * TURNED_RAD, "{fault:?}");
+        let last = estimates.last().unwrap();
+        assert_eq!((last.state, last.fault), (MountState::Valid, None), "found again");
+        assert!((last.pitch_rad - (mount.pitch_rad - MOUNT.pitch_rad)).abs() < 0.4 * TURNED_RAD, "{last:?}");
+        assert!((last.yaw_rad - mount.yaw_rad).abs() < 0.4 * TURNED_RAD, "{last:?}");
+    }
+}
+
+#[test]
+fn drives_of_every_kind_raise_no_alarm() {
+    let mut valid = 0;
+    for (seed, name) in (20..).zip(Conditions::names().iter().cycle()).take(10) {
+        let conditions = Conditions::named(name).unwrap();
+        // Every other drive begins before a turn.
+        let start_m = if seed % 2 == 0 { 10.0 } else { 235.0 };
+        let config = SimConfig { seed, conditions, start_m, ..SimConfig::default() };
+        let simulator = simulator(MOUNT, &config);
+        let estimates = estimates(&simulator, &simulator, 60);
+        assert!(estimates.iter().all(|estimate| estimate.fault.is_none()), "{name}, seed {seed}");
+        let last = estimates.last().unwrap();
+        valid += usize::from(last.state == MountState::Valid);
+        // The mount stays where it is; what a slope and the noise of the dusk do to it in six seconds looks like a part of it.
+        let off = last.pitch_rad.abs().max(last.yaw_rad.abs());
+        assert!(off.to_degrees() < 1.0, "{name}, seed {seed}: {last:?}");
+    }
+    // Dust hides what is far, and with it the direction of driving: there six seconds may be too short.
+    assert!(valid >= 8, "{valid} of 10");
+}
