@@ -1,5 +1,8 @@
 //! What can go wrong with a network.
 
+use std::fmt::Display;
+
+use fingerpost::ConfigError;
 use fingerpost_vision::error::PictureError;
 use thiserror::Error;
 
@@ -8,8 +11,8 @@ use thiserror::Error;
 pub enum NetworkError {
     /// The shared library of ONNX Runtime cannot be loaded.
     #[error(
-        "ONNX Runtime cannot be loaded from {library}: {reason}; install it and name its shared library in \
-         road_surface.onnx.library or ORT_DYLIB_PATH"
+        "ONNX Runtime cannot be loaded from {library}: {reason}; install version 1.20 or later and name its shared library \
+         in road_surface.onnx.library or FINGERPOST_ONNX_LIBRARY"
     )]
     Library {
         /// What was to be loaded.
@@ -25,6 +28,9 @@ pub enum NetworkError {
         /// What ONNX Runtime says.
         reason: String,
     },
+    /// A number among the settings is out of range.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// A setting does not fit the network.
     #[error("road_surface.onnx.{key} does not fit the network: {reason}")]
     Setting {
@@ -33,8 +39,19 @@ pub enum NetworkError {
         /// What the network has instead.
         reason: String,
     },
+    /// The network takes something else than the picture that the settings describe.
+    #[error(
+        "the network takes {taken} and road_surface.onnx gives {given}; make its width_px, height_px and layout those of the \
+         network, or give another network"
+    )]
+    Input {
+        /// What the network takes.
+        taken: String,
+        /// What the settings give.
+        given: String,
+    },
     /// The network fails on a picture.
-    #[error("the network cannot be run: {reason}")]
+    #[error("the network cannot be run: {reason}; give another")]
     Run {
         /// What ONNX Runtime says.
         reason: String,
@@ -42,4 +59,11 @@ pub enum NetworkError {
     /// The picture cannot be resampled to the network's size.
     #[error("the picture does not fit the network: {0}")]
     Picture(#[from] PictureError),
+}
+
+/// What ONNX Runtime says, without its line breaks and its last full stop.
+pub(crate) fn one_line(error: &(impl Display + ?Sized)) -> String {
+    let said = error.to_string();
+    let words: Vec<&str> = said.split_whitespace().collect();
+    words.join(" ").trim_end_matches('.').to_owned()
 }

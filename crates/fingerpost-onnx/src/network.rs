@@ -1,14 +1,16 @@
 //! A segmentation network: one picture in, the probability of road out.
 
+use std::fmt::Display;
+
 use fingerpost::road_surface::{
     ChannelOrder, NetworkConfig, RoadError, RoadNetwork, ScoreKind, TensorLayout,
 };
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::warp::WarpTable;
 use ort::session::Session;
-use ort::value::TensorRef;
+use ort::value::{TensorElementType, TensorRef, ValueType};
 
-use crate::error::NetworkError;
+use crate::error::{NetworkError, one_line};
 use crate::runtime::OnnxRuntime;
 
 /// A network with its settings, ready to run.
@@ -40,14 +42,19 @@ impl SegmentationNetwork {
     /// # Errors
     /// [`NetworkError`] when ONNX Runtime refuses the network, or a setting does not fit it.
     pub fn new(runtime: &OnnxRuntime, config: &NetworkConfig, model: &[u8]) -> Result<Self, NetworkError> {
-        check(config)?;
-        let refused = |error: &dyn std::fmt::Display| NetworkError::Model { reason: error.to_string() };
+        config.check()?;
+        if config.road_classes.is_empty() {
+            let reason = "it names none; name the class that is road".to_owned();
+            return Err(NetworkError::Setting { key: "road_classes", reason });
+        }
+        let refused = |error: &dyn Display| NetworkError::Model { reason: one_line(error) };
         let session = Session::builder(runtime.environment())
             .map_err(|error| refused(&error))?
             .with_intra_threads(config.threads)
             .map_err(|error| refused(&error))?
             .commit_from_memory(model)
             .map_err(|error| refused(&error))?;
+        check_input(&session, config)?;
         let output = output_index(&session, &config.output)?;
         let mut network = Self {
             config: config.clone(),
@@ -77,19 +84,19 @@ impl SegmentationNetwork {
     }
 
     fn run(&mut self, probability: &mut Plane<u8>) -> Result<(), NetworkError> {
-        let failed = |error: ort::Error| NetworkError::Run { reason: error.to_string() };
-        let (width, height) = self.resampled.size();
-        let shape = match self.config.layout {
-            TensorLayout::Nchw => [1, RgbImage::CHANNELS, height, width],
-            TensorLayout::Nhwc => [1, height, width, RgbImage::CHANNELS],
-        };
-        let picture = TensorRef::from_array_view((shape, self.tensor.as_slice())).map_err(failed)?;
+        let failed = |error: ort::Error| NetworkError::Run { reason: one_line(&error) };
+        let picture = TensorRef::from_array_view((input_shape(&self.config), self.tensor.as_slice()))
+            .map_err(failed)?;
         let outputs = self.session.run(ort::inputs![picture]).map_err(failed)?;
         let (shape, scores) = outputs[self.output].try_extract_tensor::<f32>().map_err(failed)?;
         let raster = score_raster(shape, self.config.layout)?;
         if let Some(&class) = self.config.road_classes.iter().find(|&&class| class >= raster.classes) {
             let reason = format!("it has {} classes, counted from 0; {class} is none", raster.classes);
             return Err(NetworkError::Setting { key: "road_classes", reason });
+        }
+        if raster.classes == 1 && self.config.scores == ScoreKind::Softmax {
+            let reason = "it has one class, which softmax makes 1 everywhere; give \"sigmoid\" or \"none\"";
+            return Err(NetworkError::Setting { key: "scores", reason: reason.to_owned() });
         }
         if probability.size() != (raster.columns, raster.rows) {
             probability.reset(raster.columns, raster.rows, 0);
@@ -108,26 +115,39 @@ impl RoadNetwork for SegmentationNetwork {
     }
 }
 
-/// Checks what can be checked without the network.
-fn check(config: &NetworkConfig) -> Result<(), NetworkError> {
-    let setting = |key, reason: &str| Err(NetworkError::Setting { key, reason: reason.to_owned() });
-    let sides = 16..=4096;
-    if !sides.contains(&config.width_px) || !sides.contains(&config.height_px) {
-        return setting("width_px or height_px", "give a picture side of 16 to 4096 pixels");
+/// The shape of what goes in.
+const fn input_shape(config: &NetworkConfig) -> [usize; 4] {
+    let (width, height) = (config.width_px, config.height_px);
+    match config.layout {
+        TensorLayout::Nchw => [1, RgbImage::CHANNELS, height, width],
+        TensorLayout::Nhwc => [1, height, width, RgbImage::CHANNELS],
     }
-    if !config.standard_deviation.iter().all(|&deviation| deviation > 0.0 && deviation.is_finite()) {
-        return setting("standard_deviation", "give three numbers above 0");
-    }
-    if !config.mean.iter().all(|mean| mean.is_finite()) {
-        return setting("mean", "give three numbers");
-    }
-    if config.road_classes.is_empty() {
-        return setting("road_classes", "name at least one class");
-    }
-    if !(1..=256).contains(&config.threads) {
-        return setting("threads", "give 1 to 256");
-    }
-    Ok(())
+}
+
+/// Checks what the network says of its input; sides that it leaves open fit any.
+fn check_input(session: &Session, config: &NetworkConfig) -> Result<(), NetworkError> {
+    let shape = input_shape(config).map(|side| side as i64);
+    let taken = match session.inputs() {
+        [input] => match input.dtype() {
+            ValueType::Tensor { ty, shape: taken, .. } => {
+                let fits = |(&taken, given): (&i64, i64)| taken < 0 || taken == given;
+                let same = taken.len() == shape.len() && taken.iter().zip(shape).all(fits);
+                if *ty == TensorElementType::Float32 && same {
+                    return Ok(());
+                }
+                format!("{} of {ty}", sides(taken))
+            }
+            _ => "no picture".to_owned(),
+        },
+        inputs => format!("{} inputs", inputs.len()),
+    };
+    Err(NetworkError::Input { taken, given: format!("{} of f32", sides(&shape)) })
+}
+
+/// Sides of a shape in words; those that are left open as `?`.
+fn sides(shape: &[i64]) -> String {
+    let side = |&side: &i64| if side < 0 { "?".to_owned() } else { side.to_string() };
+    shape.iter().map(side).collect::<Vec<_>>().join(" x ")
 }
 
 fn output_index(session: &Session, wanted: &str) -> Result<usize, NetworkError> {
@@ -209,7 +229,12 @@ fn road_probability(config: &NetworkConfig, classes: usize, score: impl Fn(usize
             of_road(&|score| (score - most).exp()) / total
         }
     };
-    if probability.is_nan() { 0.0 } else { probability.clamp(0.0, 1.0) }
+    if probability.is_nan() {
+        return 0.0;
+    }
+    let road = probability.clamp(0.0, 1.0) * config.log_odds_offset.exp();
+    let other = 1.0 - probability.clamp(0.0, 1.0);
+    road / (road + other)
 }
 
 #[cfg(test)]
@@ -247,7 +272,8 @@ mod tests {
     #[test]
     fn scores_become_probabilities_of_the_road_classes() {
         let of = |scores, values: [f32; 3], road_classes: &[usize]| {
-            let config = NetworkConfig { scores, road_classes: road_classes.to_vec(), ..Default::default() };
+            let road_classes = road_classes.iter().copied().collect();
+            let config = NetworkConfig { scores, road_classes, ..Default::default() };
             road_probability(&config, 3, |class| values[class])
         };
         assert!((of(ScoreKind::Softmax, [1e4, 1e4, 0.0], &[1]) - 0.5).abs() < 1e-6);
@@ -256,6 +282,10 @@ mod tests {
         assert!((of(ScoreKind::None, [0.7, 0.2, 0.1], &[0]) - 0.7).abs() < 1e-6);
         assert!(of(ScoreKind::None, [f32::NAN, 0.2, 0.1], &[0]) == 0.0);
         assert!(of(ScoreKind::None, [0.7, 0.6, 0.1], &[0, 1]) >= 1.0);
+        let config = NetworkConfig { log_odds_offset: 2.0, scores: ScoreKind::None, ..Default::default() };
+        let offset = |probability: f32| road_probability(&config, 2, |_| probability);
+        assert!((offset(0.1) - 1.0 / (1.0 + 9.0 * (-2.0_f32).exp())).abs() < 1e-6);
+        assert!(offset(0.0) <= 0.0 && offset(1.0) >= 1.0);
     }
 
     #[test]
@@ -271,21 +301,5 @@ mod tests {
         assert!(score_raster(&[1, 1000], TensorLayout::Nchw).is_ok_and(|raster| raster.rows == 1));
         assert!(score_raster(&[1000], TensorLayout::Nchw).is_err());
         assert!(score_raster(&[1, 0, 3, 4], TensorLayout::Nchw).is_err());
-    }
-
-    #[test]
-    fn settings_out_of_range_are_named() {
-        let key = |config: &NetworkConfig| match check(config) {
-            Err(NetworkError::Setting { key, .. }) => key,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(key(&NetworkConfig { width_px: 0, ..Default::default() }), "width_px or height_px");
-        assert_eq!(
-            key(&NetworkConfig { standard_deviation: [1.0, 0.0, 1.0], ..Default::default() }),
-            "standard_deviation"
-        );
-        assert_eq!(key(&NetworkConfig { mean: [f32::NAN, 0.0, 1.0], ..Default::default() }), "mean");
-        assert_eq!(key(&NetworkConfig { road_classes: vec![], ..Default::default() }), "road_classes");
-        assert_eq!(key(&NetworkConfig { threads: 0, ..Default::default() }), "threads");
     }
 }

@@ -4,6 +4,8 @@
 //! that any network of one picture in and one score a class and pixel out can be used. The method itself runs none: a
 //! [`RoadNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
 
+use std::collections::BTreeSet;
+
 use fingerpost_geometry::Pixel;
 use fingerpost_vision::picture::{Plane, Rect, RgbImage};
 use fingerpost_vision::warp::WarpTable;
@@ -12,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::perspective::{KnownPerspective, clear_unseen};
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
+use crate::config::{ConfigError, check_ranges};
 
 /// Settings of the detector "onnx": which network, and what goes in and comes out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,8 +22,8 @@ use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 pub struct NetworkConfig {
     /// ONNX file of the network; none by default.
     pub model: String,
-    /// Shared library of ONNX Runtime 1.17 or later (`libonnxruntime.so`); default: that of the environment variable
-    /// `ORT_DYLIB_PATH`, else the system's.
+    /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the environment
+    /// variable `FINGERPOST_ONNX_LIBRARY` names, else the system's.
     pub library: String,
     /// Width of the picture that goes in, pixels, 16 to 4096; default 640.
     pub width_px: usize,
@@ -30,9 +33,9 @@ pub struct NetworkConfig {
     pub layout: TensorLayout,
     /// Order of the channels: "rgb" or "bgr"; default "rgb".
     pub channels: ChannelOrder,
-    /// What is taken from each channel, after division by 255; default 0, 0, 0.
+    /// What is taken from each channel after division by 255, in the channels' order, -1000 to 1000; default 0, 0, 0.
     pub mean: [f32; 3],
-    /// What each channel is then divided by, above 0; default 1, 1, 1.
+    /// What each channel is then divided by, 0.001 to 1000; default 1, 1, 1.
     pub standard_deviation: [f32; 3],
     /// Name of the output with a score for every class and pixel; empty, as by default: the first.
     pub output: String,
@@ -40,7 +43,9 @@ pub struct NetworkConfig {
     /// probabilities already; default "softmax".
     pub scores: ScoreKind,
     /// Classes that are road, counted from 0; their probabilities are added up; default 1.
-    pub road_classes: Vec<usize>,
+    pub road_classes: BTreeSet<usize>,
+    /// Added to the logarithm of the odds of road, -20 to 20; above 0 where the network takes too little for road; default 0.
+    pub log_odds_offset: f32,
     /// Threads of the network, 1 to 256; default 1, with which a run always gives the same bytes.
     pub threads: usize,
 }
@@ -90,9 +95,33 @@ impl Default for NetworkConfig {
             standard_deviation: [1.0; 3],
             output: String::new(),
             scores: ScoreKind::Softmax,
-            road_classes: vec![1],
+            road_classes: BTreeSet::from([1]),
+            log_odds_offset: 0.0,
             threads: 1,
         }
+    }
+}
+
+impl NetworkConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first key out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        const SIDE: &str = "16 to 4096 pixels";
+        let numbers = [
+            ("road_surface.onnx.width_px", self.width_px as f64, 16.0, 4096.0, SIDE),
+            ("road_surface.onnx.height_px", self.height_px as f64, 16.0, 4096.0, SIDE),
+            ("road_surface.onnx.log_odds_offset", self.log_odds_offset.into(), -20.0, 20.0, "-20 to 20"),
+            ("road_surface.onnx.threads", self.threads as f64, 1.0, 256.0, "1 to 256 threads"),
+        ];
+        let mean = |value: f32| ("road_surface.onnx.mean", value.into(), -1e3, 1e3, "three of -1000 to 1000");
+        let deviation = |value: f32| {
+            ("road_surface.onnx.standard_deviation", value.into(), 1e-3, 1e3, "three of 0.001 to 1000")
+        };
+        check_ranges(&numbers)?;
+        check_ranges(&self.mean.map(mean))?;
+        check_ranges(&self.standard_deviation.map(deviation))
     }
 }
 
@@ -148,7 +177,7 @@ impl RoadDetector for Network {
         Ok(RoadEvidence {
             detector: "onnx",
             sample: input.sample,
-            sample_use: SampleUse::LeftOut,
+            sample_use: SampleUse::Unused,
             sample_probability: mean_inside(input.sample, probability),
             ..RoadEvidence::default()
         })
