@@ -15,6 +15,7 @@ use fingerpost_vision::picture::RgbImage;
 
 use crate::record::{FrameTime, feature_identities, frame_record};
 use crate::recorder::{Pictures, Subject, Wishes};
+use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};
 
 /// What a run is about.
@@ -66,9 +67,11 @@ pub(crate) struct Driver {
 impl Driver {
     /// Sets the method up for a run of about `frames` frames, where that is known.
     pub(crate) fn new(setting: RunSetting<'_>, wishes: &Wishes, frames: Option<u64>) -> Result<Self> {
-        let pipeline = Pipeline::new(setting.config, setting.camera, setting.route, setting.start_m)?;
+        let RunSetting { config, camera, route, start_m } = setting;
+        let detector = road_detector(&config.road_surface)?;
+        let pipeline = Pipeline::with_road_detector(config, camera, route, start_m, detector)?;
         Ok(Self {
-            drawing: Setting::new(setting.camera, &pipeline),
+            drawing: Setting::new(camera, &pipeline),
             features: feature_identities(pipeline.tracker().stops()),
             pipeline,
             key_frames: KeyFrameChoice::new(frames),

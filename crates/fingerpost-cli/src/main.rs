@@ -12,10 +12,13 @@ mod evaluate;
 mod gps;
 mod inputs;
 mod interrupt;
+#[cfg(feature = "onnx")]
+mod onnx;
 mod output;
 mod overlap;
 mod record;
 mod recorder;
+mod road_detector;
 mod route;
 mod run;
 mod schema;

@@ -24,6 +24,7 @@ pub(crate) const COUNTING: [u8; BYTES] = {
 pub(crate) trait Number: Copy {}
 impl Number for u8 {}
 impl Number for u16 {}
+impl Number for u32 {}
 impl Number for f32 {}
 
 /// The pixels of `row` from `x` on, and 0 where it has none.

@@ -1,4 +1,5 @@
-//! Logarithm and exponential in plain arithmetic, so that they become vectors and give the same bytes on every path.
+//! Logarithm, exponential and whole part in plain arithmetic, so that they become vectors and give the same bytes on every
+//! path.
 
 /// Bits of the square root of one half: mantissas are taken from there to its double.
 const SQRT_HALF_BITS: i32 = 0x3f35_04f3;
@@ -8,6 +9,20 @@ const EXPONENT_BIAS: i32 = 127;
 const ROUNDER: f32 = 12_582_912.0;
 /// Exponents beyond this are cut: the result is then below 2e-35.
 const MOST_EXPONENT: f32 = 80.0;
+
+/// 2 to the 23rd: the 32-bit numbers from there to its double are whole, so that adding it rounds a smaller number to the
+/// nearest whole one, which is then in the lowest bits.
+const TO_WHOLE: f32 = 8_388_608.0;
+const MANTISSA: u32 = 0x7f_ffff;
+
+/// The whole part of `x`, from 0 to below 2 to the 23rd. A cast has to treat what does not fit, which no vector instruction
+/// does: compilers then take the numbers one by one.
+#[inline(always)]
+pub(crate) fn whole_part(x: f32) -> u32 {
+    let rounded = x + TO_WHOLE;
+    let is_above = rounded - TO_WHOLE > x;
+    (rounded.to_bits() & MANTISSA) - u32::from(is_above)
+}
 
 /// The natural logarithm of a positive, normal number; absolute error below 1e-6 for numbers up to 1e4.
 #[inline(always)]
@@ -46,6 +61,16 @@ mod tests {
             let x = f64::from(step) * 0.051;
             let error = f64::from(ln(x as f32)) - f64::from(x as f32).ln();
             assert!(error.abs() < 1e-6, "ln {x} is off by {error}");
+        }
+    }
+
+    #[test]
+    fn whole_parts_are_those_of_a_cast() {
+        for step in 0..40_000_u32 {
+            let x = step as f32 * 0.037;
+            for x in [x, x.next_up(), x.round(), x.round().next_down().max(0.0), x * 5000.0] {
+                assert_eq!(whole_part(x), x as u32, "{x}");
+            }
         }
     }
 

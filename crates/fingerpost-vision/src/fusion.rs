@@ -3,6 +3,7 @@
 //! Bayes' rule for a yes-or-no question with even odds beforehand: the odds multiply. With p from a picture and q known
 //! before, that is p q / (p q + (1 - p) (1 - q)). No single picture is believed without limit: p is kept away from 0 and 1.
 
+use crate::elementary::whole_part;
 use crate::error::PictureError;
 use crate::simd::{CodePath, simd_kernel};
 
@@ -53,8 +54,8 @@ fn fuse_one(p: u8, q: u8, doubt: u8) -> u8 {
     let (p, q) = (f32::from(p.clamp(doubt, u8::MAX - doubt)), f32::from(q.max(1)));
     let (yes, no) = (p * q, (ONE - p) * (PRIOR_ONE - q));
     // `yes` and `no` are not both 0: p is 0 or 255 only without doubt, and q is neither 0 nor 256. The sum is at most 255.5,
-    // so that the 32-bit number that it is cut to fits 8 bits.
-    (ONE * yes / (yes + no) + 0.5) as i32 as u8
+    // so that its whole part fits 8 bits.
+    whole_part(ONE * yes / (yes + no) + 0.5) as u8
 }
 
 #[cfg(test)]

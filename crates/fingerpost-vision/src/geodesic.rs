@@ -5,6 +5,7 @@
 //! much. Limits: a way that turns up and down more often than there are sweeps is not found at its true cost, only at a
 //! higher one.
 
+use crate::elementary::whole_part;
 use crate::error::{PictureError, check_size};
 use crate::picture::Plane;
 use crate::simd::{CodePath, simd_kernel};
@@ -152,7 +153,7 @@ simd_kernel! {
     fn nearness_of(distances: &[u32], scale: f32, out: &mut [u8]) {
         for (out, &distance) in out.iter_mut().zip(distances) {
             let relative = distance as i32 as f32 * scale;
-            *out = (255.0 / (1.0 + relative * relative * relative) + 0.5) as i32 as u8;
+            *out = whole_part(255.0 / (1.0 + relative * relative * relative) + 0.5) as u8;
         }
     }
 }

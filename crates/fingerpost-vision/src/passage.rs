@@ -5,7 +5,7 @@
 //! belong to the surface (R. A. Fisher, "The use of multiple measurements in taxonomic problems", 1936).
 
 use crate::colour_clusters::FARTHEST;
-use crate::elementary::exp_minus;
+use crate::elementary::{exp_minus, whole_part};
 use crate::error::{PictureError, check_size};
 use crate::filter::SeparableFilter;
 use crate::geodesic::MAX_COST;
@@ -173,7 +173,7 @@ simd_kernel! {
             let cost = (edge + unlike[i]) * scale;
             let cost = if cost < MAX_COST as f32 { cost } else { MAX_COST as f32 };
             let cost = if cost > 1.0 { cost } else { 1.0 };
-            out[i] = cost as i32 as u32;
+            out[i] = whole_part(cost);
         }
     }
 }

@@ -12,6 +12,8 @@ mod avx512;
 mod resample;
 #[cfg(test)]
 mod tests;
+#[cfg(target_arch = "x86_64")]
+mod windows;
 
 use std::ops::Range;
 
@@ -19,7 +21,7 @@ use crate::colour::{BinDivision, grey_and_bins_of_all};
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, RgbImage, ValidityMask};
 use crate::simd::CodePath;
-use resample::{Neighbours, Taps, Weights, resample, resample_rgb};
+use resample::{Neighbours, Taps, Weights, resample_grey, resample_rgb};
 
 /// Steps a pixel in which a place in the source is kept: fine enough that rounding costs at most 1/64 pixel, and the
 /// weights of the four neighbours are exact integers.
@@ -143,12 +145,20 @@ impl WarpTable {
     /// # Errors
     /// [`PictureError::SizeMismatch`] when either picture has not the table's size.
     pub fn warp_grey(&self, source: &Plane<u8>, target: &mut Plane<u8>) -> Result<(), PictureError> {
+        self.warp_grey_on(CodePath::fastest(), source, target)
+    }
+
+    fn warp_grey_on(
+        &self,
+        path: CodePath,
+        source: &Plane<u8>,
+        target: &mut Plane<u8>,
+    ) -> Result<(), PictureError> {
         self.check(source.size(), target.size())?;
-        let ((source, _), (target, _)) =
-            (source.as_slice().as_chunks::<1>(), target.as_mut_slice().as_chunks_mut::<1>());
+        let (source, target) = (source.as_slice(), target.as_mut_slice());
         for Part { gap, run, taps } in self.parts() {
-            target[gap].fill([0]);
-            resample(source, self.neighbours(), taps, &mut target[run]);
+            target[gap].fill(0);
+            resample_grey(path, source, self.neighbours(), taps, &mut target[run]);
         }
         Ok(())
     }

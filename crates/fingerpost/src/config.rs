@@ -321,10 +321,18 @@ impl Config {
             ("route_progress.gps_sigma_m", self.route_progress.gps_sigma_m, 0.1, 1e4, "0.1 to 10000 metres"),
             ("route_progress.gps_gate_m", self.route_progress.gps_gate_m, 1.0, 1e4, "1 to 10000 metres"),
         ];
-        match checks.iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value)) {
-            None => Ok(()),
-            Some(&(key, value, _, _, expected)) => Err(ConfigError { key, value, expected }),
-        }
+        check_ranges(checks)?;
+        self.road_surface.onnx.check()
+    }
+}
+
+/// Checks numbers, each with its key, range and the words for it.
+pub(crate) fn check_ranges(
+    checks: &[(&'static str, f64, f64, f64, &'static str)],
+) -> Result<(), ConfigError> {
+    match checks.iter().find(|(_, value, low, high, _)| !(*low..=*high).contains(value)) {
+        None => Ok(()),
+        Some(&(key, value, _, _, expected)) => Err(ConfigError { key, value, expected }),
     }
 }
 
@@ -341,5 +349,8 @@ mod tests {
         config = Config::default();
         config.vehicle.width_m = -1.0;
         assert!(config.check().unwrap_err().to_string().starts_with("vehicle.width_m = -1"));
+        config = Config::default();
+        config.road_surface.onnx.standard_deviation[2] = 0.0;
+        assert_eq!(config.check().unwrap_err().key, "road_surface.onnx.standard_deviation");
     }
 }

@@ -138,6 +138,21 @@ impl Pipeline {
         start_m: Option<f64>,
     ) -> Result<Self, PipelineError> {
         config.check()?;
+        Self::with_road_detector(config, camera, route, start_m, config.road_surface.detector()?)
+    }
+
+    /// The same with another road detector than the configuration's.
+    ///
+    /// # Errors
+    /// [`PipelineError`] when configuration, camera or route cannot be used.
+    pub fn with_road_detector(
+        config: &Config,
+        camera: &Camera,
+        route: Option<&Route>,
+        start_m: Option<f64>,
+        detector: Box<dyn RoadDetector>,
+    ) -> Result<Self, PipelineError> {
+        config.check()?;
         calibration_check::check(camera, &config.ground_view)?;
         let view = GroundView::new(&config.ground_view, config.road_surface.backprojection.bins(), camera)?;
         let setting = TrackerSetting {
@@ -151,7 +166,7 @@ impl Pipeline {
             viewpoint: view.viewpoint(),
         };
         Ok(Self {
-            detector: config.road_surface.detector()?,
+            detector,
             motion: config.motion.estimator()?,
             camera: camera.clone(),
             attitude: AttitudeWatch::new(camera),

@@ -9,7 +9,9 @@ mod colours;
 mod fused;
 mod memory;
 mod named;
+mod network;
 mod online;
+mod perspective;
 mod region;
 
 use fingerpost_vision::backprojection::BackProjectionError;
@@ -26,6 +28,7 @@ use thiserror::Error;
 pub use backprojection::{Backprojection, BackprojectionConfig};
 pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
 pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
+pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
 
 use fused::Fused;
@@ -39,8 +42,9 @@ use crate::motion::Motion;
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
     /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online": a
-    /// classifier trained as the drive goes; "memory": what one of these sees, remembered as the vehicle moves on; "combined":
-    /// the same, with the surface named by the bank, and "online" in camera pictures; default "combined".
+    /// classifier trained as the drive goes; "onnx": a segmentation network, in programs built for it; "memory": what one of
+    /// these sees, remembered as the vehicle moves on; "combined": the same, with the surface named by the bank, and "online"
+    /// in camera pictures; default "combined".
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
     pub sample_length_m: f64,
@@ -52,6 +56,8 @@ pub struct RoadSurfaceConfig {
     pub bank: BankConfig,
     /// The classifier trained as the drive goes.
     pub online: OnlineConfig,
+    /// The network.
+    pub onnx: NetworkConfig,
     /// The memory.
     pub memory: MemoryConfig,
 }
@@ -65,6 +71,7 @@ impl Default for RoadSurfaceConfig {
             backprojection: BackprojectionConfig::default(),
             bank: BankConfig::default(),
             online: OnlineConfig::default(),
+            onnx: NetworkConfig::default(),
             memory: MemoryConfig::default(),
         }
     }
@@ -80,6 +87,8 @@ pub enum RoadMethod {
     Bank,
     /// [`Online`].
     Online,
+    /// [`Network`].
+    Onnx,
     /// [`Memory`] of what another detector sees.
     Memory,
     /// The same, with the surface under way named by the bank, and [`Online`] in camera pictures.
@@ -89,7 +98,8 @@ pub enum RoadMethod {
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 5] = [Self::Backprojection, Self::Bank, Self::Online, Self::Memory, Self::Combined];
+    pub const ALL: [Self; 6] =
+        [Self::Backprojection, Self::Bank, Self::Online, Self::Onnx, Self::Memory, Self::Combined];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
@@ -99,6 +109,7 @@ impl RoadMethod {
             Self::Memory => "memory",
             Self::Combined => "combined",
             Self::Online => "online",
+            Self::Onnx => "onnx",
         }
     }
 }
@@ -111,27 +122,46 @@ impl RoadSurfaceConfig {
     /// The detector of these settings; it has learned nothing yet.
     ///
     /// # Errors
-    /// [`RoadError`] when its settings are out of range.
+    /// [`RoadError`] when its settings are out of range, or it needs a network.
     pub fn detector(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        self.detector_with(None)
+    }
+
+    /// The same, with the network that it asks where [`Self::needs_network`].
+    ///
+    /// # Errors
+    /// [`RoadError`] when its settings are out of range, or it needs a network and there is none.
+    pub fn detector_with(
+        &self,
+        network: Option<Box<dyn RoadNetwork>>,
+    ) -> Result<Box<dyn RoadDetector>, RoadError> {
         Ok(match self.detector {
             RoadMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
             RoadMethod::Bank => Box::new(Bank::new(&self.bank)?),
             RoadMethod::Online => Box::new(Online::new(&self.online)),
-            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing()?)),
+            RoadMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
+            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing(network)?)),
             RoadMethod::Combined => {
                 let in_camera = Box::new(Online::new(&self.online));
-                let named = Box::new(Named::new(&self.bank, in_camera, self.seeing()?)?);
+                let named = Box::new(Named::new(&self.bank, in_camera, self.seeing(network)?)?);
                 Box::new(Memory::new(self.detector, &self.memory, named))
             }
         })
     }
 
+    /// Whether the detector asks a network, itself or as what is remembered.
+    pub fn needs_network(&self) -> bool {
+        let remembers = matches!(self.detector, RoadMethod::Memory | RoadMethod::Combined);
+        self.detector == RoadMethod::Onnx || (remembers && self.memory.of == RememberedMethod::Onnx)
+    }
+
     /// The detector whose surfaces are remembered.
-    fn seeing(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+    fn seeing(&self, network: Option<Box<dyn RoadNetwork>>) -> Result<Box<dyn RoadDetector>, RoadError> {
         Ok(match self.memory.of {
             RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
             RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
             RememberedMethod::Online => Box::new(Online::new(&self.online)),
+            RememberedMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
             RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
         })
     }
@@ -259,6 +289,8 @@ pub enum SampleUse {
     LeftOut,
     /// It did not look like the road so far, but for so long that the surface must have changed.
     SurfaceChanged,
+    /// The detector learns nothing on the drive.
+    Unused,
     /// Nothing of the region was seen.
     #[default]
     Unseen,
@@ -282,6 +314,18 @@ pub enum RoadError {
     /// The known surfaces cannot be used.
     #[error(transparent)]
     Surfaces(#[from] SurfacesError),
+    /// A network is asked for, and none was given.
+    #[error(
+        "road_surface asks for \"onnx\" and this program runs no networks: build it with `--features onnx`, or choose another \
+         detector"
+    )]
+    NoNetwork,
+    /// The network fails.
+    #[error("road_surface: {reason}")]
+    Network {
+        /// What it says.
+        reason: String,
+    },
 }
 
 /// A way to tell road from everything else.

@@ -19,6 +19,7 @@ use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
 use serde::Serialize;
 
 use crate::arguments::DetectorName;
+use crate::road_detector::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output};
 
@@ -47,7 +48,7 @@ pub(crate) struct RoadArgs {
     /// Label of pixels that count for nothing.
     #[arg(long, value_name = "ID", requires = "labels")]
     void: Option<u8>,
-    /// Evaluate this detector alone, not all of them.
+    /// Evaluate this detector alone, not all of them ("onnx" is among all only where --config names a network).
     #[arg(long, value_name = "NAME")]
     detector: Option<DetectorName>,
     /// Rows above this share of the height show no road and do not count.
@@ -164,13 +165,14 @@ fn contestants(
     only: Option<DetectorName>,
     ids: Option<RoadLabels>,
 ) -> Result<Vec<Contestant>> {
-    let methods = RoadMethod::ALL.into_iter().filter(|method| only.is_none_or(|only| only.0 == *method));
-    methods
+    let given = !config.road_surface.onnx.model.is_empty();
+    let all = RoadMethod::ALL.into_iter();
+    all.filter(|method| only.map_or(given || *method != RoadMethod::Onnx, |only| only.0 == *method))
         .map(|method| {
             let config = RoadSurfaceConfig { detector: method, ..config.road_surface.clone() };
             Ok(Contestant {
                 method,
-                detector: config.detector()?,
+                detector: road_detector(&config)?,
                 scores: ids.map(RoadScores::new),
                 times_ms: Vec::new(),
                 surface: RoadSurface::default(),

@@ -255,3 +255,12 @@ fn an_input_that_the_results_would_replace() {
     call_line(&drive.run_line(&pictures, out.path())).refused(1, &["replaced", "--out"]);
     assert_eq!(fs::read(pictures.join("1.png")).unwrap(), b"recorded");
 }
+
+#[cfg(not(feature = "onnx"))]
+#[test]
+fn networks_need_a_program_built_for_them() {
+    for settings in ["detector = \"onnx\"", "detector = \"memory\"\nmemory.of = \"onnx\""] {
+        let (_folder, config) = file("network.toml", &format!("[road_surface]\n{settings}\n"));
+        run_with(|line| format!("{line} --config {}", config.display())).refused(1, &["--features onnx"]);
+    }
+}

@@ -15,12 +15,12 @@ const ROAD: u8 = 3;
 const VOID: u8 = 11;
 
 /// Folders of pictures and labels: a grey road that widens towards the camera, on green, below a blue sky.
-struct Scenes {
+pub(crate) struct Scenes {
     folder: TempDir,
 }
 
 impl Scenes {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = TempDir::new().unwrap();
         for sub in ["images", "labels"] {
             fs::create_dir(folder.path().join(sub)).unwrap();
@@ -54,7 +54,7 @@ impl Scenes {
         write_grey_png(&self.path(&format!("labels/f{index}.png")), &labels).unwrap();
     }
 
-    fn path(&self, name: &str) -> std::path::PathBuf {
+    pub(crate) fn path(&self, name: &str) -> std::path::PathBuf {
         self.folder.path().join(name)
     }
 
@@ -63,7 +63,7 @@ impl Scenes {
         call_line(&format!("evaluate road --images {folder}/images {more}"))
     }
 
-    fn against_labels(&self, more: &str) -> Called {
+    pub(crate) fn against_labels(&self, more: &str) -> Called {
         let folder = self.folder.path().display();
         self.evaluate(&format!("--labels {folder}/labels --road {ROAD} --void {VOID} {more}"))
     }
@@ -82,6 +82,7 @@ fn every_detector_gets_its_numbers() {
     assert_eq!(numbers["frames"], 2);
     let detectors = numbers["detectors"].as_array().unwrap();
     assert!(detectors.iter().any(|of| of["detector"] == "backprojection"));
+    assert!(detectors.iter().all(|of| of["detector"] != "onnx"), "no network is given");
     for of in detectors {
         let [max_f, iou] = ["max_f", "iou"].map(|key| of[key].as_f64().unwrap());
         assert!(iou > 0.9 && max_f >= iou && max_f <= 1.0, "{of}");

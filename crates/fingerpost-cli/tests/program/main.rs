@@ -11,6 +11,8 @@ mod drive;
 mod evaluating;
 mod evaluating_road;
 mod interrupts;
+#[cfg(feature = "onnx-runtime")]
+mod networks;
 mod program;
 mod running;
 mod simulating;

@@ -72,6 +72,7 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         SampleUse::Learned => "learned",
         SampleUse::LeftOut => "left out, unlike the road so far",
         SampleUse::SurfaceChanged => "taken: the surface has changed",
+        SampleUse::Unused => "not learned from",
         SampleUse::Unseen => "not seen",
     };
     facts.push((

@@ -1,6 +1,11 @@
 //! Residuals of a warp and the sums over them.
 
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
 use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
+#[cfg(target_arch = "x86_64")]
+use crate::simd::InstructionSet;
 use crate::simd::{CodePath, simd_kernel};
 
 /// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
@@ -66,8 +71,8 @@ pub struct Sums {
     pub hessian: [[f32; UNKNOWNS]; UNKNOWNS],
     /// Weighted products of them with the residuals.
     pub gradient: [f32; UNKNOWNS],
-    /// What the Hessian's diagonal would be had every seen point a weight of 1.
-    pub unweighted: [f32; UNKNOWNS],
+    /// What the Hessian's first entry would be had every seen point a weight of 1.
+    pub unweighted: f32,
 }
 
 impl Residuals {
@@ -128,15 +133,26 @@ impl Residuals {
     }
 
     pub(super) fn sums_with(&self, path: CodePath, template: &Template) -> Sums {
-        let descent = template.descent.each_ref().map(Vec::as_slice);
-        let (products, gradient, unweighted) =
-            accumulate(path, descent, &self.residual, &self.weight, &template.trust);
+        let points = StepPoints {
+            descent: template.descent.each_ref().map(Vec::as_slice),
+            residuals: &self.residual,
+            weights: &self.weight,
+            trust: &template.trust,
+        };
+        let StepSums { products, gradient, unweighted } = match path.instruction_set() {
+            // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+            // Benefit: see the function.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            InstructionSet::Avx512 => unsafe { avx512::accumulate(&points) },
+            _ => accumulate(path, &points),
+        };
         let mut hessian = [[0.0; UNKNOWNS]; UNKNOWNS];
         for ((row, column), product) in ENTRIES.into_iter().zip(products) {
-            hessian[row][column] = product;
-            hessian[column][row] = product;
+            hessian[row][column] = total(&product);
+            hessian[column][row] = hessian[row][column];
         }
-        Sums { hessian, gradient, unweighted }
+        Sums { hessian, gradient: gradient.map(|lanes| total(&lanes)), unweighted: total(&unweighted) }
     }
 
     /// Weight of a point, 0 (unseen) to 1; `None` beyond the last.
@@ -243,30 +259,44 @@ simd_kernel! {
     }
 }
 
+/// What the sums of a step are taken over.
+struct StepPoints<'a> {
+    descent: [&'a [Lanes]; UNKNOWNS],
+    residuals: &'a [Lanes],
+    weights: &'a [Lanes],
+    trust: &'a [Lanes],
+}
+
+/// The sums of a step, lane by lane: of the weighted products of the steepest-descent images, entry by entry, of those with
+/// the residuals, and of the first one's squares.
+struct StepSums {
+    products: [Lanes; PRODUCTS],
+    gradient: [Lanes; UNKNOWNS],
+    unweighted: Lanes,
+}
+
 simd_kernel! {
-    fn accumulate(
-        descent: [&[Lanes]; UNKNOWNS],
-        residuals: &[Lanes],
-        weights: &[Lanes],
-        trust: &[Lanes],
-    ) -> ([f32; PRODUCTS], [f32; UNKNOWNS], [f32; UNKNOWNS]) {
+    fn accumulate(points: &StepPoints<'_>) -> StepSums {
+        let StepPoints { descent, residuals, weights, trust } = *points;
         let groups = residuals.len();
         let (descent, weights) = (descent.map(|lanes| &lanes[..groups]), &weights[..groups]);
         let trust = &trust[..groups];
         let mut products = [[0.0_f32; LANES]; PRODUCTS];
         let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
-        let mut unweighted = [[0.0_f32; LANES]; UNKNOWNS];
+        let mut unweighted = [0.0_f32; LANES];
         for group in 0..groups {
             let (weights, residuals) = (&weights[group], &residuals[group]);
             let mut weighted = [[0.0_f32; LANES]; UNKNOWNS];
             for i in 0..UNKNOWNS {
                 for lane in 0..LANES {
-                    let slope = descent[i][group][lane];
-                    weighted[i][lane] = weights[lane] * slope;
+                    weighted[i][lane] = weights[lane] * descent[i][group][lane];
                     gradient[i][lane] += weighted[i][lane] * residuals[lane];
-                    let trusted = if weights[lane] > 0.0 { trust[group][lane] } else { 0.0 };
-                    unweighted[i][lane] += trusted * (slope * slope);
                 }
+            }
+            for lane in 0..LANES {
+                let slope = descent[0][group][lane];
+                let trusted = if weights[lane] > 0.0 { trust[group][lane] } else { 0.0 };
+                unweighted[lane] += trusted * (slope * slope);
             }
             for (sum, (row, column)) in products.iter_mut().zip(ENTRIES) {
                 let slopes = &descent[column][group];
@@ -275,10 +305,6 @@ simd_kernel! {
                 }
             }
         }
-        (
-            products.map(|lanes| total(&lanes)),
-            gradient.map(|lanes| total(&lanes)),
-            unweighted.map(|lanes| total(&lanes)),
-        )
+        StepSums { products, gradient, unweighted }
     }
 }

@@ -268,7 +268,7 @@ fn a_displaced_picture_is_found_again() {
     for _ in 0..6 {
         residuals.measure(&template, &target, &warp, Brightness::default(), 5.0);
         let Sums { hessian: h, gradient: g, unweighted } = residuals.sums(&template);
-        agreeing = h[0][0] / unweighted[0];
+        agreeing = h[0][0] / unweighted;
         let determinant = h[0][0] * h[1][1] - h[0][1] * h[0][1];
         warp.right[0] -= (h[1][1] * g[0] - h[0][1] * g[1]) / determinant;
         warp.down[0] -= (h[0][0] * g[1] - h[0][1] * g[0]) / determinant;

@@ -3,18 +3,22 @@
 use super::{Histogram, HistogramError};
 use crate::error::check_size;
 use crate::picture::{PlaneView, ValidityMask};
+use crate::simd::{CodePath, simd_kernel};
 use crate::span::SpanMask;
 
 /// Counters of each bin that are used in turn: neighbouring pixels are often of the same bin, and a counter can be added to
 /// again only when the last addition has been stored. Over 512x512 pixels on Zen 4 one counter a bin takes 0.15 ms, and
 /// 0.85 ms where all pixels are alike; four take 0.07 to 0.11 ms either way, and eight are no better.
 const TURNS: usize = 4;
+/// Bins that a pixel can hold: with a counter for each no addition needs a test. Those beyond the histogram's are not touched.
+const ALL_BINS: usize = 1 << 16;
 
 /// Counts pixels by bin; keeps its memory from picture to picture.
 #[derive(Debug, Clone, Default)]
 pub struct BinCounter {
-    /// The counters of every bin, turn by turn. A picture has far fewer pixels than 32 bits can count: 4 billion.
-    counts: Vec<u32>,
+    /// The counters of [`ALL_BINS`] bins, turn by turn, or of none before the first picture. A picture has far fewer pixels
+    /// than 32 bits can count: 4 billion.
+    counts: Vec<[u32; TURNS]>,
 }
 
 impl BinCounter {
@@ -32,9 +36,9 @@ impl BinCounter {
         histogram: &mut Histogram,
     ) -> Result<(), HistogramError> {
         check_size("validity mask", bin.size(), validity.size())?;
-        let bins = histogram.masses.len();
-        self.counts.clear();
-        self.counts.resize(TURNS * bins, 0);
+        let count = histogram.masses.len();
+        self.counts.resize(ALL_BINS, [0; TURNS]);
+        self.counts[..count.min(ALL_BINS)].fill([0; TURNS]);
         for span in region.spans() {
             let Ok(row) = usize::try_from(span.row) else { continue };
             if row >= bin.height() {
@@ -45,38 +49,38 @@ impl BinCounter {
             for run in validity.runs(row) {
                 let (first, end) = (first.max(run.start), end.min(run.end));
                 if first < end {
-                    count_in_turns(&bin.row(row)[first..end], &mut self.counts)?;
+                    let bins = &bin.row(row)[first..end];
+                    let bin = largest(CodePath::fastest(), bins);
+                    if usize::from(bin) >= count {
+                        return Err(HistogramError::BinOutside { bin, count });
+                    }
+                    count_in_turns(bins, &mut self.counts);
                 }
             }
         }
-        for counts in self.counts.chunks_exact(bins) {
-            histogram.masses.iter_mut().zip(counts).for_each(|(mass, &count)| *mass += f64::from(count));
+        for (mass, turns) in histogram.masses.iter_mut().zip(&self.counts) {
+            *mass += f64::from(turns.iter().sum::<u32>());
         }
         Ok(())
     }
 }
 
-fn count_in_turns(bins: &[u16], counts: &mut [u32]) -> Result<(), HistogramError> {
-    let count = counts.len() / TURNS;
-    let mut rest = counts;
-    let mut turns: [&mut [u32]; TURNS] = std::array::from_fn(|_| {
-        let (turn, after) = std::mem::take(&mut rest).split_at_mut(count);
-        rest = after;
-        turn
-    });
-    let mut add = |turn: usize, bin: u16| {
-        let counter =
-            turns[turn].get_mut(usize::from(bin)).ok_or(HistogramError::BinOutside { bin, count })?;
-        *counter += 1;
-        Ok(())
-    };
+simd_kernel! {
+    fn largest(bins: &[u16]) -> u16 {
+        bins.iter().fold(0, |largest, &bin| largest.max(bin))
+    }
+}
+
+fn count_in_turns(bins: &[u16], counts: &mut [[u32; TURNS]]) {
+    // Of a length that is known when this is compiled.
+    let counts = &mut counts[..ALL_BINS];
     let (blocks, rest) = bins.as_chunks::<TURNS>();
     for block in blocks {
         for (turn, &bin) in block.iter().enumerate() {
-            add(turn, bin)?;
+            counts[usize::from(bin)][turn] += 1;
         }
     }
-    rest.iter().try_for_each(|&bin| add(0, bin))
+    rest.iter().for_each(|&bin| counts[usize::from(bin)][0] += 1);
 }
 
 #[cfg(test)]

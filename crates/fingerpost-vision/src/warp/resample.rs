@@ -66,6 +66,24 @@ pub(super) fn resample_rgb(
     }
 }
 
+/// Resamples one run of grey pixels.
+pub(super) fn resample_grey(
+    path: CodePath,
+    source: &[u8],
+    neighbours: Neighbours,
+    taps: Taps<'_>,
+    target: &mut [u8],
+) {
+    match path.instruction_set() {
+        // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+        // Benefit: see the function.
+        #[cfg(target_arch = "x86_64")]
+        #[allow(unsafe_code)]
+        InstructionSet::Avx512 => unsafe { super::windows::resample_grey(source, neighbours, taps, target) },
+        _ => resample(source.as_chunks::<1>().0, neighbours, taps, target.as_chunks_mut::<1>().0),
+    }
+}
+
 /// Resamples one run.
 pub(super) fn resample<const CHANNELS: usize>(
     source: &[[u8; CHANNELS]],

@@ -25,70 +25,86 @@ const DOUBT_PIXELS: f32 = 4.0;
 const MOST_ODDS: f32 = 20.0;
 /// Probability from which a pixel counts as road found, and below which as none, of 255.
 const SURE: [u8; 2] = [60, 190];
+/// Counters of a colour that are used in turn: neighbours are mostly alike, and a counter can be added to again only when
+/// the last addition has been stored.
+const TURNS: usize = 2;
+/// Bins that a pixel can hold: with an entry for each no look-up needs a test.
+const ALL_BINS: usize = 1 << 16;
+
+/// Pixels that are looked up together.
+const TOGETHER: usize = 8;
+
+/// Something for each level of brightness.
+type Levels<T> = [T; BRIGHTNESS_LEVELS];
 
 /// Counts of colours, on the road and beside it.
 #[derive(Debug)]
 pub(super) struct RoadColours {
     bins: HueSaturationBins,
-    /// First index of the brightness levels of every hue-saturation bin of the pictures.
-    of_bin: Vec<u16>,
+    /// For each of [`ALL_BINS`] its hue and saturation here.
+    tint_of_bin: Vec<u16>,
     road: Counts,
     beside: Counts,
-    /// What each colour says: the odds of road, seen with even ones before, as a probability of 255.
-    says: Vec<u8>,
+    /// What each tint says at each brightness: the odds of road, seen with even ones before, as a probability of 255.
+    of_tint: Vec<Levels<u8>>,
+    /// The same for each of [`ALL_BINS`].
+    of_bin: Vec<Levels<u8>>,
 }
 
 /// Pixels of each colour.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Counts {
-    pixels: Vec<f32>,
-    smooth: Vec<f32>,
+    /// Of the newest frame.
+    new: Vec<Levels<[u32; TURNS]>>,
+    /// Of all frames, the older ones counting less.
+    pixels: Vec<Levels<f32>>,
+    smooth: Vec<Levels<f32>>,
 }
 
 impl RoadColours {
     /// Nothing learned yet, for pictures with such bins.
     pub(super) fn new(bins: HueSaturationBins) -> Self {
         let saturations = usize::from(bins.saturation);
-        let of_bin = (0..bins.count()).map(|bin| {
+        let tint = |bin: usize| {
             let (hue, saturation) = (bin / saturations, bin % saturations);
-            let hue = hue * HUES / usize::from(bins.hue);
-            ((hue * saturations + saturation) * BRIGHTNESS_LEVELS) as u16
-        });
-        let count = HUES * saturations * BRIGHTNESS_LEVELS;
-        let counts = || Counts { pixels: vec![0.0; count], smooth: vec![0.0; count] };
-        Self { bins, of_bin: of_bin.collect(), road: counts(), beside: counts(), says: vec![128; count] }
+            (hue * HUES / usize::from(bins.hue) * saturations + saturation) as u16
+        };
+        let mut tint_of_bin: Vec<u16> = (0..bins.count()).map(tint).collect();
+        tint_of_bin.resize(ALL_BINS, 0);
+        let tints = HUES * saturations;
+        let nothing = [128; BRIGHTNESS_LEVELS];
+        Self {
+            bins,
+            tint_of_bin,
+            road: Counts::new(tints),
+            beside: Counts::new(tints),
+            of_tint: vec![nothing; tints],
+            of_bin: vec![nothing; ALL_BINS],
+        }
     }
 
     pub(super) fn forget(&mut self) {
-        self.road.pixels.fill(0.0);
-        self.beside.pixels.fill(0.0);
+        self.road.forget();
+        self.beside.forget();
     }
 
     /// Learns the colours of what was `found` to be road (255 = 1) and of what was not.
     pub(super) fn learn(&mut self, picture: &GroundPicture, validity: &ValidityMask, found: &Plane<u8>) {
-        self.road.fade();
-        self.beside.fade();
         for y in (0..found.height()).step_by(STEP) {
             let (bins, greys, found) = (picture.bin.row(y), picture.grey.row(y), found.row(y));
             for run in validity.runs(y) {
-                for x in (run.start..run.end).step_by(STEP) {
-                    let Some(&first) = self.of_bin.get(usize::from(bins[x])) else { continue };
-                    let counts = match found[x] {
-                        p if p >= SURE[1] => &mut self.road,
-                        p if p < SURE[0] => &mut self.beside,
-                        _ => continue,
-                    };
-                    counts.pixels[usize::from(first) + usize::from(greys[x] >> 4)] += 1.0;
-                }
+                let pixels = run.start..run.end;
+                self.count(&bins[pixels.clone()], &greys[pixels.clone()], &found[pixels]);
             }
         }
         let shape = [HUES, usize::from(self.bins.saturation), BRIGHTNESS_LEVELS];
-        self.road.smooth(shape);
-        self.beside.smooth(shape);
+        self.road.take_in(shape);
+        self.beside.take_in(shape);
         let (on_road, beside) = (self.road.total(), self.beside.total());
         // Without both kinds there is nothing to tell apart.
         let scale = if on_road > 0.0 && beside > 0.0 { on_road / beside } else { 0.0 };
-        for ((says, &road), &other) in self.says.iter_mut().zip(&self.road.smooth).zip(&self.beside.smooth) {
+        let smooth = self.road.smooth.as_flattened().iter().zip(self.beside.smooth.as_flattened());
+        for (says, (&road, &other)) in self.of_tint.as_flattened_mut().iter_mut().zip(smooth) {
             let odds = if scale > 0.0 {
                 // Doubt in proportion: a bin never seen says nothing.
                 ((road + DOUBT_PIXELS) / (other * scale + DOUBT_PIXELS)).clamp(1.0 / MOST_ODDS, MOST_ODDS)
@@ -97,33 +113,85 @@ impl RoadColours {
             };
             *says = (256.0 * odds / (1.0 + odds)) as u8;
         }
+        for (says, &tint) in self.of_bin.iter_mut().zip(&self.tint_of_bin).take(self.bins.count()) {
+            *says = self.of_tint[usize::from(tint)];
+        }
+    }
+
+    /// Counts every [`STEP`]-th of a row's pixels, the first among them.
+    fn count(&mut self, bins: &[u16], greys: &[u8], found: &[u8]) {
+        let ((bins, last_bin), (greys, last_grey)) = (bins.as_chunks::<STEP>(), greys.as_chunks::<STEP>());
+        let (found, last_found) = found.as_chunks::<STEP>();
+        for (index, ((bins, greys), found)) in bins.iter().zip(greys).zip(found).enumerate() {
+            self.count_one(bins[0], greys[0], found[0], index % TURNS);
+        }
+        if let ([bin, ..], [grey, ..], [found, ..]) = (last_bin, last_grey, last_found) {
+            self.count_one(*bin, *grey, *found, 0);
+        }
+    }
+
+    #[inline]
+    fn count_one(&mut self, bin: u16, grey: u8, found: u8, turn: usize) {
+        let kind = match found {
+            p if p >= SURE[1] => &mut self.road,
+            p if p < SURE[0] => &mut self.beside,
+            _ => return,
+        };
+        // Of a length that is known when this is compiled.
+        let tint = self.tint_of_bin[..ALL_BINS][usize::from(bin)];
+        kind.new[usize::from(tint)][usize::from(grey >> 4)][turn] += 1;
     }
 
     /// Writes what the colour of every pixel of a row says: 128 is nothing, more is road.
     pub(super) fn read(&self, picture: &GroundPicture, row: usize, says: &mut [u8]) {
-        let pixels = picture.bin.row(row).iter().zip(picture.grey.row(row));
-        for (says, (&bin, &grey)) in says.iter_mut().zip(pixels) {
-            let first = self.of_bin.get(usize::from(bin)).copied().unwrap_or(0);
-            *says = self.says[usize::from(first) + usize::from(grey >> 4)];
+        let of_bin = &self.of_bin[..ALL_BINS];
+        let says_of = |bin: u16, grey: u8| of_bin[usize::from(bin)][usize::from(grey >> 4)];
+        let (bins, last_bins) = picture.bin.row(row).as_chunks::<TOGETHER>();
+        let (greys, last_greys) = picture.grey.row(row).as_chunks::<TOGETHER>();
+        let (says, last_says) = says.as_chunks_mut::<TOGETHER>();
+        for ((says, bins), greys) in says.iter_mut().zip(bins).zip(greys) {
+            *says = std::array::from_fn(|i| says_of(bins[i], greys[i]));
+        }
+        for ((says, &bin), &grey) in last_says.iter_mut().zip(last_bins).zip(last_greys) {
+            *says = says_of(bin, grey);
         }
     }
 }
 
 impl Counts {
-    fn fade(&mut self) {
-        self.pixels.iter_mut().for_each(|pixels| *pixels *= KEPT);
+    fn new(tints: usize) -> Self {
+        Self {
+            new: vec![[[0; TURNS]; BRIGHTNESS_LEVELS]; tints],
+            pixels: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
+            smooth: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
+        }
+    }
+
+    fn forget(&mut self) {
+        self.pixels.as_flattened_mut().fill(0.0);
     }
 
     fn total(&self) -> f32 {
-        self.pixels.iter().sum()
+        self.pixels.as_flattened().iter().sum()
+    }
+
+    /// Takes in what was counted, over which older counts fade.
+    fn take_in(&mut self, shape: [usize; 3]) {
+        let new = self.new.as_flattened_mut();
+        for (pixels, new) in self.pixels.as_flattened_mut().iter_mut().zip(new) {
+            *pixels = *pixels * KEPT + new.iter().sum::<u32>() as f32;
+            *new = [0; TURNS];
+        }
+        self.smooth(shape);
     }
 
     /// Spreads the counts over neighbouring colours, with weights 1, 2, 1 along each axis; hue is a circle.
     fn smooth(&mut self, [hues, saturations, levels]: [usize; 3]) {
         self.smooth.copy_from_slice(&self.pixels);
+        let smooth = self.smooth.as_flattened_mut();
         let mut along = |stride: usize, length: usize, is_circle: bool| {
             let block = stride * length;
-            for block in self.smooth.chunks_exact_mut(block) {
+            for block in smooth.chunks_exact_mut(block) {
                 for offset in 0..stride {
                     let at = |i: usize| offset + i * stride;
                     let (first, last) = (block[at(0)], block[at(length - 1)]);

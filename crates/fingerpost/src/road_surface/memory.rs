@@ -27,8 +27,8 @@ use road_map::{RoadMap, SensorModel};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
-    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", or "fused": back-projection where colours
-    /// tell the road, and elsewhere "online", sharpened by the colours of what it finds; default "fused".
+    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", "onnx", or "fused": back-projection where
+    /// colours tell the road, and elsewhere "online", sharpened by the colours of what it finds; default "fused".
     pub of: RememberedMethod,
     /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
     pub cell_m: f64,
@@ -70,6 +70,8 @@ pub enum RememberedMethod {
     Bank,
     /// [`super::Online`].
     Online,
+    /// [`super::Network`].
+    Onnx,
     /// [`super::Backprojection`] where colours tell the road, elsewhere [`super::Online`] with the colours that it finds.
     #[default]
     Fused,

@@ -24,10 +24,11 @@ use fingerpost_vision::line_gradient::LineGradient;
 use fingerpost_vision::log_colour::{LogColour, LogColourReducer};
 use fingerpost_vision::morphology::RowOpening;
 use fingerpost_vision::passage::{FEATURES, PassageCost, PassageInput, PassageWeights, features};
-use fingerpost_vision::picture::{Plane, ValidityMask};
+use fingerpost_vision::picture::Plane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::perspective::clear_unseen;
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 use discriminant::{Discriminant, Kind, Weights};
 use layout::Layout;
@@ -234,7 +235,7 @@ impl Blocks {
             self.distance.reset(width, height, 0);
             self.nearness.reset(width, height.max(1), 0);
         }
-        self.reducer.reduce(Layout::source(input), layout.block, layout.first_row, &mut self.colour)?;
+        self.reducer.reduce(input.camera_picture(), layout.block, layout.first_row, &mut self.colour)?;
         self.opening.open(&mut self.colour.brightness, |row| layout.marking_widths[row]);
         self.gradient.slopes(&self.colour.brightness, layout.lines, &mut self.slopes)?;
         self.gradient.texture(&self.slopes, &mut self.texture)?;
@@ -307,19 +308,6 @@ impl Blocks {
     fn sample_likeness(&self, layout: &Layout) -> f64 {
         let likeness = |&(x, y): &(usize, usize)| (-0.5 * f64::from(self.squared_distance.row(y)[x])).exp();
         layout.sample.iter().map(likeness).sum::<f64>() / layout.sample.len().max(1) as f64
-    }
-}
-
-/// Sets the probability of what is not seen to 0.
-fn clear_unseen(validity: &ValidityMask, probability: &mut Plane<u8>) {
-    for y in 0..probability.height() {
-        let row = probability.row_mut(y);
-        let mut done = 0;
-        for run in validity.runs(y) {
-            row[done..run.start].fill(0);
-            done = run.end;
-        }
-        row[done..].fill(0);
     }
 }
 

@@ -97,7 +97,7 @@ pub(super) fn align(
         let factors = information.cholesky()?;
         let change = factors.solve(&gradient);
         estimate.displacement = changed(&estimate.displacement, &change);
-        estimate.agreeing = f64::from(sums.hessian[0][0] / sums.unweighted[0].max(f32::MIN_POSITIVE));
+        estimate.agreeing = f64::from(sums.hessian[0][0] / sums.unweighted.max(f32::MIN_POSITIVE));
         estimate.brightness = brightness(residuals, estimate.brightness);
         let step_m = change[0].hypot(change[1]) + REACH_M * change[2].abs();
         estimate.has_converged = step_m < SMALL_STEP_PX * raster.metres_per_pixel;

@@ -208,9 +208,10 @@ impl RoadMap {
         }
     }
 
-    /// Adds what is seen in a frame.
+    /// Adds what is seen in a frame; `seen` is 0 where `validity` shows nothing.
     pub(super) fn add(&mut self, seen: &Plane<u8>, validity: &ValidityMask) {
-        let Some(grid) = self.grid.filter(|grid| (grid.columns(), grid.rows()) == seen.size()) else {
+        let fits = |grid: &GroundGrid| [seen.size(), validity.size()] == [(grid.columns(), grid.rows()); 2];
+        let Some(grid) = self.grid.filter(fits) else {
             return;
         };
         let (width, height) = (grid.columns(), grid.rows());
@@ -218,52 +219,62 @@ impl RoadMap {
             let last = |length: usize, share: usize| share as f64 * (length as f64 - 1.0);
             self.cell_of(&grid, last(width, right), last(height, bottom))
         });
-        let range = |axis: usize| {
+        let ranges = [0, 1].map(|axis: usize| {
             let of = corners.map(|corner| corner[axis]);
             let least = of.iter().copied().fold(f64::INFINITY, f64::min);
             let most = of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             // One place of a torus must not be written twice.
             let first = least.ceil() as i64;
-            first..=(most.floor() as i64).min(first + self.cells.width() as i64 - 1)
-        };
-        let (columns, rows) = (range(0), range(1));
+            first..(most.floor() as i64 + 1).min(first + self.cells.width() as i64)
+        });
         let vehicle_from_map = self.map_from_vehicle.inverse();
-        let pixel_of = |column: i64, row: i64| {
-            let p_in_map = Point2::new(column as f64, row as f64) * self.cell_m;
+        let pixel_of = |place: [i64; 2]| {
+            let p_in_map = Point2::from(place.map(|cell| cell as f64)) * self.cell_m;
             let pixel = grid.ground_from_vehicle(vehicle_from_map * p_in_map);
             // Half a pixel more, so that cutting off rounds.
             [pixel.column + 0.5, pixel.row + 0.5]
         };
-        let step = {
-            let ([u0, v0], [u1, v1]) = (pixel_of(0, 0), pixel_of(1, 0));
+        let steps = [[1, 0], [0, 1]].map(|next| {
+            let ([u0, v0], [u1, v1]) = (pixel_of([0, 0]), pixel_of(next));
             [u1 - u0, v1 - v0]
-        };
-        let keep = (256.0 * self.model.keep_seen).round() as i32;
+        });
+        // Along the axis that runs more along the view's rows, neighbours lie together in memory.
+        let along = usize::from(steps[1][0].abs() > steps[0][0].abs());
+        let across = 1 - along;
+        let log_side = self.cells.width().trailing_zeros();
+        let bits = [0, log_side];
         let mask = self.cells.width() - 1;
-        for row in rows {
-            let [u, v] = pixel_of(*columns.start(), row);
-            let [first, end] = inside([u, v], step, [width as f64, height as f64], columns.clone().count());
+        let keep = (256.0 * self.model.keep_seen).round() as i32;
+        let (values, cells, step) = (seen.as_slice(), self.cells.as_mut_slice(), steps[along]);
+        let (first_along, count) = (ranges[along].start, ranges[along].clone().count());
+        for line in ranges[across].clone() {
+            let mut place = [0; 2];
+            (place[along], place[across]) = (first_along, line);
+            let [u, v] = pixel_of(place);
+            let [first, end] = inside([u, v], step, [width as f64, height as f64], count);
             let [mut u, mut v] = [u + first as f64 * step[0], v + first as f64 * step[1]].map(fixed);
             let step = step.map(fixed);
-            let cells = self.cells.row_mut(row as usize & mask);
-            for column in *columns.start() + first..*columns.start() + end {
+            let start = (line as usize & mask) << bits[across];
+            for cell in first_along + first..first_along + end {
                 // A place before the first becomes one far behind the last.
-                let (line, across) = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
+                let (row, column) = ((v >> PLACE_BITS) as usize, (u >> PLACE_BITS) as usize);
                 (u, v) = (u + step[0], v + step[1]);
                 // Rounding may lead a place at the edge out of the view.
-                if line >= height || across >= width {
+                if row >= height || column >= width {
                     continue;
                 }
-                let index = line * width + across;
-                let shown = validity.plane().as_slice().get(index).is_some_and(|&shown| shown != 0);
-                let (Some(&p), Some(&trust), true) =
-                    (seen.as_slice().get(index), self.row_trust.get(line), shown)
-                else {
+                let index = row * width + column;
+                let (Some(&p), Some(&trust)) = (values.get(index), self.row_trust.get(row)) else { continue };
+                // Mostly the value alone says that the pixel is seen. The runs are few, where the mask's plane is as large
+                // as the picture.
+                let is_seen = || validity.runs(row).iter().any(|run| (run.start..run.end).contains(&column));
+                if p == 0 && !is_seen() {
                     continue;
-                };
+                }
                 let told = i32::from(self.model.log_odds[usize::from(p)]) * trust;
-                let cell = &mut cells[column as usize & mask];
-                *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
+                if let Some(cell) = cells.get_mut(start + ((cell as usize & mask) << bits[along])) {
+                    *cell = ((i32::from(*cell) * keep + told) >> 8).clamp(-MAX_UNITS, MAX_UNITS) as i16;
+                }
             }
         }
     }

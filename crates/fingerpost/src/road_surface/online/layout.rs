@@ -1,14 +1,15 @@
 //! Which blocks of the camera picture are looked at, and where they lie in the picture that is asked for.
 
-use fingerpost_geometry::{Camera, GroundGrid, GroundPixel, Pixel};
+use fingerpost_geometry::Pixel;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::line_gradient::LineDirection;
 use fingerpost_vision::log_colour::Block;
-use fingerpost_vision::picture::{Rect, RgbImage};
+use fingerpost_vision::picture::Rect;
 use fingerpost_vision::warp::WarpTable;
 use nalgebra::Point2;
 
 use crate::ground_view::GroundView;
+use crate::road_surface::perspective::KnownPerspective;
 use crate::road_surface::{Perspective, RoadInput};
 
 use super::OnlineConfig;
@@ -50,36 +51,15 @@ pub(super) struct Layout {
 struct Asked {
     size: (usize, usize),
     sample: Rect,
-    place: Place,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Place {
-    Camera { horizon_row: f64 },
-    Ground { camera: Box<Camera>, grid: GroundGrid },
+    perspective: KnownPerspective,
 }
 
 impl Layout {
-    /// The picture to look at: the camera's.
-    pub(super) fn source<'a>(input: &RoadInput<'a>) -> &'a RgbImage {
-        match input.perspective {
-            Perspective::Camera { .. } => &input.picture.colour,
-            Perspective::Ground { frame, .. } => frame,
-        }
-    }
-
     /// Whether the layout serves `input`.
     pub(super) fn serves(&self, input: &RoadInput<'_>) -> bool {
-        let place_is_same = match (&self.asked.place, input.perspective) {
-            (Place::Camera { horizon_row: known }, Perspective::Camera { horizon_row }) => {
-                known.to_bits() == horizon_row.to_bits()
-            }
-            (Place::Ground { camera, grid }, Perspective::Ground { view, .. }) => {
-                camera.as_ref() == view.camera() && grid == view.grid()
-            }
-            _ => false,
-        };
-        place_is_same && self.asked.sample == input.sample && self.asked.size == Self::source(input).size()
+        self.asked.perspective.is(input.perspective)
+            && self.asked.sample == input.sample
+            && self.asked.size == input.camera_picture().size()
     }
 
     /// A layout for `input`.
@@ -87,7 +67,7 @@ impl Layout {
     /// # Errors
     /// [`PictureError`] when the frame does not have the camera's size, or has no pixels.
     pub(super) fn new(config: &OnlineConfig, input: &RoadInput<'_>) -> Result<Self, PictureError> {
-        let (width, height) = Self::source(input).size();
+        let (width, height) = input.camera_picture().size();
         if width == 0 || height == 0 {
             return Err(PictureError::Empty { what: "camera picture", width, height });
         }
@@ -105,14 +85,10 @@ impl Layout {
         }
         let block = Block::for_at_most(config.columns, config.rows, width, height);
         let (columns, block_rows) = block.grid(width, height);
-        let (place, vanishing) = match input.perspective {
-            Perspective::Camera { horizon_row } => {
-                (Place::Camera { horizon_row }, Pixel::new(0.5 * (width as f64 - 1.0), horizon_row))
-            }
-            Perspective::Ground { view, .. } => (
-                Place::Ground { camera: Box::new(view.camera().clone()), grid: *view.grid() },
-                vanishing_point(view).unwrap_or(Pixel::new(0.5 * (width as f64 - 1.0), 0.0)),
-            ),
+        let middle = 0.5 * (width as f64 - 1.0);
+        let vanishing = match input.perspective {
+            Perspective::Camera { horizon_row } => Pixel::new(middle, horizon_row),
+            Perspective::Ground { view, .. } => vanishing_point(view).unwrap_or(Pixel::new(middle, 0.0)),
         };
         let horizon = row_of(block, vanishing.v);
         let first_road_row = horizon.ceil().clamp(0.0, block_rows as f64) as usize;
@@ -129,8 +105,10 @@ impl Layout {
             .map(|row| config.marking_width_heights * (row as f64 - horizon) * block_shape)
             .map(|width| width.round().clamp(0.0, columns as f64) as usize)
             .collect();
+        let reduced_from_camera = |p: Pixel| [column_of(block, p.u), row_of(block, p.v) - first_row as f64];
+        let perspective = KnownPerspective::of(input.perspective);
         let mut layout = Self {
-            asked: Asked { size: (width, height), sample: input.sample, place },
+            asked: Asked { size: (width, height), sample: input.sample, perspective },
             block,
             first_row,
             columns,
@@ -140,7 +118,7 @@ impl Layout {
             marking_widths,
             sample: Vec::new(),
             starts: Vec::new(),
-            table: layout_table(input, block, first_row, (columns, rows))?,
+            table: input.table_from_reduced((columns, rows), reduced_from_camera)?,
         };
         layout.find_sample(input);
         Ok(layout)
@@ -153,7 +131,7 @@ impl Layout {
         let middle = [x as f64 - 0.5 + half_width, y as f64 - 0.5 + half_height];
         for row in self.other_rows..self.rows {
             for column in 0..self.columns {
-                let Some([u, v]) = asked_from_camera(input, self.centre(column, row)) else { continue };
+                let Some([u, v]) = input.asked_from_camera(self.centre(column, row)) else { continue };
                 let (right, down) = (u - middle[0], v - middle[1]);
                 if right.abs() < half_width && down.abs() < half_height {
                     self.sample.push((column, row));
@@ -164,7 +142,7 @@ impl Layout {
             }
         }
         if self.sample.is_empty() && width > 0 && height > 0 {
-            self.sample.extend(camera_from_asked(input, middle).and_then(|p| self.cell(p)));
+            self.sample.extend(input.camera_from_asked(middle).and_then(|p| self.cell(p)));
         }
         if self.starts.is_empty() {
             self.starts.clone_from(&self.sample);
@@ -207,44 +185,4 @@ fn column_of(block: Block, u: f64) -> f64 {
 
 fn row_of(block: Block, v: f64) -> f64 {
     (v + 0.5) / block.height as f64 - 0.5
-}
-
-/// The place in the picture that is asked for which a place of the camera picture shows.
-fn asked_from_camera(input: &RoadInput<'_>, p: Pixel) -> Option<[f64; 2]> {
-    match input.perspective {
-        Perspective::Camera { .. } => Some([p.u, p.v]),
-        Perspective::Ground { view, .. } => {
-            let GroundPixel { column, row } =
-                view.grid().ground_from_vehicle(view.camera().ground_of_pixel(p)?);
-            Some([column, row])
-        }
-    }
-}
-
-/// The place of the camera picture that a place of the picture that is asked for shows, where the camera sees it.
-fn camera_from_asked(input: &RoadInput<'_>, [column, row]: [f64; 2]) -> Option<Pixel> {
-    match input.perspective {
-        Perspective::Camera { .. } => Some(Pixel::new(column, row)),
-        Perspective::Ground { view, .. } => {
-            let p_in_vehicle = view.grid().vehicle_from_ground(GroundPixel { column, row });
-            view.camera().pixel_of_ground(p_in_vehicle).filter(|&p| view.camera().contains(p))
-        }
-    }
-}
-
-fn layout_table(
-    input: &RoadInput<'_>,
-    block: Block,
-    first_row: usize,
-    (columns, rows): (usize, usize),
-) -> Result<WarpTable, PictureError> {
-    let (width, height) = input.validity.size();
-    WarpTable::new(width, height, columns, rows.max(1), |column, row| {
-        let p = camera_from_asked(input, [column as f64, row as f64])?;
-        // Half a block at the picture's edges lies beyond the centres of the outermost blocks.
-        let last = |count: usize| count.saturating_sub(1) as f64;
-        let u = column_of(block, p.u).clamp(0.0, last(columns));
-        let v = (row_of(block, p.v) - first_row as f64).clamp(0.0, last(rows));
-        Some([u, v])
-    })
 }

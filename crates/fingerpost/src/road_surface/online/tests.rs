@@ -1,5 +1,5 @@
 use fingerpost_vision::colour::HueSaturationBins;
-use fingerpost_vision::picture::{Rect, RgbImage};
+use fingerpost_vision::picture::{Rect, RgbImage, ValidityMask};
 
 use super::*;
 use crate::ground_view::GroundPicture;

@@ -1,0 +1,295 @@
+//! Road from a segmentation network that a user brings.
+//!
+//! Networks differ in the size and layout of their input and in what their output means; all of it is configured, so
+//! that any network of one picture in and one score a class and pixel out can be used. The method itself runs none: a
+//! [`RoadNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
+
+use std::collections::BTreeSet;
+
+use fingerpost_geometry::Pixel;
+use fingerpost_vision::picture::{Plane, Rect, RgbImage};
+use fingerpost_vision::warp::WarpTable;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::perspective::{KnownPerspective, clear_unseen};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
+use crate::config::{ConfigError, check_ranges};
+
+/// Settings of the detector "onnx": which network, and what goes in and comes out of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NetworkConfig {
+    /// ONNX file of the network; none by default.
+    pub model: String,
+    /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the environment
+    /// variable `FINGERPOST_ONNX_LIBRARY` names, else the system's.
+    pub library: String,
+    /// Width of the picture that goes in, pixels, 16 to 4096; default 640.
+    pub width_px: usize,
+    /// Its height, pixels, 16 to 4096; default 360.
+    pub height_px: usize,
+    /// Order of the numbers: "nchw" (plane after plane) or "nhwc" (channels together); default "nchw".
+    pub layout: TensorLayout,
+    /// Order of the channels: "rgb" or "bgr"; default "rgb".
+    pub channels: ChannelOrder,
+    /// What is taken from each channel after division by 255, in the channels' order, -1000 to 1000; default 0, 0, 0.
+    pub mean: [f32; 3],
+    /// What each channel is then divided by, 0.001 to 1000; default 1, 1, 1.
+    pub standard_deviation: [f32; 3],
+    /// Name of the output with a score for every class and pixel; empty, as by default: the first.
+    pub output: String,
+    /// How scores become probabilities: "softmax" over the classes, "sigmoid" of each, or "none", where they are
+    /// probabilities already; default "softmax".
+    pub scores: ScoreKind,
+    /// Classes that are road, counted from 0; their probabilities are added up; default 1.
+    pub road_classes: BTreeSet<usize>,
+    /// Added to the logarithm of the odds of road, -20 to 20; above 0 where the network takes too little for road; default 0.
+    pub log_odds_offset: f32,
+    /// Threads of the network, 1 to 256; default 1, with which a run always gives the same bytes.
+    pub threads: usize,
+}
+
+/// Order of the numbers of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TensorLayout {
+    /// Channel, row, column.
+    Nchw,
+    /// Row, column, channel.
+    Nhwc,
+}
+
+/// Order of a picture's channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ChannelOrder {
+    /// Red, green, blue.
+    Rgb,
+    /// Blue, green, red.
+    Bgr,
+}
+
+/// What a network's scores are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ScoreKind {
+    /// Logarithms of weights over all classes.
+    Softmax,
+    /// Log-odds of each class by itself.
+    Sigmoid,
+    /// Probabilities.
+    None,
+}
+
+impl Default for NetworkConfig {
+    fn default() -> Self {
+        Self {
+            model: String::new(),
+            library: String::new(),
+            width_px: 640,
+            height_px: 360,
+            layout: TensorLayout::Nchw,
+            channels: ChannelOrder::Rgb,
+            mean: [0.0; 3],
+            standard_deviation: [1.0; 3],
+            output: String::new(),
+            scores: ScoreKind::Softmax,
+            road_classes: BTreeSet::from([1]),
+            log_odds_offset: 0.0,
+            threads: 1,
+        }
+    }
+}
+
+impl NetworkConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first key out of range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        const SIDE: &str = "16 to 4096 pixels";
+        let numbers = [
+            ("road_surface.onnx.width_px", self.width_px as f64, 16.0, 4096.0, SIDE),
+            ("road_surface.onnx.height_px", self.height_px as f64, 16.0, 4096.0, SIDE),
+            ("road_surface.onnx.log_odds_offset", self.log_odds_offset.into(), -20.0, 20.0, "-20 to 20"),
+            ("road_surface.onnx.threads", self.threads as f64, 1.0, 256.0, "1 to 256 threads"),
+        ];
+        let mean = |value: f32| ("road_surface.onnx.mean", value.into(), -1e3, 1e3, "three of -1000 to 1000");
+        let deviation = |value: f32| {
+            ("road_surface.onnx.standard_deviation", value.into(), 1e-3, 1e3, "three of 0.001 to 1000")
+        };
+        check_ranges(&numbers)?;
+        check_ranges(&self.mean.map(mean))?;
+        check_ranges(&self.standard_deviation.map(deviation))
+    }
+}
+
+/// A network that is ready to run.
+pub trait RoadNetwork: Send {
+    /// Finds the probability of road (255 = 1) all over `frame`, into `probability`, whose size is the network's choice.
+    ///
+    /// # Errors
+    /// [`RoadError::Network`] when the network fails.
+    fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError>;
+}
+
+/// The detector that asks a network.
+pub struct Network {
+    network: Box<dyn RoadNetwork>,
+    found: Plane<u8>,
+    layout: Option<Layout>,
+}
+
+/// Where the network's output lies in the picture that is asked for.
+struct Layout {
+    perspective: KnownPerspective,
+    frame: (usize, usize),
+    table: WarpTable,
+}
+
+impl Network {
+    /// A detector around `network`.
+    pub fn new(network: Box<dyn RoadNetwork>) -> Self {
+        Self { network, found: Plane::default(), layout: None }
+    }
+}
+
+impl RoadDetector for Network {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let frame = input.camera_picture();
+        self.network.segment(frame, &mut self.found)?;
+        let layout = match self.layout.take() {
+            Some(layout) if layout.serves(&input, &self.found) => layout,
+            _ => Layout::new(&input, &self.found)?,
+        };
+        let layout = self.layout.insert(layout);
+        if probability.size() != input.validity.size() {
+            let (width, height) = input.validity.size();
+            probability.reset(width, height, 0);
+        }
+        layout.table.warp_grey(&self.found, probability)?;
+        clear_unseen(input.validity, probability);
+        Ok(RoadEvidence {
+            detector: "onnx",
+            sample: input.sample,
+            sample_use: SampleUse::Unused,
+            sample_probability: mean_inside(input.sample, probability),
+            ..RoadEvidence::default()
+        })
+    }
+
+    fn reset(&mut self) {}
+}
+
+impl Layout {
+    fn new(input: &RoadInput<'_>, found: &Plane<u8>) -> Result<Self, RoadError> {
+        let frame = input.camera_picture().size();
+        let place = |place: f64, from: usize, to: usize| (place + 0.5) * to as f64 / from.max(1) as f64 - 0.5;
+        let found_from_frame =
+            |p: Pixel| [place(p.u, frame.0, found.width()), place(p.v, frame.1, found.height())];
+        Ok(Self {
+            perspective: KnownPerspective::of(input.perspective),
+            frame,
+            table: input.table_from_reduced(found.size(), found_from_frame)?,
+        })
+    }
+
+    fn serves(&self, input: &RoadInput<'_>, found: &Plane<u8>) -> bool {
+        self.perspective.is(input.perspective)
+            && self.frame == input.camera_picture().size()
+            && self.table.source_size() == found.size()
+            && self.table.target_size() == input.validity.size()
+    }
+}
+
+/// Mean probability inside a rectangle, 0 to 1.
+fn mean_inside(rect: Rect, probability: &Plane<u8>) -> f64 {
+    let (width, height) = probability.size();
+    let columns = rect.x.min(width)..(rect.x + rect.width).min(width);
+    let rows = rect.y.min(height)..(rect.y + rect.height).min(height);
+    let count = columns.len() * rows.len();
+    let total: u64 = rows.flat_map(|y| &probability.row(y)[columns.clone()]).map(|&p| u64::from(p)).sum();
+    total as f64 / (255 * count.max(1)) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+    use fingerpost_vision::colour::HueSaturationBins;
+    use fingerpost_vision::picture::ValidityMask;
+    use nalgebra::Point2;
+
+    use super::*;
+    use crate::ground_view::{GroundPicture, GroundView, GroundViewConfig};
+    use crate::road_surface::Perspective;
+
+    /// Finds road in the left half of the picture.
+    struct LeftIsRoad;
+
+    impl RoadNetwork for LeftIsRoad {
+        fn segment(&mut self, _: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
+            probability.reset(32, 24, 0);
+            (0..24).for_each(|y| probability.row_mut(y)[..16].fill(200));
+            Ok(())
+        }
+    }
+
+    struct Fails;
+
+    impl RoadNetwork for Fails {
+        fn segment(&mut self, _: &RgbImage, _: &mut Plane<u8>) -> Result<(), RoadError> {
+            Err(RoadError::Network { reason: "it is tired".into() })
+        }
+    }
+
+    const BINS: HueSaturationBins = HueSaturationBins { hue: 8, saturation: 8 };
+
+    fn estimate(network: Box<dyn RoadNetwork>, input: RoadInput<'_>) -> Result<Plane<u8>, RoadError> {
+        let mut probability = Plane::default();
+        Network::new(network).estimate(input, &mut probability)?;
+        Ok(probability)
+    }
+
+    #[test]
+    fn what_a_network_finds_is_laid_over_the_camera_picture() {
+        let picture = GroundPicture { colour: RgbImage::new(64, 48), ..GroundPicture::new(64, 48, BINS) };
+        let mut seen = Plane::new(64, 48, 1_u8);
+        seen.row_mut(10).fill(0);
+        let validity = ValidityMask::from_plane(seen);
+        let perspective = Perspective::Camera { horizon_row: 16.0 };
+        let sample = Rect { x: 0, y: 20, width: 64, height: 10 };
+        let input = RoadInput { picture: &picture, validity: &validity, sample, perspective, motion: None };
+        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
+        let at = |x, y| found.get(x, y);
+        assert_eq!([at(0, 47), at(28, 30), at(36, 30), at(63, 0)], [200, 200, 0, 0].map(Some));
+        assert_eq!(at(5, 10), Some(0), "an unseen row is no road");
+        let error = estimate(Box::new(Fails), input).unwrap_err();
+        assert!(error.to_string().contains("it is tired"), "{error}");
+    }
+
+    #[test]
+    fn the_left_of_the_camera_is_the_left_of_the_ground_view() {
+        let intrinsics = Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 10.0 };
+        let camera = Camera::calibrated(64, 48, intrinsics, Distortion::None, Mount::level(1.5)).unwrap();
+        let view = GroundView::new(&GroundViewConfig::default(), BINS, &camera).unwrap();
+        let (picture, frame) = (view.black_picture(), RgbImage::new(64, 48));
+        let input = RoadInput {
+            picture: &picture,
+            validity: view.validity(),
+            sample: Rect { x: 0, y: 0, width: 1, height: 1 },
+            perspective: Perspective::Ground { view: &view, frame: &frame },
+            motion: None,
+        };
+        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
+        let at = |forward_m: f64, left_m: f64| {
+            let pixel = view.grid().ground_from_vehicle(Point2::new(forward_m, left_m));
+            found.get(pixel.column.round() as usize, pixel.row.round() as usize)
+        };
+        assert_eq!([at(10.0, 2.0), at(10.0, -2.0), at(18.0, 4.0)], [200, 0, 200].map(Some));
+    }
+}

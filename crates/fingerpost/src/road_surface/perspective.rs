@@ -1,0 +1,107 @@
+//! The camera picture behind a picture in which road is wanted.
+//!
+//! Some detectors look at the camera picture whatever view is wanted: there walls stand above the road and distance is a
+//! row. What they find is then laid into the picture that was asked for.
+
+use fingerpost_geometry::{Camera, GroundGrid, GroundPixel, Pixel};
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
+use fingerpost_vision::warp::WarpTable;
+
+use super::{Perspective, RoadInput};
+
+/// A perspective to be remembered: what a table from the camera picture depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum KnownPerspective {
+    /// The camera's.
+    Camera { horizon_row: f64 },
+    /// From above.
+    Ground { camera: Box<Camera>, grid: GroundGrid },
+}
+
+impl KnownPerspective {
+    pub(super) fn of(perspective: Perspective<'_>) -> Self {
+        match perspective {
+            Perspective::Camera { horizon_row } => Self::Camera { horizon_row },
+            Perspective::Ground { view, .. } => {
+                Self::Ground { camera: Box::new(view.camera().clone()), grid: *view.grid() }
+            }
+        }
+    }
+
+    /// Whether `perspective` is the same.
+    pub(super) fn is(&self, perspective: Perspective<'_>) -> bool {
+        match (self, perspective) {
+            (Self::Camera { horizon_row: known }, Perspective::Camera { horizon_row }) => {
+                known.to_bits() == horizon_row.to_bits()
+            }
+            (Self::Ground { camera, grid }, Perspective::Ground { view, .. }) => {
+                camera.as_ref() == view.camera() && grid == view.grid()
+            }
+            _ => false,
+        }
+    }
+}
+
+impl<'a> RoadInput<'a> {
+    /// The camera's picture.
+    pub(super) fn camera_picture(&self) -> &'a RgbImage {
+        match self.perspective {
+            Perspective::Camera { .. } => &self.picture.colour,
+            Perspective::Ground { frame, .. } => frame,
+        }
+    }
+
+    /// Where a place of the camera picture lies in the picture that is asked for.
+    pub(super) fn asked_from_camera(&self, p: Pixel) -> Option<[f64; 2]> {
+        match self.perspective {
+            Perspective::Camera { .. } => Some([p.u, p.v]),
+            Perspective::Ground { view, .. } => {
+                let GroundPixel { column, row } =
+                    view.grid().ground_from_vehicle(view.camera().ground_of_pixel(p)?);
+                Some([column, row])
+            }
+        }
+    }
+
+    /// Where a place of the picture that is asked for lies in the camera picture, where the camera sees it.
+    pub(super) fn camera_from_asked(&self, [column, row]: [f64; 2]) -> Option<Pixel> {
+        match self.perspective {
+            Perspective::Camera { .. } => Some(Pixel::new(column, row)),
+            Perspective::Ground { view, .. } => {
+                let p_in_vehicle = view.grid().vehicle_from_ground(GroundPixel { column, row });
+                view.camera().pixel_of_ground(p_in_vehicle).filter(|&p| view.camera().contains(p))
+            }
+        }
+    }
+
+    /// The table that lays a reduced camera picture of `columns` x `rows` pixels into the picture that is asked for;
+    /// `reduced_from_camera` says where a place of the camera picture lies in the reduced one. Half a reduced pixel lies
+    /// beyond the centres of the outermost ones and shows those.
+    pub(super) fn table_from_reduced(
+        &self,
+        (columns, rows): (usize, usize),
+        reduced_from_camera: impl Fn(Pixel) -> [f64; 2],
+    ) -> Result<WarpTable, PictureError> {
+        let (width, height) = self.validity.size();
+        let last = |count: usize| count.saturating_sub(1) as f64;
+        WarpTable::new(width, height, columns, rows.max(1), |column, row| {
+            let p = self.camera_from_asked([column as f64, row as f64])?;
+            let [u, v] = reduced_from_camera(p);
+            Some([u.clamp(0.0, last(columns)), v.clamp(0.0, last(rows))])
+        })
+    }
+}
+
+/// Sets the probability of what is not seen to 0.
+pub(super) fn clear_unseen(validity: &ValidityMask, probability: &mut Plane<u8>) {
+    for y in 0..probability.height() {
+        let row = probability.row_mut(y);
+        let mut done = 0;
+        for run in validity.runs(y) {
+            row[done..run.start].fill(0);
+            done = run.end;
+        }
+        row[done..].fill(0);
+    }
+}
