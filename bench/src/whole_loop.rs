@@ -13,7 +13,7 @@ use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
 use fingerpost::mount::AttitudeObservation;
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
-use fingerpost::track::CandidateSearch;
+use fingerpost::track::{CandidateSearch, PoseFilter};
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
 use fingerpost_vision::picture::RgbImage;
@@ -202,7 +202,8 @@ impl Loop {
         }
         let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         let threshold = config.confirm_threshold;
-        Ok(self.candidates.about(&config, &laid, &mut self.masks, threshold, &self.node)?.count)
+        let node = PoseFilter::new(self.node, [1.2, 0.8, 0.1]);
+        Ok(self.candidates.about(&config, &laid, &mut self.masks, threshold, &node)?.count)
     }
 
     /// Makes everything that is seen road.

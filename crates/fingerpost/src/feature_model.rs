@@ -138,6 +138,13 @@ impl FeatureModel {
         self.approach().map_or(0.0, |arm| arm.course.nearest(p_in_feature).left_m.abs())
     }
 
+    /// How far before the node the vehicle is along the approach, metres; the inverse of `before_m` in
+    /// [`FeatureModel::vehicle_from_feature`].
+    pub fn before_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+        let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
+        self.approach().map_or(-p_in_feature.x, |arm| arm.course.nearest(p_in_feature).along_m)
+    }
+
     /// How far the vehicle's nose is turned left of the approach where the vehicle is, radians; the inverse of the heading
     /// in [`FeatureModel::vehicle_from_feature`].
     pub fn heading_off_approach_rad(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {

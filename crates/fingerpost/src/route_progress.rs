@@ -29,11 +29,18 @@ impl Default for RouteProgressConfig {
     }
 }
 
+/// Standard deviation of the progress beside a feature that is followed, at least, metres.
+const LEAST_SIGMA_M: f64 = 0.3;
+/// A feature that is found farther from where it was expected leaves a doubt.
+const AGREEING_SIGMAS: f64 = 1.5;
+
 /// Progress along the route as a Gaussian, or unknown.
 #[derive(Debug, Clone)]
 pub struct RouteProgress {
     config: RouteProgressConfig,
     known: Option<Known>,
+    /// What was known before a feature was found where it was not expected; kept until the next one tells which is right.
+    doubted: Option<Known>,
     /// Metres driven since the first frame: the vehicle started on the route, so it is at least this far along.
     driven_m: f64,
 }
@@ -63,7 +70,7 @@ impl RouteProgress {
     /// Progress at the first frame: `start_m` along the route, or unknown.
     pub fn new(config: &RouteProgressConfig, start_m: Option<f64>) -> Self {
         let known = start_m.map(|mean_m| Known { mean_m, variance: config.start_sigma_m.powi(2) });
-        Self { config: config.clone(), known, driven_m: 0.0 }
+        Self { config: config.clone(), known, doubted: None, driven_m: 0.0 }
     }
 
     /// Mean and standard deviation, metres; none while unknown.
@@ -71,17 +78,23 @@ impl RouteProgress {
         self.known.map(|known| (known.mean_m, known.variance.sqrt()))
     }
 
+    /// Mean and standard deviation of every belief that is still possible, the likeliest first, metres; none while unknown.
+    pub fn beliefs_m(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.known.into_iter().chain(self.doubted).map(|known| (known.mean_m, known.variance.sqrt()))
+    }
+
     /// The least progress that is believed possible, metres.
     pub fn at_least_m(&self) -> f64 {
-        self.known.map_or((1.0 - 3.0 * self.config.drift_share) * self.driven_m, |k| {
-            k.mean_m - 3.0 * k.variance.sqrt()
-        })
+        self.beliefs_m()
+            .map(|(mean_m, sigma_m)| mean_m - 3.0 * sigma_m)
+            .min_by(f64::total_cmp)
+            .unwrap_or((1.0 - 3.0 * self.config.drift_share) * self.driven_m)
     }
 
     /// The vehicle moved on by `forward_m`.
     pub fn advance(&mut self, forward_m: f64) {
         self.driven_m += forward_m;
-        if let Some(known) = &mut self.known {
+        for known in self.known.iter_mut().chain(&mut self.doubted) {
             known.mean_m += forward_m;
             // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
             let sigma = known.variance.sqrt() + self.config.drift_share * forward_m.abs();
@@ -89,10 +102,26 @@ impl RouteProgress {
         }
     }
 
+    /// A feature that was found says where on the route the vehicle is. What was believed before is kept beside it when the
+    /// two disagree, because places look alike; what neither agrees with is forgotten.
+    pub fn observe_found(&mut self, route_m: f64, sigma_m: f64) {
+        let agrees = |known: &Known| {
+            let variance = known.variance + sigma_m.max(LEAST_SIGMA_M).powi(2);
+            (route_m - known.mean_m).powi(2) <= AGREEING_SIGMAS.powi(2) * variance
+        };
+        let surprised = self.known.as_ref().is_some_and(|known| !agrees(known));
+        self.doubted = match self.doubted {
+            Some(doubted) if agrees(&doubted) => None,
+            _ if surprised => self.known,
+            _ => None,
+        };
+        self.observe(route_m, sigma_m);
+    }
+
     /// A followed feature says where on the route the vehicle is.
     pub fn observe(&mut self, route_m: f64, sigma_m: f64) {
         // The feature's place is measured against the map in each frame: it replaces dead reckoning.
-        let sigma_m = sigma_m.max(0.3);
+        let sigma_m = sigma_m.max(LEAST_SIGMA_M);
         self.known = Some(Known { mean_m: route_m, variance: sigma_m * sigma_m });
     }
 
@@ -141,6 +170,31 @@ mod tests {
         assert!((mean - 110.0).abs() < 1e-9 && (sigma - 6.0).abs() < 1e-6, "{mean} {sigma}");
         progress.observe(105.0, 0.4);
         assert!((progress.belief_m().unwrap().0 - 105.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_feature_that_is_not_where_it_was_expected_leaves_a_doubt_that_the_next_one_ends() {
+        let start = || RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
+        let sigma_m = 0.4;
+        let means = |progress: &RouteProgress| progress.beliefs_m().map(|(mean, _)| mean).collect::<Vec<_>>();
+        let mut progress = start();
+        progress.observe_found(13.0, sigma_m);
+        assert_eq!(means(&progress), [13.0], "within what was expected");
+
+        let surprised = || {
+            let mut progress = start();
+            progress.observe_found(18.0, sigma_m);
+            progress.observe(18.1, sigma_m);
+            progress.advance(20.0);
+            progress
+        };
+        assert_eq!(means(&surprised()), [38.1, 30.0]);
+        assert!(surprised().at_least_m() < 30.0 - 9.0, "neither is given up");
+        for (next_m, believed) in [(38.3, vec![38.3]), (30.5, vec![30.5]), (50.0, vec![50.0, 38.1])] {
+            let mut progress = surprised();
+            progress.observe_found(next_m, sigma_m);
+            assert_eq!(means(&progress), believed);
+        }
     }
 
     #[test]

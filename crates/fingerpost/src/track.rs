@@ -8,6 +8,7 @@
 
 mod alignment;
 mod candidates;
+mod expectation;
 mod pose_filter;
 mod route_stop;
 mod shown;
@@ -22,6 +23,7 @@ use crate::route_progress::GpsUse;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
 pub use candidates::{CandidateSearch, Tried};
+pub use expectation::{Expectation, ExpectedAhead};
 pub use pose_filter::PoseFilter;
 pub use route_stop::{RouteStop, TrackerSetting};
 pub use tracker::{Moved, Tracker};

@@ -12,7 +12,8 @@ use std::ops::RangeInclusive;
 use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Vector2};
 
-use super::TrackConfig;
+use super::expectation::Expectation;
+use super::{PoseFilter, TrackConfig};
 use crate::feature_masks::{MaskCache, node_pixel};
 use crate::feature_model::FeatureModel;
 use crate::matching::{LaidSurface, PoseRun};
@@ -68,7 +69,8 @@ pub struct CandidateSearch {
 type RunKey = (i64, i32);
 
 impl CandidateSearch {
-    /// Tries poses along the approach: the node `before_m` ahead along it, the vehicle anywhere across the road.
+    /// Tries poses along the approach: the node `before_m` ahead along it, the vehicle anywhere across the road. Of places
+    /// that look alike the most expected one is the best.
     ///
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
@@ -79,9 +81,10 @@ impl CandidateSearch {
         feature: &FeatureModel,
         masks: &mut MaskCache,
         before_m: &RangeInclusive<f64>,
+        expectation: Expectation<'_>,
     ) -> Result<Tried, SpanError> {
         self.best_of(
-            laid,
+            (laid, expectation),
             masks,
             config.detect_threshold_at_verge,
             poses_along_approach(config, feature, before_m),
@@ -98,14 +101,15 @@ impl CandidateSearch {
         laid: &LaidSurface<'_>,
         masks: &mut MaskCache,
         threshold: f64,
-        predicted: &Isometry2<f64>,
+        predicted: &PoseFilter,
     ) -> Result<Tried, SpanError> {
-        self.best_of(laid, masks, threshold, poses_about(config, predicted))
+        let expectation = Expectation::About(predicted);
+        self.best_of((laid, expectation), masks, threshold, poses_about(config, predicted.pose()))
     }
 
     fn best_of(
         &mut self,
-        laid: &LaidSurface<'_>,
+        (laid, expectation): (&LaidSurface<'_>, Expectation<'_>),
         masks: &mut MaskCache,
         threshold: f64,
         poses: impl Iterator<Item = Isometry2<f64>>,
@@ -128,13 +132,15 @@ impl CandidateSearch {
         }
         self.score_run(laid, masks, threshold, key.1)?;
         let closest = self.best.map(|(pose, _)| pose);
-        let Some(best) = rank_all(laid, masks, &mut self.ranked)? else {
+        let Some(best) = rank_all((laid, expectation), masks, &mut self.ranked)? else {
             return Ok(Tried { count, best: None, closest });
         };
         let middle = middle_of(&self.ranked, &best);
         // The good poses may surround a hole; then the best itself stands.
         let best = match laid.score(masks, &middle, threshold)? {
-            Some(p) if rank(laid, masks, &middle, p)? >= best.rank - 2.0 * AS_GOOD => (middle, p),
+            Some(p) if rank((laid, expectation), masks, &middle, p)? >= best.rank - 2.0 * AS_GOOD => {
+                (middle, p)
+            }
             _ => (best.pose, best.p),
         };
         Ok(Tried { count, best: Some(best), closest: Some(best.0) })
@@ -183,18 +189,19 @@ impl CandidateSearch {
 
 /// How good a candidate is that reaches the threshold.
 fn rank(
-    laid: &LaidSurface<'_>,
+    (laid, expectation): (&LaidSurface<'_>, Expectation<'_>),
     masks: &mut MaskCache,
     pose: &Isometry2<f64>,
     p: f64,
 ) -> Result<f64, SpanError> {
-    Ok(laid.contrast(masks, pose)?.unwrap_or(0.0).max(0.0) + P_WEIGHT * p)
+    let contrast = laid.contrast(masks, pose)?.unwrap_or(0.0).max(0.0);
+    Ok(contrast + P_WEIGHT * p - expectation.penalty(pose))
 }
 
 /// Ranks the candidates that can be the best, which is returned: first the most probable one of each row of pixels, then
 /// all about the best of those.
 fn rank_all(
-    laid: &LaidSurface<'_>,
+    seen: (&LaidSurface<'_>, Expectation<'_>),
     masks: &mut MaskCache,
     candidates: &mut [Ranked],
 ) -> Result<Option<Ranked>, SpanError> {
@@ -203,14 +210,14 @@ fn rank_all(
         let more_probable =
             |(j, other): (usize, &Ranked)| other.row == row && (other.p > p || j < i && other.p >= p);
         if !candidates.iter().enumerate().any(more_probable) {
-            candidates[i].rank = rank(laid, masks, &pose, p)?;
+            candidates[i].rank = rank(seen, masks, &pose, p)?;
         }
     }
     let Some(best) = highest(candidates) else { return Ok(None) };
-    let near_px = SAME_PLACE_M / laid.grid().metres_per_pixel();
+    let near_px = SAME_PLACE_M / seen.0.grid().metres_per_pixel();
     for candidate in candidates.iter_mut() {
-        if candidate.rank < 0.0 && f64::from((candidate.row - best.row).abs()) < near_px {
-            candidate.rank = rank(laid, masks, &candidate.pose, candidate.p)?;
+        if candidate.rank == f64::NEG_INFINITY && f64::from((candidate.row - best.row).abs()) < near_px {
+            candidate.rank = rank(seen, masks, &candidate.pose, candidate.p)?;
         }
     }
     Ok(highest(candidates))

@@ -13,7 +13,7 @@ use super::alignment::Aligner;
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
-use super::{Decision, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
+use super::{Decision, ExpectedAhead, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::driving_line::DrivingLine;
 use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::ground_view::{CameraTurn, Viewpoint};
@@ -61,6 +61,8 @@ pub struct Tracker {
     passing: Option<Passing>,
     progress: RouteProgress,
     search: CandidateSearch,
+    /// Where the next feature is expected.
+    expected: Vec<ExpectedAhead>,
     aligner: Aligner,
     /// Memory of matches that were handed out with the frame before.
     spare: Vec<Match>,
@@ -98,6 +100,7 @@ impl Tracker {
             passing: None,
             progress: RouteProgress::new(setting.progress, start_m),
             search: CandidateSearch::default(),
+            expected: Vec::new(),
             aligner: Aligner::new(&setting.track.alignment, setting.viewpoint.height_m),
             spare: Vec::new(),
             nearest_seen_m: setting.nearest_seen_m,
@@ -158,7 +161,13 @@ impl Tracker {
         };
         output.followed = self.followed(output.state, laid)?;
         if let Some(followed) = &output.followed {
-            self.observe_progress(followed);
+            match (self.progress_beside(followed), &evidence.decision) {
+                (Some((route_m, sigma_m)), Decision::Detected) => {
+                    self.progress.observe_found(route_m, sigma_m);
+                }
+                (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),
+                (None, _) => {}
+            }
         }
         output.route_m = self.progress.belief_m().map(|(mean, _)| mean);
         Ok(())
@@ -231,8 +240,9 @@ impl Tracker {
         }
     }
 
-    fn observe_progress(&mut self, followed: &Followed) {
-        let Some(stop) = self.stops.get(followed.index) else { return };
+    /// How far along the route a followed feature says the vehicle is, and the standard deviation, metres.
+    fn progress_beside(&self, followed: &Followed) -> Option<(f64, f64)> {
+        let stop = self.stops.get(followed.index)?;
         let p_in_feature = followed.vehicle_from_feature.inverse() * Point2::origin();
         let along = |course: &Polyline| course.nearest(p_in_feature);
         let (approach, exit) = (stop.model.approach(), stop.model.exit());
@@ -243,9 +253,8 @@ impl Tracker {
                 stop.model.route_m + behind.along_m
             }
             (Some(before), _) => stop.model.route_m - before.along_m,
-            _ => return,
+            _ => return None,
         };
-        let sigma = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
-        self.progress.observe(route_m, sigma);
+        Some((route_m, followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()))
     }
 }

@@ -11,6 +11,7 @@ use crate::feature_masks::FeatureMaskConfig;
 use crate::feature_model::ArmModel;
 use crate::matching::{MatchConfig, Matcher};
 use crate::road_surface::RoadSurface;
+use crate::track::ExpectedAhead;
 use crate::vehicle::VehicleConfig;
 
 const WIDTH_M: f64 = 5.0;
@@ -67,7 +68,7 @@ fn surface(
 
 /// Every pose scored on its own and in full; the best as the module's documentation says.
 fn plain(
-    laid: &LaidSurface<'_>,
+    (laid, expectation): (&LaidSurface<'_>, Expectation<'_>),
     masks: &mut MaskCache,
     threshold: f64,
     poses: impl Iterator<Item = Isometry2<f64>>,
@@ -99,10 +100,11 @@ fn plain(
         rest = &rest[length..];
     }
     tried.closest = closest.map(|(pose, _)| pose);
-    if let Some(best) = rank_all(laid, masks, &mut ranked).unwrap() {
+    if let Some(best) = rank_all((laid, expectation), masks, &mut ranked).unwrap() {
         let middle = middle_of(&ranked, &best);
         let p = laid.score(masks, &middle, threshold).unwrap();
-        let as_good = p.filter(|p| rank(laid, masks, &middle, *p).unwrap() >= best.rank - 2.0 * AS_GOOD);
+        let as_good =
+            p.filter(|p| rank((laid, expectation), masks, &middle, *p).unwrap() >= best.rank - 2.0 * AS_GOOD);
         let best = as_good.map_or((best.pose, best.p), |p| (middle, p));
         (tried.best, tried.closest) = (Some(best), Some(best.0));
     }
@@ -127,15 +129,25 @@ fn rows_at_a_time_find_what_one_by_one_finds() {
         let laid = matcher.laid(&surface, &validity).unwrap();
         for threshold in [0.5, 0.75, 0.85, 0.95] {
             let predicted = Isometry2::new(Vector2::new(12.3 + 0.5 * off, 0.0), 0.0);
+            let predicted = PoseFilter::new(predicted, [1.2, 0.8, 0.1]);
             let by_rows = search.about(&config, &laid, &mut masks, threshold, &predicted).unwrap();
-            assert_eq!(by_rows, plain(&laid, &mut masks, threshold, poses_about(&config, &predicted)));
+            let seen = (&laid, Expectation::About(&predicted));
+            let poses = poses_about(&config, predicted.pose());
+            assert_eq!(by_rows, plain(seen, &mut masks, threshold, poses));
             found += usize::from(by_rows.best.is_some());
 
             let config = TrackConfig { detect_threshold_at_verge: threshold, ..config.clone() };
             let range = 6.0..=18.0;
-            let by_rows = search.along_approach(&config, &laid, &feature, &mut masks, &range).unwrap();
-            let poses = poses_along_approach(&config, &feature, &range);
-            assert_eq!(by_rows, plain(&laid, &mut masks, threshold, poses));
+            let expected = [ExpectedAhead { ahead_m: 12.0 + off, sigma_m: 2.0 }];
+            for expectation in [Expectation::Anywhere, Expectation::Ahead(&feature, &expected)] {
+                let by_rows =
+                    search.along_approach(&config, &laid, &feature, &mut masks, &range, expectation).unwrap();
+                let poses = poses_along_approach(&config, &feature, &range);
+                assert_eq!(by_rows, plain((&laid, expectation), &mut masks, threshold, poses));
+            }
+            let by_rows = search
+                .along_approach(&config, &laid, &feature, &mut masks, &range, Expectation::Anywhere)
+                .unwrap();
             found += usize::from(by_rows.best.is_some());
         }
     }

@@ -31,7 +31,7 @@ impl Tracker {
             evidence.decision = Decision::Confirmed;
         } else {
             let threshold = config.detect_threshold_at_verge.min(config.confirm_threshold);
-            let tried = self.search.about(config, laid, &mut stop.masks, threshold, &predicted)?;
+            let tried = self.search.about(config, laid, &mut stop.masks, threshold, filter)?;
             evidence.tried = tried.count;
             let better = match tried.best {
                 Some((pose, p)) => {

@@ -22,8 +22,10 @@ impl Tracker {
             && let Some(stop) = self.stops.get_mut(passing.index)
         {
             // Once only arms straight ahead are seen they would turn the feature as they please.
-            let (pose, threshold) = (passing.filter.pose(), self.config.confirm_threshold);
-            if laid.score(&mut stop.masks, pose, threshold)?.is_some() {
+            let (pose, config) = (passing.filter.pose(), &self.config);
+            let threshold = config.detect_threshold_at_verge.min(config.confirm_threshold);
+            let contrast = laid.contrast(&mut stop.masks, pose)?;
+            if laid.score(&mut stop.masks, pose, threshold)?.is_some_and(|p| config.confirms(p, contrast)) {
                 let sections = self.aligner.align(laid, &stop.arms, &mut passing.filter)?;
                 if evidence.sections.is_empty() {
                     evidence.sections.extend_from_slice(sections);

@@ -8,7 +8,7 @@ use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, Tracker};
 use crate::feature_model::FeatureModel;
 use crate::matching::LaidSurface;
 use crate::track::alignment::{CrossSection, CrossSectionUse};
-use crate::track::{Decision, PoseFilter, Sought, TrackConfig, TrackEvidence};
+use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, Sought, TrackConfig, TrackEvidence};
 
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
@@ -46,7 +46,7 @@ impl Tracker {
         let (mut filter, before, found) = match (candidate.take(), &range) {
             (Some(candidate), _) => {
                 let threshold = config.detect_threshold_at_verge;
-                let tried = self.search.about(config, laid, masks, threshold, candidate.filter.pose())?;
+                let tried = self.search.about(config, laid, masks, threshold, &candidate.filter)?;
                 evidence.tried = tried.count;
                 let Some(found) = tried.best else {
                     evidence.decision = Decision::NotFound { index };
@@ -55,7 +55,9 @@ impl Tracker {
                 (candidate.filter, (candidate.frames, candidate.weight), found)
             }
             (None, Some(range)) => {
-                let tried = self.search.along_approach(config, laid, &stop.model, masks, range)?;
+                let expectation = Expectation::Ahead(&stop.model, &self.expected);
+                let tried =
+                    self.search.along_approach(config, laid, &stop.model, masks, range, expectation)?;
                 evidence.tried = tried.count;
                 if let Some(closest) = tried.closest {
                     let mut matched = self.spare.pop().unwrap_or_default();
@@ -105,7 +107,9 @@ impl Tracker {
             evidence.decision = Decision::Unbounded { index, p: aligned_p };
             return Ok(());
         }
-        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast));
+        let unexpected = Expectation::Ahead(&stop.model, &self.expected).penalty(filter.pose());
+        let (frames, weight) =
+            (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast) - unexpected);
         let enough = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast));
         if weight <= 0.0 {
             evidence.decision = match contrast {
@@ -141,14 +145,21 @@ impl Tracker {
     }
 
     /// Distances of the next feature's node that are possible and in view, metres; none when there are none.
-    fn search_range(&self, evidence: &mut TrackEvidence) -> Option<RangeInclusive<f64>> {
+    fn search_range(&mut self, evidence: &mut TrackEvidence) -> Option<RangeInclusive<f64>> {
         let stop = self.stops.get(self.next)?;
         let (mut low, mut high) = (self.nearest_seen_m + NEAREST_BEYOND_M, self.farthest_m);
-        if let Some((mean, sigma)) = self.progress.belief_m() {
+        self.expected.clear();
+        let (mut least_m, mut most_m) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (mean, sigma_m) in self.progress.beliefs_m() {
             let ahead_m = stop.model.route_m - mean;
-            low = low.max(self.shown.shown_ahead_m(ahead_m - 3.0 * sigma));
-            high = high.min(self.shown.shown_ahead_m(ahead_m + 3.0 * sigma));
+            least_m = least_m.min(self.shown.shown_ahead_m(ahead_m - 3.0 * sigma_m));
+            most_m = most_m.max(self.shown.shown_ahead_m(ahead_m + 3.0 * sigma_m));
+            self.expected.push(ExpectedAhead { ahead_m: self.shown.shown_ahead_m(ahead_m), sigma_m });
+        }
+        if let Some((mean, _)) = self.progress.belief_m() {
+            (low, high) = (low.max(least_m), high.min(most_m));
             if !matches!(evidence.decision, Decision::Skipped { .. }) {
+                let ahead_m = stop.model.route_m - mean;
                 evidence.decision = Decision::NotInReach { index: self.next, ahead_m };
             }
         }
