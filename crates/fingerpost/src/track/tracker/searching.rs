@@ -24,6 +24,8 @@ const ON_ROAD_SIGMA_RAD: f64 = 0.052;
 /// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
 /// beside the road.
 const OFF_ROAD_M: f64 = 1.0;
+/// Loss in rank up to which a feature is where it is expected: within two standard deviations.
+const EXPECTED: f64 = 0.1;
 /// Sums of weights that differ by less are equal.
 const WEIGHT_ROUNDING: f64 = 1e-9;
 /// A feature nearer than this many metres beyond the bottom of the view is not searched for: its arms are out of view.
@@ -80,8 +82,11 @@ impl Tracker {
             }
             (None, None) => return Ok(()),
         };
-        evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
         let (found_pose, p) = found;
+        let mut by_search =
+            if before.0 > 0 { filter.clone() } else { PoseFilter::new(found_pose, FOUND_SIGMAS) };
+        by_search.update_pose(&found_pose, STANDS_OUT_SIGMAS);
+        evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
         let by_edges = |section: &CrossSection| {
             section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
         };
@@ -89,13 +94,23 @@ impl Tracker {
             // Without an edge the place at which the arms stand out most is what is known, frame by frame anew.
             filter.update_pose(&found_pose, STANDS_OUT_SIGMAS);
         }
-        // The match must hold where the edges say the feature is, and they must say it well enough.
-        let mut aligned = self.spare.pop().unwrap_or_default();
-        laid.explain(masks, filter.pose(), &mut aligned)?;
-        let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
+        // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; then
+        // the search alone says where it is, less surely.
         let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
-        let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
-        if off_road || aligned_p < config.detect_threshold_at_verge {
+        let mut aligned = self.spare.pop().unwrap_or_default();
+        let mut holds = |filter: &PoseFilter| -> Result<bool, SpanError> {
+            laid.explain(masks, filter.pose(), &mut aligned)?;
+            let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
+            Ok(!off_road && aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge))
+        };
+        let mut is_found = holds(&filter)?;
+        if !is_found {
+            evidence.sections.clear();
+            filter = by_search;
+            is_found = holds(&filter)?;
+        }
+        let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
+        if !is_found {
             self.spare.push(aligned);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
             return Ok(());
@@ -103,14 +118,15 @@ impl Tracker {
         // What is shown is the place that is judged from here on.
         let shown = evidence.sought.replace(Sought { index, matched: aligned });
         self.spare.extend(shown.map(|sought| sought.matched));
-        if contrast.is_none() && !evidence.sections.iter().any(tells_it) {
+        let surprise = Expectation::Ahead(&stop.model, &self.expected).penalty(filter.pose());
+        let is_expected = !self.expected.is_empty() && surprise <= EXPECTED;
+        if contrast.is_none() && !is_expected && !evidence.sections.iter().any(tells_it) {
             evidence.decision = Decision::Unbounded { index, p: aligned_p };
             return Ok(());
         }
-        let unexpected = Expectation::Ahead(&stop.model, &self.expected).penalty(filter.pose());
-        let (frames, weight) =
-            (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast) - unexpected);
-        let enough = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast));
+        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast, surprise));
+        let enough =
+            config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
         if weight <= 0.0 {
             evidence.decision = match contrast {
                 Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast },
@@ -169,12 +185,13 @@ impl Tracker {
 
 /// What a frame says for a candidate: its contrast beyond half of the one that is needed, so that a weak contrast must
 /// last longer and none at all speaks against it; a great one counts no more than twice what is needed. Where no verge is
-/// seen a match that is good enough without one says as much as that contrast.
-fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>) -> f64 {
+/// seen a match that is good enough without one says as much as that contrast. Where the feature is not expected it must
+/// stand out by so much more.
+fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>, surprise: f64) -> f64 {
     let needed = config.detect_contrast;
     match contrast {
-        Some(contrast) => contrast.min(2.0 * needed) - 0.5 * needed,
-        None if p >= config.detect_threshold => 0.5 * needed,
+        Some(contrast) => (contrast - surprise).min(2.0 * needed) - 0.5 * needed,
+        None if p >= config.detect_threshold => 0.5 * needed - surprise,
         None => f64::NEG_INFINITY,
     }
 }
