@@ -17,6 +17,8 @@ const KNOWN_SIGMA_M: f64 = 0.45;
 /// Standard deviations of the place at which a feature stands out most from its verges, against those of the frames before:
 /// metres, metres, radians.
 const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
+/// The same where edges say otherwise: what leads the search astray does so for many frames.
+const SEARCHED_SIGMAS: [f64; 3] = [1.8, 1.2, 0.1];
 /// A candidate whose place is not sure after this many times the frames that are needed is another place.
 const CANDIDATE_PATIENCE: usize = 5;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
@@ -24,6 +26,8 @@ const ON_ROAD_SIGMA_RAD: f64 = 0.052;
 /// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
 /// beside the road.
 const OFF_ROAD_M: f64 = 1.0;
+/// So near the verges of the arms that leave the approach are often out of view, metres.
+const VERGES_OUT_OF_VIEW_M: f64 = 11.0;
 /// Loss in rank up to which a feature is where it is expected: within two standard deviations.
 const EXPECTED: f64 = 0.1;
 /// Sums of weights that differ by less are equal.
@@ -85,7 +89,7 @@ impl Tracker {
         let (found_pose, p) = found;
         let mut by_search =
             if before.0 > 0 { filter.clone() } else { PoseFilter::new(found_pose, FOUND_SIGMAS) };
-        by_search.update_pose(&found_pose, STANDS_OUT_SIGMAS);
+        by_search.update_pose(&found_pose, SEARCHED_SIGMAS);
         evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
         let by_edges = |section: &CrossSection| {
             section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
@@ -119,7 +123,8 @@ impl Tracker {
         let shown = evidence.sought.replace(Sought { index, matched: aligned });
         self.spare.extend(shown.map(|sought| sought.matched));
         let surprise = Expectation::Ahead(&stop.model, &self.expected).penalty(filter.pose());
-        let is_expected = !self.expected.is_empty() && surprise <= EXPECTED;
+        let is_near = filter.pose().translation.x <= VERGES_OUT_OF_VIEW_M;
+        let is_expected = is_near && !self.expected.is_empty() && surprise <= EXPECTED;
         if contrast.is_none() && !is_expected && !evidence.sections.iter().any(tells_it) {
             evidence.decision = Decision::Unbounded { index, p: aligned_p };
             return Ok(());
