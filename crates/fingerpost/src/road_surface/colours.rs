@@ -59,6 +59,8 @@ struct Counts {
     /// Of all frames, the older ones counting less.
     pixels: Vec<Levels<f32>>,
     smooth: Vec<Levels<f32>>,
+    /// Smoothed along some of the axes.
+    partly: Vec<Levels<f32>>,
 }
 
 impl RoadColours {
@@ -97,9 +99,9 @@ impl RoadColours {
                 self.count(&bins[pixels.clone()], &greys[pixels.clone()], &found[pixels]);
             }
         }
-        let shape = [HUES, usize::from(self.bins.saturation), BRIGHTNESS_LEVELS];
-        self.road.take_in(shape);
-        self.beside.take_in(shape);
+        let saturations = usize::from(self.bins.saturation);
+        self.road.take_in(saturations);
+        self.beside.take_in(saturations);
         let (on_road, beside) = (self.road.total(), self.beside.total());
         // Without both kinds there is nothing to tell apart.
         let scale = if on_road > 0.0 && beside > 0.0 { on_road / beside } else { 0.0 };
@@ -142,12 +144,12 @@ impl RoadColours {
         kind.new[usize::from(tint)][usize::from(grey >> 4)][turn] += 1;
     }
 
-    /// Writes what the colour of every pixel of a row says: 128 is nothing, more is road.
-    pub(super) fn read(&self, picture: &GroundPicture, row: usize, says: &mut [u8]) {
+    /// Writes what the colours of pixels with these bins and greys say: 128 is nothing, more is road.
+    pub(super) fn read(&self, bins: &[u16], greys: &[u8], says: &mut [u8]) {
         let of_bin = &self.of_bin[..ALL_BINS];
         let says_of = |bin: u16, grey: u8| of_bin[usize::from(bin)][usize::from(grey >> 4)];
-        let (bins, last_bins) = picture.bin.row(row).as_chunks::<TOGETHER>();
-        let (greys, last_greys) = picture.grey.row(row).as_chunks::<TOGETHER>();
+        let (bins, last_bins) = bins.as_chunks::<TOGETHER>();
+        let (greys, last_greys) = greys.as_chunks::<TOGETHER>();
         let (says, last_says) = says.as_chunks_mut::<TOGETHER>();
         for ((says, bins), greys) in says.iter_mut().zip(bins).zip(greys) {
             *says = std::array::from_fn(|i| says_of(bins[i], greys[i]));
@@ -164,6 +166,7 @@ impl Counts {
             new: vec![[[0; TURNS]; BRIGHTNESS_LEVELS]; tints],
             pixels: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
             smooth: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
+            partly: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
         }
     }
 
@@ -176,41 +179,40 @@ impl Counts {
     }
 
     /// Takes in what was counted, over which older counts fade.
-    fn take_in(&mut self, shape: [usize; 3]) {
+    fn take_in(&mut self, saturations: usize) {
         let new = self.new.as_flattened_mut();
         for (pixels, new) in self.pixels.as_flattened_mut().iter_mut().zip(new) {
             *pixels = *pixels * KEPT + new.iter().sum::<u32>() as f32;
             *new = [0; TURNS];
         }
-        self.smooth(shape);
+        self.smooth(saturations);
     }
 
     /// Spreads the counts over neighbouring colours, with weights 1, 2, 1 along each axis; hue is a circle.
-    fn smooth(&mut self, [hues, saturations, levels]: [usize; 3]) {
-        self.smooth.copy_from_slice(&self.pixels);
-        let smooth = self.smooth.as_flattened_mut();
-        let mut along = |stride: usize, length: usize, is_circle: bool| {
-            let block = stride * length;
-            for block in smooth.chunks_exact_mut(block) {
-                for offset in 0..stride {
-                    let at = |i: usize| offset + i * stride;
-                    let (first, last) = (block[at(0)], block[at(length - 1)]);
-                    let mut before = if is_circle { last } else { first };
-                    for i in 0..length {
-                        let here = block[at(i)];
-                        let after = match i + 1 < length {
-                            true => block[at(i + 1)],
-                            false if is_circle => first,
-                            false => here,
-                        };
-                        block[at(i)] = 0.25 * before + 0.5 * here + 0.25 * after;
-                        before = here;
-                    }
-                }
+    fn smooth(&mut self, saturations: usize) {
+        let last = BRIGHTNESS_LEVELS - 1;
+        for (levels, out) in self.pixels.iter().zip(&mut self.smooth) {
+            let (mut darker, mut brighter) = (*levels, *levels);
+            darker[1..].copy_from_slice(&levels[..last]);
+            brighter[..last].copy_from_slice(&levels[1..]);
+            *out = spread(&darker, levels, &brighter);
+        }
+        for (of_hue, out) in
+            self.smooth.chunks_exact(saturations).zip(self.partly.chunks_exact_mut(saturations))
+        {
+            for (saturation, out) in out.iter_mut().enumerate() {
+                let (paler, richer) = (saturation.saturating_sub(1), (saturation + 1).min(saturations - 1));
+                *out = spread(&of_hue[paler], &of_hue[saturation], &of_hue[richer]);
             }
-        };
-        along(1, levels, false);
-        along(levels, saturations, false);
-        along(levels * saturations, hues, true);
+        }
+        let tints = self.partly.len();
+        for (tint, out) in self.smooth.iter_mut().enumerate() {
+            let (before, after) = ((tint + tints - saturations) % tints, (tint + saturations) % tints);
+            *out = spread(&self.partly[before], &self.partly[tint], &self.partly[after]);
+        }
     }
+}
+
+fn spread(before: &Levels<f32>, here: &Levels<f32>, after: &Levels<f32>) -> Levels<f32> {
+    std::array::from_fn(|level| 0.25 * before[level] + 0.5 * here[level] + 0.25 * after[level])
 }

@@ -76,12 +76,14 @@ impl Fused {
         }
         self.by_colour.resize(width, 0);
         for row in 0..height {
-            self.colours.read(input.picture, row, &mut self.by_colour);
+            let (bins, greys) = (input.picture.bin.row(row), input.picture.grey.row(row));
             let (way, fused) = (self.by_way.row(row), probability.row_mut(row));
             fused.fill(0);
             for run in input.validity.runs(row) {
                 let pixels = run.start..run.end;
-                fuse(&way[pixels.clone()], &self.by_colour[pixels.clone()], DOUBT, &mut fused[pixels])?;
+                let by_colour = &mut self.by_colour[pixels.clone()];
+                self.colours.read(&bins[pixels.clone()], &greys[pixels.clone()], by_colour);
+                fuse(&way[pixels.clone()], by_colour, DOUBT, &mut fused[pixels])?;
             }
         }
         Ok(())
