@@ -11,6 +11,7 @@ use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::picture::Plane;
 
 use super::colours::RoadColours;
+use super::perspective::clear_unseen;
 use super::{
     Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
     RoadInput, SampleUse,
@@ -74,11 +75,11 @@ impl Fused {
         if probability.size() != (width, height) {
             probability.reset(width, height, 0);
         }
+        clear_unseen(input.validity, probability);
         self.by_colour.resize(width, 0);
         for row in 0..height {
             let (bins, greys) = (input.picture.bin.row(row), input.picture.grey.row(row));
             let (way, fused) = (self.by_way.row(row), probability.row_mut(row));
-            fused.fill(0);
             for run in input.validity.runs(row) {
                 let pixels = run.start..run.end;
                 let by_colour = &mut self.by_colour[pixels.clone()];

@@ -16,6 +16,7 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::perspective::clear_unseen;
 use super::{
     Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod, RoadSurface, SurfaceFile,
 };
@@ -152,13 +153,13 @@ impl Memory {
         let side = self.map.side_px();
         let doubt = (255.0 * self.config.doubt).round() as u8;
         self.known_pixels.set_to_union(validity, &self.known, side);
+        clear_unseen(&self.known_pixels, fused);
         self.prior_row.resize(width, 0);
         for row in 0..height {
             if row % side == 0 {
                 spread(self.prior.row(row / side), side, &mut self.prior_row);
             }
             let (seen, fused) = (self.seen.row(row), fused.row_mut(row));
-            fused.fill(0);
             for run in self.known_pixels.runs(row) {
                 fused[run.start..run.end].copy_from_slice(&self.prior_row[run.start..run.end]);
             }
