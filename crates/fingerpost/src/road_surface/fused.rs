@@ -76,7 +76,6 @@ impl Fused {
             probability.reset(width, height, 0);
         }
         clear_unseen(input.validity, probability);
-        self.by_colour.resize(width, 0);
         for row in 0..height {
             let (bins, greys) = (input.picture.bin.row(row), input.picture.grey.row(row));
             let (way, fused) = (self.by_way.row(row), probability.row_mut(row));
@@ -100,17 +99,21 @@ impl RoadDetector for Fused {
         let Perspective::Ground { .. } = input.perspective else {
             return self.classifier.estimate(input, probability);
         };
-        let by_sample = self.by_sample.estimate(input, probability)?;
+        if self.by_way.size() != input.validity.size() {
+            let (width, height) = input.validity.size();
+            self.by_way.reset(width, height, 0);
+            self.by_colour.resize(width, 0);
+        }
+        let by_sample = self.by_sample.learn_from(input)?;
         let tell = self.colours_tell(&by_sample);
         let trains = self.frames.is_multiple_of(TRAINED_EVERY);
         self.frames += 1;
-        if tell && !trains {
-            return Ok(by_sample);
+        if tell {
+            self.by_sample.project(input, probability)?;
+            let online = if trains { self.classifier.learn_from(input)?.online } else { None };
+            return Ok(RoadEvidence { online, ..by_sample });
         }
         let by_way = self.classifier.estimate(input, &mut self.by_way)?;
-        if tell {
-            return Ok(RoadEvidence { online: by_way.online, ..by_sample });
-        }
         self.sharpen(input, probability)?;
         Ok(RoadEvidence { histograms: by_sample.histograms, ..by_way })
     }

@@ -120,12 +120,9 @@ impl Online {
     }
 }
 
-impl RoadDetector for Online {
-    fn estimate(
-        &mut self,
-        input: RoadInput<'_>,
-        probability: &mut Plane<u8>,
-    ) -> Result<RoadEvidence, RoadError> {
+impl Online {
+    /// Learns from a picture and finds the road in its blocks.
+    pub(super) fn learn_from(&mut self, input: RoadInput<'_>) -> Result<RoadEvidence, RoadError> {
         let layout = match self.layout.take() {
             Some(layout) if layout.serves(&input) => layout,
             _ => Layout::new(&self.config, &input)?,
@@ -154,12 +151,6 @@ impl RoadDetector for Online {
             separation: weights.separation,
             road_share: self.blocks.road_share(layout),
         };
-        if probability.size() != input.validity.size() {
-            let (width, height) = input.validity.size();
-            probability.reset(width, height, 0);
-        }
-        layout.table.warp_grey(&self.blocks.nearness, probability)?;
-        clear_unseen(input.validity, probability);
         Ok(RoadEvidence {
             detector: "online",
             sample: input.sample,
@@ -172,6 +163,35 @@ impl RoadDetector for Online {
             online: Some(evidence),
             ..RoadEvidence::default()
         })
+    }
+
+    /// Fills `probability` with the road of the picture that was learned from last.
+    pub(super) fn project(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<(), RoadError> {
+        if probability.size() != input.validity.size() {
+            let (width, height) = input.validity.size();
+            probability.reset(width, height, 0);
+        }
+        if let Some(layout) = &self.layout {
+            layout.table.warp_grey(&self.blocks.nearness, probability)?;
+        }
+        clear_unseen(input.validity, probability);
+        Ok(())
+    }
+}
+
+impl RoadDetector for Online {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let evidence = self.learn_from(input)?;
+        self.project(input, probability)?;
+        Ok(evidence)
     }
 
     fn reset(&mut self) {
