@@ -2,6 +2,9 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod step;
+
+use step::{ENTRIES, StepPoints, StepSums, accumulate};
 
 use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
 use crate::picture::Plane;
@@ -13,22 +16,6 @@ use crate::simd::{CodePath, simd_kernel};
 /// have (Kerl et al. 2013). With x the residual in standard deviations, a weight is 1 / (1 + x^2 / 5)^4: close to Welsch's
 /// exp(-4 x^2 / 5), and the same to the bit everywhere.
 const FREEDOM: f32 = 5.0;
-/// Entries of a symmetric matrix of the unknowns.
-const PRODUCTS: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
-/// Rows and columns of those entries.
-const ENTRIES: [(usize, usize); PRODUCTS] = {
-    let (mut entries, mut next, mut row) = ([(0, 0); PRODUCTS], 0, 0);
-    while row < UNKNOWNS {
-        let mut column = row;
-        while column < UNKNOWNS {
-            entries[next] = (row, column);
-            (next, column) = (next + 1, column + 1);
-        }
-        row += 1;
-    }
-    entries
-};
-
 /// How the newer picture's grey follows from the older one's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brightness {
@@ -270,55 +257,5 @@ simd_kernel! {
             }
         }
         sums
-    }
-}
-
-/// What the sums of a step are taken over.
-struct StepPoints<'a> {
-    descent: [&'a [Lanes]; UNKNOWNS],
-    residuals: &'a [Lanes],
-    weights: &'a [Lanes],
-    trust: &'a [Lanes],
-}
-
-/// The sums of a step, lane by lane: of the weighted products of the steepest-descent images, entry by entry, of those with
-/// the residuals, and of the first one's squares.
-struct StepSums {
-    products: [Lanes; PRODUCTS],
-    gradient: [Lanes; UNKNOWNS],
-    unweighted: Lanes,
-}
-
-simd_kernel! {
-    fn accumulate(points: &StepPoints<'_>) -> StepSums {
-        let StepPoints { descent, residuals, weights, trust } = *points;
-        let groups = residuals.len();
-        let (descent, weights) = (descent.map(|lanes| &lanes[..groups]), &weights[..groups]);
-        let trust = &trust[..groups];
-        let mut products = [[0.0_f32; LANES]; PRODUCTS];
-        let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
-        let mut unweighted = [0.0_f32; LANES];
-        for group in 0..groups {
-            let (weights, residuals) = (&weights[group], &residuals[group]);
-            let mut weighted = [[0.0_f32; LANES]; UNKNOWNS];
-            for i in 0..UNKNOWNS {
-                for lane in 0..LANES {
-                    weighted[i][lane] = weights[lane] * descent[i][group][lane];
-                    gradient[i][lane] += weighted[i][lane] * residuals[lane];
-                }
-            }
-            for lane in 0..LANES {
-                let slope = descent[0][group][lane];
-                let trusted = if weights[lane] > 0.0 { trust[group][lane] } else { 0.0 };
-                unweighted[lane] += trusted * (slope * slope);
-            }
-            for (sum, (row, column)) in products.iter_mut().zip(ENTRIES) {
-                let slopes = &descent[column][group];
-                for lane in 0..LANES {
-                    sum[lane] += weighted[row][lane] * slopes[lane];
-                }
-            }
-        }
-        StepSums { products, gradient, unweighted }
     }
 }

@@ -10,8 +10,9 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 
 use crate::ground_view::GroundPicture;
 
-/// Levels of brightness, a power of two.
-const BRIGHTNESS_LEVELS: usize = 16;
+/// Levels of brightness: as many as half the bits of a grey tell apart.
+const BRIGHTNESS_LEVELS: usize = 1 << LEVEL_BITS;
+const LEVEL_BITS: u32 = 4;
 /// Hues that are told apart.
 const HUES: usize = 8;
 /// Every so many-th pixel each way is learned from.
@@ -30,9 +31,6 @@ const SURE: [u8; 2] = [60, 190];
 const TURNS: usize = 2;
 /// Bins that a pixel can hold: with an entry for each no look-up needs a test.
 const ALL_BINS: usize = 1 << 16;
-
-/// Pixels that are looked up together.
-const TOGETHER: usize = 8;
 
 /// Something for each level of brightness.
 type Levels<T> = [T; BRIGHTNESS_LEVELS];
@@ -141,21 +139,14 @@ impl RoadColours {
         };
         // Of a length that is known when this is compiled.
         let tint = self.tint_of_bin[..ALL_BINS][usize::from(bin)];
-        kind.new[usize::from(tint)][usize::from(grey >> 4)][turn] += 1;
+        kind.new[usize::from(tint)][usize::from(grey >> LEVEL_BITS)][turn] += 1;
     }
 
     /// Writes what the colours of pixels with these bins and greys say: 128 is nothing, more is road.
     pub(super) fn read(&self, bins: &[u16], greys: &[u8], says: &mut [u8]) {
         let of_bin = &self.of_bin[..ALL_BINS];
-        let says_of = |bin: u16, grey: u8| of_bin[usize::from(bin)][usize::from(grey >> 4)];
-        let (bins, last_bins) = bins.as_chunks::<TOGETHER>();
-        let (greys, last_greys) = greys.as_chunks::<TOGETHER>();
-        let (says, last_says) = says.as_chunks_mut::<TOGETHER>();
-        for ((says, bins), greys) in says.iter_mut().zip(bins).zip(greys) {
-            *says = std::array::from_fn(|i| says_of(bins[i], greys[i]));
-        }
-        for ((says, &bin), &grey) in last_says.iter_mut().zip(last_bins).zip(last_greys) {
-            *says = says_of(bin, grey);
+        for ((says, &bin), &grey) in says.iter_mut().zip(bins).zip(greys) {
+            *says = of_bin[usize::from(bin)][usize::from(grey >> LEVEL_BITS)];
         }
     }
 }

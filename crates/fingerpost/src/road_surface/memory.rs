@@ -10,9 +10,12 @@
 //! move leave their trace for as long. In a camera picture there are no metres: there the memory does nothing.
 
 mod road_map;
+mod sensor_model;
+
+use std::ops::Range;
 
 use fingerpost_vision::fusion::fuse;
-use fingerpost_vision::picture::{Plane, ValidityMask};
+use fingerpost_vision::picture::{Plane, Run, ValidityMask};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +25,8 @@ use super::{
 };
 use crate::ground_view::GroundView;
 use crate::motion::Motion;
-use road_map::{RoadMap, SensorModel};
+use road_map::RoadMap;
+use sensor_model::SensorModel;
 
 /// Settings of the memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -160,15 +164,27 @@ impl Memory {
                 spread(self.prior.row(row / side), side, &mut self.prior_row);
             }
             let (seen, fused) = (self.seen.row(row), fused.row_mut(row));
-            for run in self.known_pixels.runs(row) {
-                fused[run.start..run.end].copy_from_slice(&self.prior_row[run.start..run.end]);
-            }
+            let known = self.known_pixels.runs(row);
+            let mut done = 0;
             for run in validity.runs(row) {
                 let pixels = run.start..run.end;
+                copy_runs(known, done..run.start, &self.prior_row, fused);
                 fuse(&seen[pixels.clone()], &self.prior_row[pixels.clone()], doubt, &mut fused[pixels])?;
+                done = run.end;
             }
+            copy_runs(known, done..width, &self.prior_row, fused);
         }
         Ok(())
+    }
+}
+
+/// Copies what of `runs` lies within `columns`.
+fn copy_runs(runs: &[Run], columns: Range<usize>, from: &[u8], to: &mut [u8]) {
+    for run in runs {
+        let (start, end) = (run.start.max(columns.start), run.end.min(columns.end));
+        if start < end {
+            to[start..end].copy_from_slice(&from[start..end]);
+        }
     }
 }
 
