@@ -73,13 +73,16 @@ impl RoadColours {
         tint_of_bin.resize(ALL_BINS, 0);
         let tints = HUES * saturations;
         let nothing = [128; BRIGHTNESS_LEVELS];
+        // Memory that comes as zeros is not touched where no bin is.
+        let mut of_bin = vec![[0; BRIGHTNESS_LEVELS]; ALL_BINS];
+        of_bin.iter_mut().take(bins.count()).for_each(|says| *says = nothing);
         Self {
             bins,
             tint_of_bin,
             road: Counts::new(tints),
             beside: Counts::new(tints),
             of_tint: vec![nothing; tints],
-            of_bin: vec![nothing; ALL_BINS],
+            of_bin,
         }
     }
 
@@ -206,4 +209,62 @@ impl Counts {
 
 fn spread(before: &Levels<f32>, here: &Levels<f32>, after: &Levels<f32>) -> Levels<f32> {
     std::array::from_fn(|level| 0.25 * before[level] + 0.5 * here[level] + 0.25 * after[level])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BINS: HueSaturationBins = HueSaturationBins { hue: 32, saturation: 32 };
+    const ROAD: (u16, u8) = (5, 90);
+    const VERGE: (u16, u8) = (10 * 32 + 20, 120);
+
+    /// Road in the left half, verge in the right one.
+    fn picture(width: usize, height: usize) -> (GroundPicture, Plane<u8>) {
+        let (mut picture, mut found) =
+            (GroundPicture::new(width, height, BINS), Plane::new(width, height, 0));
+        for y in 0..height {
+            for x in 0..width {
+                let is_road = 2 * x < width;
+                let (bin, grey) = if is_road { ROAD } else { VERGE };
+                (picture.bin.row_mut(y)[x], picture.grey.row_mut(y)[x]) = (bin, grey);
+                found.row_mut(y)[x] = if is_road { 255 } else { 0 };
+            }
+        }
+        (picture, found)
+    }
+
+    fn says(colours: &RoadColours, (bin, grey): (u16, u8)) -> u8 {
+        let mut says = [0];
+        colours.read(&[bin], &[grey], &mut says);
+        says[0]
+    }
+
+    #[test]
+    fn what_was_found_to_be_road_says_road_and_what_was_not_says_none() {
+        let mut colours = RoadColours::new(BINS);
+        assert_eq!([says(&colours, ROAD), says(&colours, VERGE)], [128, 128], "nothing is learned yet");
+        let (picture, found) = picture(61, 40);
+        colours.learn(&picture, &ValidityMask::all_seen(61, 40), &found);
+        assert!(says(&colours, ROAD) > 230 && says(&colours, VERGE) < 25);
+        assert_eq!(says(&colours, (31 * 32 + 31, 250)), 128, "a colour never seen says nothing");
+        colours.forget();
+        colours.learn(&picture, &ValidityMask::all_seen(61, 40), &Plane::new(61, 40, 128));
+        assert_eq!([says(&colours, ROAD), says(&colours, VERGE)], [128, 128], "forgotten");
+    }
+
+    #[test]
+    fn every_second_pixel_each_way_counts_and_smoothing_keeps_their_number() {
+        for (width, height) in [(61, 40), (60, 41), (1, 1), (2, 3), (7, 5)] {
+            let mut colours = RoadColours::new(BINS);
+            let (picture, found) = picture(width, height);
+            colours.learn(&picture, &ValidityMask::all_seen(width, height), &found);
+            let counted = colours.road.total() + colours.beside.total();
+            assert!((counted - (width.div_ceil(2) * height.div_ceil(2)) as f32).abs() < 0.5);
+            for counts in [&colours.road, &colours.beside] {
+                let smooth: f32 = counts.smooth.as_flattened().iter().sum();
+                assert!((smooth - counts.total()).abs() < 1e-2, "{smooth}");
+            }
+        }
+    }
 }

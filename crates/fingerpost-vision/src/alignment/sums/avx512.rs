@@ -108,7 +108,7 @@ fn split(place: __m512) -> (__m512i, __m512) {
     (index, _mm512_sub_ps(place, _mm512_sub_ps(shifted, whole)))
 }
 
-/// [`super::step::accumulate`]: a group's lanes are a register. The compiler keeps the 36 sums in memory, which is four times as
+/// [`super::step::accumulate`]: a group's lanes are a register. The compiler keeps the 36 sums in memory, which is six times as
 /// slow on Zen 4; here the points are gone through three times, for as many rows of the Hessian as leave all their sums in
 /// registers.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx2")]
