@@ -5,6 +5,7 @@
 //! nearest.
 
 use fingerpost_geometry::{GroundGrid, GroundPixel};
+use fingerpost_vision::fusion::fade;
 use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::{Isometry2, Point2};
 
@@ -83,14 +84,7 @@ impl RoadMap {
 
     /// Multiplies everything by `kept`, 0 to 1.
     pub(super) fn fade(&mut self, kept: f64) {
-        const ONE: i32 = 1 << 15;
-        let factor = (kept.clamp(0.0, 1.0) * f64::from(ONE)) as i32;
-        if factor < ONE {
-            self.cells
-                .as_mut_slice()
-                .iter_mut()
-                .for_each(|cell| *cell = ((i32::from(*cell) * factor) >> 15) as i16);
-        }
+        fade(self.cells.as_mut_slice(), kept);
     }
 
     /// Moves the vehicle on; cells that come into reach are empty.
