@@ -6,9 +6,10 @@
 //! after the look-up table is integer arithmetic.
 
 mod disc;
+mod disc_mean;
 mod lookup;
 
-use disc::DiscMean;
+use disc_mean::DiscMean;
 use lookup::BinLookup;
 
 use crate::error::{PictureError, check_size};

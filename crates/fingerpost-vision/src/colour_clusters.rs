@@ -2,6 +2,7 @@
 //!
 //! P. C. Mahalanobis, "On the generalised distance in statistics", 1936.
 
+use crate::elementary::exp_minus;
 use crate::error::{PictureError, check_size};
 use crate::log_colour::LogColour;
 use crate::picture::Plane;
@@ -9,6 +10,9 @@ use crate::simd::{CodePath, simd_kernel};
 
 /// Squared distance where no cluster is known.
 pub const FARTHEST: f32 = 1e6;
+
+/// Partial sums, on every path: a register of the widest.
+const LANES: usize = 16;
 
 /// A Gaussian in the space of [`LogColour`]: brightness, red-green, blue-green.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +34,13 @@ pub fn nearest_squared(
     target: &mut Plane<f32>,
 ) -> Result<(), PictureError> {
     nearest_squared_on(CodePath::fastest(), colour, clusters, target)
+}
+
+/// Mean likeness of colours, 0 to 1, by their squared Mahalanobis distances: the Gaussian's height, 1 in its middle; 0 of no
+/// colours.
+#[must_use]
+pub fn mean_likeness(squared_distances: &[f32]) -> f32 {
+    likeness_sum(CodePath::fastest(), squared_distances) / squared_distances.len().max(1) as f32
 }
 
 fn nearest_squared_on(
@@ -72,6 +83,20 @@ simd_kernel! {
     }
 }
 
+simd_kernel! {
+    fn likeness_sum(squared_distances: &[f32]) -> f32 {
+        let mut sums = [0.0; LANES];
+        let (blocks, rest) = squared_distances.as_chunks::<LANES>();
+        for block in blocks {
+            for lane in 0..LANES {
+                sums[lane] += exp_minus(0.5 * block[lane]);
+            }
+        }
+        sums.iter_mut().zip(rest).for_each(|(sum, &squared)| *sum += exp_minus(0.5 * squared));
+        sums.iter().sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -81,6 +106,20 @@ mod tests {
 
     proptest! {
         #![proptest_config(config(60))]
+
+        #[test]
+        fn likeness_is_the_mean_of_gaussians_on_every_path(
+            squared in prop::collection::vec(0.0..30.0_f32, 0..70),
+        ) {
+            let expected: f64 = squared.iter().map(|&squared| (-0.5 * f64::from(squared)).exp()).sum();
+            for path in CodePath::available() {
+                let found = likeness_sum(path, &squared);
+                prop_assert!((f64::from(found) - expected).abs() < 1e-4);
+                prop_assert!((found - likeness_sum(CodePath::PORTABLE, &squared)).abs() <= 0.0);
+            }
+            let mean = expected / squared.len().max(1) as f64;
+            prop_assert!((f64::from(mean_likeness(&squared)) - mean).abs() < 1e-4);
+        }
 
         #[test]
         fn the_nearest_cluster_counts_on_every_path(

@@ -12,6 +12,10 @@ const PRIOR_ONE: f32 = 256.0;
 /// Probability 1 in an 8-bit probability plane.
 const ONE: f32 = 255.0;
 
+/// Bits behind the point of the share that is kept when log-odds fade.
+const KEPT_BITS: u32 = 15;
+const KEPT_ONE: i32 = 1 << KEPT_BITS;
+
 /// Fills `fused` with the fusion of each pixel's probability (255 is 1), kept at least `doubt` away from 0 and 255, and its
 /// prior (256 would be 1; a prior of 0 counts as 1/256).
 ///
@@ -45,6 +49,28 @@ simd_kernel! {
     fn fuse_all(probability: &[u8], prior: &[u8], doubt: u8, fused: &mut [u8]) {
         for ((fused, &p), &q) in fused.iter_mut().zip(probability).zip(prior) {
             *fused = fuse_one(p, q, doubt);
+        }
+    }
+}
+
+/// Multiplies log-odds by `kept`, 0 to 1 in steps of 2^-15, cut to whole numbers downwards: evidence that grows old.
+///
+/// ```
+/// let mut log_odds = [1000, -7, 3];
+/// fingerpost_vision::fusion::fade(&mut log_odds, 0.5);
+/// assert_eq!(log_odds, [500, -4, 1]);
+/// ```
+pub fn fade(log_odds: &mut [i16], kept: f64) {
+    let factor = (kept.clamp(0.0, 1.0) * f64::from(KEPT_ONE)) as i32;
+    if factor < KEPT_ONE {
+        fade_all(CodePath::fastest(), log_odds, factor);
+    }
+}
+
+simd_kernel! {
+    fn fade_all(log_odds: &mut [i16], factor: i32) {
+        for value in log_odds {
+            *value = ((i32::from(*value) * factor) >> KEPT_BITS) as i16;
         }
     }
 }
@@ -84,6 +110,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_path_fades_alike_and_all_of_it_is_everything() {
+        let all: Vec<i16> = (i16::MIN..=i16::MAX).step_by(37).collect();
+        for factor in [0, 1, 9_999, KEPT_ONE - 1] {
+            let expected: Vec<i16> =
+                all.iter().map(|&value| (i32::from(value) * factor).div_euclid(KEPT_ONE) as i16).collect();
+            for path in CodePath::available() {
+                let mut faded = all.clone();
+                fade_all(path, &mut faded, factor);
+                assert_eq!(faded, expected, "{path:?}");
+            }
+        }
+        let mut faded = all.clone();
+        [1.0, 2.0].into_iter().for_each(|kept| fade(&mut faded, kept));
+        assert_eq!(faded, all);
+        [f64::NAN, 0.5].into_iter().for_each(|kept| fade(&mut faded, kept));
+        assert!(faded.iter().all(|&value| value == 0), "what is not a number keeps nothing");
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
 //! | [`sobel`], [`canny`] | gradient and edges | Sobel & Feldman 1968; Canny 1986 |
+//! | [`moments`] | mean and covariance | |
 //! | [`line_gradient`] | slopes across lines towards a vanishing point | |
 //! | [`passage`], [`geodesic`] | cost of a way over a picture, and the cheapest way | Fisher 1936; Toivanen 1996 |
 //! | [`morphology`] | dilation, opening along rows, thinning | Serra 1982; Zhang & Suen 1984 |
@@ -53,6 +54,7 @@ pub mod hough;
 pub mod line_gradient;
 pub mod log_colour;
 pub mod lucas_kanade;
+pub mod moments;
 pub mod morphology;
 pub mod passage;
 pub mod picture;

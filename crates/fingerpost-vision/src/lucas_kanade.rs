@@ -115,19 +115,26 @@ fn corner(picture: &Plane<u8>, place: [f32; 2], rows: usize) -> Option<([usize; 
     Some(([x, y], [place[0] - x as f32, place[1] - y as f32]))
 }
 
-/// A row between the rows `y` and `y + 1`, from a column between `x` and `x + 1` on.
+/// The row `y`, from a column between `x` and `x + 1` on.
 #[inline(always)]
-fn sample(picture: &Plane<u8>, [x, y]: [usize; 2], [right, lower]: [f32; 2]) -> Option<Lanes> {
-    let above = picture.row(y).get(x..)?.first_chunk::<{ LANES + 1 }>()?;
-    let below = picture.row(y + 1).get(x..)?.first_chunk::<{ LANES + 1 }>()?;
+fn row_from(picture: &Plane<u8>, [x, y]: [usize; 2], right: f32) -> Option<Lanes> {
+    let pixels = picture.row(y).get(x..)?.first_chunk::<{ LANES + 1 }>()?;
     let mut row = [0.0; LANES];
     for i in 0..LANES {
-        let (a, b) = (f32::from(above[i]), f32::from(above[i + 1]));
-        let (c, d) = (f32::from(below[i]), f32::from(below[i + 1]));
-        let (upper, under) = (a + (b - a) * right, c + (d - c) * right);
-        row[i] = upper + (under - upper) * lower;
+        let (a, b) = (f32::from(pixels[i]), f32::from(pixels[i + 1]));
+        row[i] = a + (b - a) * right;
     }
     Some(row)
+}
+
+/// A row that lies between two others.
+#[inline(always)]
+fn between(upper: &Lanes, under: &Lanes, lower: f32) -> Lanes {
+    let mut row = [0.0; LANES];
+    for i in 0..LANES {
+        row[i] = upper[i] + (under[i] - upper[i]) * lower;
+    }
+    row
 }
 
 /// The sum of the lanes, by halves: the same on every path.
@@ -158,8 +165,11 @@ simd_kernel! {
         let [previous, current] = pictures;
         let (first, shares) = corner(previous, [at[0] - REACH - 1.0, at[1] - REACH - 1.0], ROWS)?;
         let mut rows = [[0.0_f32; LANES + 2]; ROWS];
+        let mut upper = row_from(previous, first, shares[0])?;
         for (dy, row) in rows.iter_mut().enumerate() {
-            row[..LANES].copy_from_slice(&sample(previous, [first[0], first[1] + dy], shares)?);
+            let under = row_from(previous, [first[0], first[1] + dy + 1], shares[0])?;
+            row[..LANES].copy_from_slice(&between(&upper, &under, shares[1]));
+            upper = under;
         }
         // The template and its slopes; lanes beyond the window have neither.
         let mut template = [[0.0_f32; LANES]; WINDOW];
@@ -201,8 +211,11 @@ simd_kernel! {
             let (first, shares) = corner(current, [to[0] - REACH, to[1] - REACH], WINDOW)?;
             let (mut by_x, mut by_y) = ([0.0_f32; LANES], [0.0_f32; LANES]);
             let (mut sum, mut squares) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+            let mut upper = row_from(current, first, shares[0])?;
             for dy in 0..WINDOW {
-                let row = sample(current, [first[0], first[1] + dy], shares)?;
+                let under = row_from(current, [first[0], first[1] + dy + 1], shares[0])?;
+                let row = between(&upper, &under, shares[1]);
+                upper = under;
                 for i in 0..LANES {
                     let inside = if i < WINDOW { 1.0 } else { 0.0 };
                     let difference = inside * (row[i] - template[dy][i]);

@@ -25,18 +25,12 @@ const SATURATION: f32 = 2.0;
 /// Weights that spread an edge to its neighbours, so that gaps of a pixel do not open it.
 const SPREAD: [f64; 3] = [0.25, 0.5, 0.25];
 
-/// How a feature vector is made of a pixel's values.
+/// How unlike known colours a colour is for the discriminant, 0 to 3, by its squared Mahalanobis distance.
 #[inline(always)]
 #[must_use]
-pub fn features(
-    squared_distance: f32,
-    brightness: f32,
-    red_green: f32,
-    blue_green: f32,
-    texture: f32,
-) -> [f32; FEATURES] {
+pub fn unlikeness(squared_distance: f32) -> f32 {
     let unlike = squared_distance * (1.0 / UNLIKE_SQUARED);
-    [if unlike < MOST_UNLIKE { unlike } else { MOST_UNLIKE }, brightness, red_green, blue_green, texture]
+    if unlike < MOST_UNLIKE { unlike } else { MOST_UNLIKE }
 }
 
 /// What counts how much.
@@ -153,7 +147,7 @@ simd_kernel! {
         let unlike = &mut unlike[..width];
         let PassageWeights { step, known_step, unlike: price, discriminant: (w, offset) } = *weights;
         for x in 0..width {
-            let f = features(squared[x], brightness[x], red_green[x], blue_green[x], texture[x]);
+            let f = [unlikeness(squared[x]), brightness[x], red_green[x], blue_green[x], texture[x]];
             let sum = offset + f[0] * w[0] + f[1] * w[1] + f[2] * w[2] + f[3] * w[3] + f[4] * w[4];
             let other = if sum > 0.0 { sum } else { 0.0 };
             let other = if other < 1.0 { other } else { 1.0 };

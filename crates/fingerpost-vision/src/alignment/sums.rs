@@ -2,8 +2,12 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod step;
+
+use step::{ENTRIES, StepPoints, StepSums, accumulate};
 
 use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
+use crate::picture::Plane;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::InstructionSet;
 use crate::simd::{CodePath, simd_kernel};
@@ -12,22 +16,6 @@ use crate::simd::{CodePath, simd_kernel};
 /// have (Kerl et al. 2013). With x the residual in standard deviations, a weight is 1 / (1 + x^2 / 5)^4: close to Welsch's
 /// exp(-4 x^2 / 5), and the same to the bit everywhere.
 const FREEDOM: f32 = 5.0;
-/// Entries of a symmetric matrix of the unknowns.
-const PRODUCTS: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
-/// Rows and columns of those entries.
-const ENTRIES: [(usize, usize); PRODUCTS] = {
-    let (mut entries, mut next, mut row) = ([(0, 0); PRODUCTS], 0, 0);
-    while row < UNKNOWNS {
-        let mut column = row;
-        while column < UNKNOWNS {
-            entries[next] = (row, column);
-            (next, column) = (next + 1, column + 1);
-        }
-        row += 1;
-    }
-    entries
-};
-
 /// How the newer picture's grey follows from the older one's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brightness {
@@ -102,19 +90,23 @@ impl Residuals {
             lanes.reserve(template.u.capacity().saturating_sub(lanes.len()));
             lanes.resize(template.u.len(), [0.0; LANES]);
         }
-        let points = [&template.u[..], &template.v, &template.grey, &template.trust];
-        let (cells, width, height) = (target.cells.as_slice(), target.cells.width(), target.cells.height());
-        let sums = sample(
-            path,
-            points,
-            cells,
-            [width, height],
+        let points = SamplePoints {
+            places: [&template.u, &template.v],
+            grey: &template.grey,
+            trust: &template.trust,
             warp,
             brightness,
-            1.0 / (scale * scale).max(f32::MIN_POSITIVE),
-            &mut self.residual,
-            &mut self.weight,
-        );
+            inverse_variance: 1.0 / (scale * scale).max(f32::MIN_POSITIVE),
+        };
+        let (cells, residuals, weights) = (&target.cells, &mut self.residual[..], &mut self.weight[..]);
+        let sums = match path.instruction_set() {
+            // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
+            // Benefit: see the function.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code)]
+            InstructionSet::Avx512 => unsafe { avx512::sample(&points, cells, residuals, weights) },
+            _ => sample(path, &points, cells, residuals, weights),
+        };
         [
             self.seen,
             self.weight_sum,
@@ -123,7 +115,7 @@ impl Residuals {
             self.grey_residual_sum,
             self.grey_sum,
             self.grey_square_sum,
-        ] = sums;
+        ] = sums.map(|lanes| total(&lanes));
     }
 
     /// The sums for a Gauss-Newton step of the template that was measured last.
@@ -182,31 +174,40 @@ fn total(lanes: &Lanes) -> f32 {
     lanes[0]
 }
 
+/// See [`split`].
+const WHOLE: f32 = 8_388_608.0;
+
 /// The pixel at or before a place of 0 or more, and how far the place lies beyond it, 0 to 1.
 ///
 /// A float of 2^23 or more has no digits behind the point: adding that much rounds, and leaves the whole number in the low
 /// bits. Casts to integers would have to treat what does not fit, which no vector instruction does.
 #[inline(always)]
 fn split(place: f32) -> (u32, f32) {
-    const WHOLE: f32 = 8_388_608.0;
     let before = place - 0.5;
     let shifted = if before > 0.0 { before } else { 0.0 } + WHOLE;
     (shifted.to_bits() & 0x7f_ffff, place - (shifted - WHOLE))
 }
 
+/// What is sampled: points, and how they are led to the newer picture.
+struct SamplePoints<'a> {
+    places: [&'a [Lanes]; 2],
+    grey: &'a [Lanes],
+    trust: &'a [Lanes],
+    warp: &'a ProjectiveMap,
+    brightness: Brightness,
+    inverse_variance: f32,
+}
+
 simd_kernel! {
+    /// Fills residuals and weights, and returns the sums of [`Residuals`], lane by lane.
     fn sample(
-        points: [&[Lanes]; 4],
-        cells: &[u32],
-        size: [usize; 2],
-        warp: &ProjectiveMap,
-        brightness: Brightness,
-        inverse_variance: f32,
-        residuals: &mut [Lanes],
-        weights: &mut [Lanes],
-    ) -> [f32; 7] {
+        points: &SamplePoints<'_>, cells: &Plane<u32>, residuals: &mut [Lanes], weights: &mut [Lanes],
+    ) -> [Lanes; 7] {
+        let SamplePoints { places: [u, v], grey, trust, warp, brightness, inverse_variance } = *points;
         let groups = residuals.len();
-        let ([u, v, grey, trust], weights) = (points.map(|lanes| &lanes[..groups]), &mut weights[..groups]);
+        let [u, v, grey, trust] = [u, v, grey, trust].map(|lanes| &lanes[..groups]);
+        let weights = &mut weights[..groups];
+        let (cells, size) = (cells.as_slice(), [cells.width(), cells.height()]);
         // The last pixel has no right neighbour: its cell is unseen.
         let nowhere = cells.len().saturating_sub(1) as u32;
         let (right, bottom) = (size[0].saturating_sub(1) as f32, size[1].saturating_sub(1) as f32);
@@ -255,56 +256,6 @@ simd_kernel! {
                 sums[6][lane] += (weight * grey[lane]) * grey[lane];
             }
         }
-        sums.map(|lanes| total(&lanes))
-    }
-}
-
-/// What the sums of a step are taken over.
-struct StepPoints<'a> {
-    descent: [&'a [Lanes]; UNKNOWNS],
-    residuals: &'a [Lanes],
-    weights: &'a [Lanes],
-    trust: &'a [Lanes],
-}
-
-/// The sums of a step, lane by lane: of the weighted products of the steepest-descent images, entry by entry, of those with
-/// the residuals, and of the first one's squares.
-struct StepSums {
-    products: [Lanes; PRODUCTS],
-    gradient: [Lanes; UNKNOWNS],
-    unweighted: Lanes,
-}
-
-simd_kernel! {
-    fn accumulate(points: &StepPoints<'_>) -> StepSums {
-        let StepPoints { descent, residuals, weights, trust } = *points;
-        let groups = residuals.len();
-        let (descent, weights) = (descent.map(|lanes| &lanes[..groups]), &weights[..groups]);
-        let trust = &trust[..groups];
-        let mut products = [[0.0_f32; LANES]; PRODUCTS];
-        let mut gradient = [[0.0_f32; LANES]; UNKNOWNS];
-        let mut unweighted = [0.0_f32; LANES];
-        for group in 0..groups {
-            let (weights, residuals) = (&weights[group], &residuals[group]);
-            let mut weighted = [[0.0_f32; LANES]; UNKNOWNS];
-            for i in 0..UNKNOWNS {
-                for lane in 0..LANES {
-                    weighted[i][lane] = weights[lane] * descent[i][group][lane];
-                    gradient[i][lane] += weighted[i][lane] * residuals[lane];
-                }
-            }
-            for lane in 0..LANES {
-                let slope = descent[0][group][lane];
-                let trusted = if weights[lane] > 0.0 { trust[group][lane] } else { 0.0 };
-                unweighted[lane] += trusted * (slope * slope);
-            }
-            for (sum, (row, column)) in products.iter_mut().zip(ENTRIES) {
-                let slopes = &descent[column][group];
-                for lane in 0..LANES {
-                    sum[lane] += weighted[row][lane] * slopes[lane];
-                }
-            }
-        }
-        StepSums { products, gradient, unweighted }
+        sums
     }
 }

@@ -32,15 +32,14 @@ impl Corridor {
     pub const EVERYWHERE: Self = Self { middle: [0.0; 3], half_width: f32::INFINITY, outside: 1.0 };
 
     /// How far a point with that gradient is believed, 0 to 1.
+    #[inline(always)]
     fn trust(&self, [u, v]: [f32; 2], [right, down]: [f32; 2]) -> f32 {
         let [constant, linear, square] = self.middle;
-        if (u - (constant + v * (linear + v * square))).abs() <= self.half_width {
-            return 1.0;
-        }
+        let is_within = (u - (constant + v * (linear + v * square))).abs() <= self.half_width;
         let (across, along) = (right * right, down * down);
         let share = across / (across + along).max(f32::MIN_POSITIVE);
         // To the fourth power: an edge that runs twenty degrees off the direction of travel has half a say.
-        self.outside * (share * share) * (share * share)
+        if is_within { 1.0 } else { self.outside * (share * share) * (share * share) }
     }
 }
 
@@ -78,16 +77,8 @@ impl Template {
         cell: usize,
         corridor: &Corridor,
     ) {
-        for lanes in [
-            &mut self.u,
-            &mut self.v,
-            &mut self.grey,
-            &mut self.trust,
-            &mut self.gradient_u,
-            &mut self.gradient_v,
-        ] {
-            lanes.clear();
-        }
+        self.u.clear();
+        self.v.clear();
         self.points = 0;
         let cell = cell.clamp(1, MAX_CELL_PX);
         let left = region.x.max(1);
@@ -102,19 +93,8 @@ impl Template {
         let rows = if columns > 0 { bottom.saturating_sub(top) / cell } else { 0 };
         // Room for a point in every cell, so that a richer frame needs no new memory.
         let most_groups = (columns * rows).div_ceil(LANES);
-        for lanes in [
-            &mut self.u,
-            &mut self.v,
-            &mut self.grey,
-            &mut self.trust,
-            &mut self.gradient_u,
-            &mut self.gradient_v,
-        ]
-        .into_iter()
-        .chain(&mut self.descent)
-        {
-            lanes.reserve(most_groups.saturating_sub(lanes.len()));
-        }
+        self.u.reserve(most_groups);
+        self.v.reserve(most_groups);
         for row in 0..rows {
             let y = top + row * cell;
             self.keys.fill(0);
@@ -140,36 +120,53 @@ impl Template {
                 let best = self.keys[column * cell..][..cell].iter().fold(0, |best, &key| best.max(key));
                 if best >= MOST_ORDERS as u32 {
                     let order = MOST_ORDERS - 1 - best as usize % MOST_ORDERS;
-                    self.push(grey, left + column * cell + order % cell, y + order / cell, corridor);
+                    self.push(left + column * cell + order % cell, y + order / cell);
                 }
             }
         }
-        for descent in &mut self.descent {
-            descent.clear();
-            descent.resize(self.u.len(), [0.0; LANES]);
+        let groups = self.u.len();
+        let Self { grey: middle, trust, gradient_u, gradient_v, descent, .. } = self;
+        for lanes in [middle, trust, gradient_u, gradient_v].into_iter().chain(descent) {
+            lanes.clear();
+            lanes.reserve(most_groups);
+            lanes.resize(groups, [0.0; LANES]);
+        }
+        self.look(grey);
+        judge(path, corridor, [&self.u, &self.v], [&self.gradient_u, &self.gradient_v], &mut self.trust);
+        if let Some(last) = self.trust.last_mut() {
+            last[(self.points - 1) % LANES + 1..].fill(0.0);
         }
     }
 
-    fn push(&mut self, grey: &Plane<u8>, x: usize, y: usize, corridor: &Corridor) {
+    fn push(&mut self, x: usize, y: usize) {
         let lane = self.points % LANES;
         if lane == 0 {
             self.u.push([NOWHERE; LANES]);
             self.v.push([NOWHERE; LANES]);
-            self.grey.push([0.0; LANES]);
-            self.trust.push([0.0; LANES]);
-            self.gradient_u.push([0.0; LANES]);
-            self.gradient_v.push([0.0; LANES]);
         }
-        let at = |x: usize, y: usize| f32::from(grey.row(y)[x]);
-        let group = self.points / LANES;
-        self.u[group][lane] = x as f32;
-        self.v[group][lane] = y as f32;
-        self.grey[group][lane] = at(x, y);
-        let [right, down] = [0.5 * (at(x + 1, y) - at(x - 1, y)), 0.5 * (at(x, y + 1) - at(x, y - 1))];
-        self.gradient_u[group][lane] = right;
-        self.gradient_v[group][lane] = down;
-        self.trust[group][lane] = corridor.trust([x as f32, y as f32], [right, down]);
+        if let (Some(u), Some(v)) = (self.u.last_mut(), self.v.last_mut()) {
+            (u[lane], v[lane]) = (x as f32, y as f32);
+        }
         self.points += 1;
+    }
+
+    /// Sets grey and gradient of every point; each has four neighbours.
+    fn look(&mut self, grey: &Plane<u8>) {
+        let (values, stride) = (grey.as_slice(), grey.width());
+        let mut left = self.points;
+        let places = self.u.iter().zip(&self.v);
+        let gradients = self.gradient_u.iter_mut().zip(&mut self.gradient_v);
+        for (((u, v), middle), (gradient_u, gradient_v)) in places.zip(&mut self.grey).zip(gradients) {
+            for lane in 0..left.min(LANES) {
+                let above = (v[lane] as usize - 1) * stride + u[lane] as usize;
+                let around = &values[above..=above + 2 * stride];
+                let at = |index: usize| f32::from(around[index]);
+                middle[lane] = at(stride);
+                gradient_u[lane] = 0.5 * (at(stride + 1) - at(stride - 1));
+                gradient_v[lane] = 0.5 * (at(2 * stride) - at(0));
+            }
+            left = left.saturating_sub(LANES);
+        }
     }
 
     /// Number of points.
@@ -224,6 +221,22 @@ simd_kernel! {
             let strength = u32::from(left[i].abs_diff(right[i])) + u32::from(above[i].abs_diff(below[i])) + 1;
             let key = strength * MOST_ORDERS as u32 + (orders[i] - later);
             keys[i] = keys[i].max(if least == 0 { 0 } else { key });
+        }
+    }
+}
+
+simd_kernel! {
+    /// Fills `trust` with what `corridor` says of places and gradients.
+    fn judge(
+        corridor: &Corridor, places: [&[Lanes]; 2], gradients: [&[Lanes]; 2], trust: &mut [Lanes],
+    ) {
+        let n = trust.len();
+        let ([u, v], [right, down]) = (places.map(|lanes| &lanes[..n]), gradients.map(|lanes| &lanes[..n]));
+        for i in 0..n {
+            for lane in 0..LANES {
+                trust[i][lane] =
+                    corridor.trust([u[i][lane], v[i][lane]], [right[i][lane], down[i][lane]]);
+            }
         }
     }
 }

@@ -37,7 +37,10 @@ impl BinCounter {
     ) -> Result<(), HistogramError> {
         check_size("validity mask", bin.size(), validity.size())?;
         let count = histogram.masses.len();
-        self.counts.resize(ALL_BINS, [0; TURNS]);
+        if self.counts.is_empty() {
+            // Memory that comes as zeros is not touched where no bin is.
+            self.counts = vec![[0; TURNS]; ALL_BINS];
+        }
         self.counts[..count.min(ALL_BINS)].fill([0; TURNS]);
         for span in region.spans() {
             let Ok(row) = usize::try_from(span.row) else { continue };

@@ -30,6 +30,8 @@ pub struct ValidityMask {
     /// For each row where its runs begin, and behind the last where they end.
     row_starts: Vec<usize>,
     seen: usize,
+    /// The runs of a row of squares, while [`ValidityMask::set_to_union`] works on it.
+    of_squares: Vec<Run>,
 }
 
 impl Clone for ValidityMask {
@@ -74,7 +76,7 @@ impl ValidityMask {
             row_starts.push(runs.len());
         }
         let seen = runs.iter().map(|run| run.end - run.start).sum();
-        Self { plane, runs, row_starts, seen }
+        Self { plane, runs, row_starts, seen, of_squares: Vec::new() }
     }
 
     /// A picture of `width` x `height` pixels that is seen whole.
@@ -97,32 +99,36 @@ impl ValidityMask {
     /// ```
     pub fn set_to_union(&mut self, mask: &Self, squares: &Plane<u8>, side: usize) {
         let (width, height) = mask.size();
-        self.plane.reset(width, height, 0);
-        self.runs.clear();
-        self.row_starts.clear();
-        self.row_starts.push(0);
-        for y in 0..height {
-            let squares =
-                y.checked_div(side).filter(|&row| row < squares.height()).map(|row| squares.row(row));
-            let first = self.runs.len();
-            let mut of_mask = mask.runs(y).iter().copied().peekable();
-            let mut of_squares =
-                RunsOfSquares { row: squares.unwrap_or_default(), side, next: 0, width }.peekable();
-            while let Some(run) = match (of_mask.peek(), of_squares.peek()) {
-                (Some(of_one), Some(of_other)) if of_other.start < of_one.start => of_squares.next(),
-                (None, _) => of_squares.next(),
-                _ => of_mask.next(),
-            } {
-                match self.runs[first..].last_mut() {
-                    Some(last) if last.end >= run.start => last.end = last.end.max(run.end),
-                    _ => self.runs.push(run),
-                }
-            }
-            let row = self.plane.row_mut(y);
-            self.runs[first..].iter().for_each(|run| row[run.start..run.end].fill(1));
-            self.row_starts.push(self.runs.len());
+        if self.size() != (width, height) {
+            self.plane.reset(width, height, 0);
         }
-        self.seen = self.runs.iter().map(|run| run.end - run.start).sum();
+        let Self { plane, runs, row_starts, seen, of_squares } = self;
+        runs.clear();
+        row_starts.clear();
+        row_starts.push(0);
+        of_squares.clear();
+        // Room for every second one, so that no later mask needs more memory.
+        of_squares.reserve(squares.width().div_ceil(2));
+        for y in 0..height {
+            if y.checked_rem(side) == Some(0) {
+                let row = y / side;
+                let squares = if row < squares.height() { squares.row(row) } else { &[] };
+                of_squares.clear();
+                of_squares.extend(RunsOfSquares { row: squares, side, next: 0, width });
+            }
+            let first = runs.len();
+            join(mask.runs(y), of_squares, runs);
+            let row = plane.row_mut(y);
+            let mut done = 0;
+            for run in &runs[first..] {
+                row[done..run.start].fill(0);
+                row[run.start..run.end].fill(1);
+                done = run.end;
+            }
+            row[done..].fill(0);
+            row_starts.push(runs.len());
+        }
+        *seen = runs.iter().map(|run| run.end - run.start).sum();
     }
 
     /// 1 where a pixel is seen, 0 where it is not.
@@ -150,6 +156,22 @@ impl ValidityMask {
     #[must_use]
     pub fn seen(&self) -> usize {
         self.seen
+    }
+}
+
+/// Appends to `runs` what either of two rows of runs shows.
+fn join(left: &[Run], right: &[Run], runs: &mut Vec<Run>) {
+    let first = runs.len();
+    let (mut left, mut right) = (left.iter().peekable(), right.iter().peekable());
+    while let Some(&run) = match (left.peek(), right.peek()) {
+        (Some(of_one), Some(of_other)) if of_other.start < of_one.start => right.next(),
+        (None, _) => right.next(),
+        _ => left.next(),
+    } {
+        match runs[first..].last_mut() {
+            Some(last) if last.end >= run.start => last.end = last.end.max(run.end),
+            _ => runs.push(run),
+        }
     }
 }
 

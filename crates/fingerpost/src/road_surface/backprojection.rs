@@ -150,12 +150,9 @@ impl Backprojection {
     }
 }
 
-impl RoadDetector for Backprojection {
-    fn estimate(
-        &mut self,
-        input: RoadInput<'_>,
-        probability: &mut Plane<u8>,
-    ) -> Result<RoadEvidence, RoadError> {
+impl Backprojection {
+    /// Learns from a picture and says how its sample looks, without the other pixels' probabilities.
+    pub(super) fn learn_from(&mut self, input: RoadInput<'_>) -> Result<RoadEvidence, RoadError> {
         let (width, height) = input.picture.bin.size();
         let whole = Rect { x: 0, y: 0, width, height };
         let (bin, validity) = (input.picture.bin.view(), input.validity);
@@ -172,10 +169,6 @@ impl RoadDetector for Backprojection {
                 sample_probability = self.sample_probability();
             }
         }
-        if probability.size() != (width, height) {
-            probability.reset(width, height, 0);
-        }
-        self.projector.project(&input.picture.bin, input.validity, &self.lookup, probability)?;
         Ok(RoadEvidence {
             detector: "backprojection",
             sample: input.sample,
@@ -184,6 +177,31 @@ impl RoadDetector for Backprojection {
             histograms: self.recent.len(),
             ..RoadEvidence::default()
         })
+    }
+
+    /// Fills `probability` for the picture that was learned from last.
+    pub(super) fn project(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<(), RoadError> {
+        let (width, height) = input.picture.bin.size();
+        if probability.size() != (width, height) {
+            probability.reset(width, height, 0);
+        }
+        Ok(self.projector.project(&input.picture.bin, input.validity, &self.lookup, probability)?)
+    }
+}
+
+impl RoadDetector for Backprojection {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let evidence = self.learn_from(input)?;
+        self.project(input, probability)?;
+        Ok(evidence)
     }
 
     fn reset(&mut self) {

@@ -12,23 +12,25 @@
 //! Brightness depends on the camera's exposure: a surface in another light is another surface.
 
 mod known;
+mod surface_memory;
 mod tones;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
-use fingerpost_vision::histogram::{BinCounter, Histogram, Smoothing};
+use fingerpost_vision::histogram::Histogram;
 use fingerpost_vision::picture::{Plane, Rect};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::region::Region;
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
-use known::{KnownSurface, likeness, name_of};
-use tones::{TONES, Tones};
+use known::KnownSurface;
+use tones::TONES;
 
 pub use known::{SurfaceFile, SurfaceRecord, SurfacesError};
+pub(super) use surface_memory::SurfaceMemory;
 
 /// Settings of the bank of known surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,141 +89,6 @@ pub struct BankEvidence {
     pub road_share: f64,
     /// See `road_share`.
     pub won_share: f64,
-}
-
-/// Standard deviation of the histograms' smoothing along brightness, bins of 8 grey levels: the noise of a camera.
-const SMOOTHING_BINS: f64 = 1.2;
-/// Share of a new sample in a surface's histogram once it has been learned from many frames.
-const LEAST_SHARE: f64 = 0.05;
-
-/// The known surfaces and which of them is under way.
-#[derive(Debug)]
-pub(super) struct SurfaceMemory {
-    config: BankConfig,
-    tones: Tones,
-    tone: Plane<u16>,
-    counter: BinCounter,
-    smoothing: Smoothing,
-    sample: Region,
-    known: Vec<KnownSurface>,
-    /// Index in `known`.
-    under_way: Option<usize>,
-    unlike_frames: usize,
-}
-
-impl SurfaceMemory {
-    pub(super) fn new(config: &BankConfig) -> Result<Self, RoadError> {
-        Ok(Self {
-            config: config.clone(),
-            tones: Tones::new(),
-            tone: Plane::default(),
-            counter: BinCounter::default(),
-            smoothing: Smoothing::new(TONES, SMOOTHING_BINS, 0.0)?,
-            sample: Region::new(TONES)?,
-            known: Vec::new(),
-            under_way: None,
-            unlike_frames: 0,
-        })
-    }
-
-    /// Looks at the sample: names its surface, learns from it, or founds a new one.
-    pub(super) fn consider(&mut self, input: &RoadInput<'_>) -> Result<(BankEvidence, SampleUse), RoadError> {
-        self.known.iter_mut().for_each(|known| known.unseen_frames = known.unseen_frames.saturating_add(1));
-        self.tones.make(input.picture, input.sample, &mut self.tone);
-        let tone = self.tone.view();
-        self.sample.measure(input.sample, tone, input.validity, &mut self.counter, &mut self.smoothing)?;
-        let mut founded = false;
-        let mut sample_use = SampleUse::Unseen;
-        if self.sample.is_seen() {
-            let best = self.most_alike();
-            sample_use = match best.filter(|(_, likeness)| *likeness >= self.config.min_likeness) {
-                Some((index, _)) => {
-                    self.unlike_frames = 0;
-                    self.learn(index);
-                    SampleUse::Learned
-                }
-                None => {
-                    // What a turning vehicle has straight ahead of it may be the verge.
-                    self.unlike_frames = if self.is_turning(input) { 0 } else { self.unlike_frames + 1 };
-                    founded = self.known.is_empty() || self.unlike_frames >= self.config.patience_frames;
-                    if founded {
-                        self.found();
-                        SampleUse::SurfaceChanged
-                    } else {
-                        SampleUse::LeftOut
-                    }
-                }
-            };
-        }
-        let surface = self.under_way.and_then(|index| self.known.get(index));
-        let evidence = BankEvidence {
-            surface: surface.map(|surface| Arc::clone(&surface.name)),
-            likeness: surface.map_or(0.0, |surface| likeness(&surface.histogram, &self.sample.histogram)),
-            surfaces: self.known.len(),
-            founded,
-            ..BankEvidence::default()
-        };
-        Ok((evidence, sample_use))
-    }
-
-    fn most_alike(&self) -> Option<(usize, f64)> {
-        let alike =
-            self.known.iter().map(|known| likeness(&known.histogram, &self.sample.histogram)).enumerate();
-        alike.max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    fn is_turning(&self, input: &RoadInput<'_>) -> bool {
-        input.motion.is_some_and(|motion| {
-            let moved = &motion.previous_from_current;
-            let turned_rad = moved.rotation.angle().abs();
-            turned_rad > self.config.turning_per_m * moved.translation.vector.norm()
-        })
-    }
-
-    fn learn(&mut self, index: usize) {
-        self.under_way = Some(index);
-        if let Some(known) = self.known.get_mut(index) {
-            known.frames = known.frames.saturating_add(1);
-            known.unseen_frames = 0;
-            known.histogram.blend(&self.sample.histogram, (1.0 / known.frames as f64).max(LEAST_SHARE));
-        }
-    }
-
-    fn found(&mut self) {
-        self.unlike_frames = 0;
-        let longest = self
-            .known
-            .iter()
-            .enumerate()
-            .max_by_key(|(_, known)| known.unseen_frames)
-            .map(|(index, _)| index);
-        if let Some(longest) = longest.filter(|_| self.known.len() >= self.config.surfaces.max(1)) {
-            self.known.remove(longest);
-        }
-        let kind = name_of(&self.sample.histogram);
-        let named = |name: &str| self.known.iter().any(|known| &*known.name == name);
-        let numbered = (2..).map(|number| format!("{kind} {number}")).find(|name| !named(name));
-        let name = if named(kind) { numbered.unwrap_or_default() } else { kind.to_owned() };
-        let histogram = self.sample.histogram.clone();
-        self.known.push(KnownSurface { name: name.into(), histogram, frames: 1, unseen_frames: 0 });
-        self.under_way = Some(self.known.len() - 1);
-    }
-
-    /// Takes surfaces over from a file, in place of what was learned.
-    pub(super) fn know(&mut self, file: &SurfaceFile) -> Result<(), RoadError> {
-        self.known = file.surfaces()?;
-        self.under_way = None;
-        Ok(())
-    }
-
-    pub(super) fn file(&self) -> SurfaceFile {
-        SurfaceFile::of(&self.known)
-    }
-
-    pub(super) fn forget(&mut self) {
-        self.known.clear();
-        (self.under_way, self.unlike_frames) = (None, 0);
-    }
 }
 
 /// The detector by known surfaces.

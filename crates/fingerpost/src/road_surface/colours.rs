@@ -10,8 +10,9 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 
 use crate::ground_view::GroundPicture;
 
-/// Levels of brightness, a power of two.
-const BRIGHTNESS_LEVELS: usize = 16;
+/// Levels of brightness: as many as half the bits of a grey tell apart.
+const BRIGHTNESS_LEVELS: usize = 1 << LEVEL_BITS;
+const LEVEL_BITS: u32 = 4;
 /// Hues that are told apart.
 const HUES: usize = 8;
 /// Every so many-th pixel each way is learned from.
@@ -30,9 +31,6 @@ const SURE: [u8; 2] = [60, 190];
 const TURNS: usize = 2;
 /// Bins that a pixel can hold: with an entry for each no look-up needs a test.
 const ALL_BINS: usize = 1 << 16;
-
-/// Pixels that are looked up together.
-const TOGETHER: usize = 8;
 
 /// Something for each level of brightness.
 type Levels<T> = [T; BRIGHTNESS_LEVELS];
@@ -59,6 +57,8 @@ struct Counts {
     /// Of all frames, the older ones counting less.
     pixels: Vec<Levels<f32>>,
     smooth: Vec<Levels<f32>>,
+    /// Smoothed along some of the axes.
+    partly: Vec<Levels<f32>>,
 }
 
 impl RoadColours {
@@ -73,13 +73,16 @@ impl RoadColours {
         tint_of_bin.resize(ALL_BINS, 0);
         let tints = HUES * saturations;
         let nothing = [128; BRIGHTNESS_LEVELS];
+        // Memory that comes as zeros is not touched where no bin is.
+        let mut of_bin = vec![[0; BRIGHTNESS_LEVELS]; ALL_BINS];
+        of_bin.iter_mut().take(bins.count()).for_each(|says| *says = nothing);
         Self {
             bins,
             tint_of_bin,
             road: Counts::new(tints),
             beside: Counts::new(tints),
             of_tint: vec![nothing; tints],
-            of_bin: vec![nothing; ALL_BINS],
+            of_bin,
         }
     }
 
@@ -97,9 +100,9 @@ impl RoadColours {
                 self.count(&bins[pixels.clone()], &greys[pixels.clone()], &found[pixels]);
             }
         }
-        let shape = [HUES, usize::from(self.bins.saturation), BRIGHTNESS_LEVELS];
-        self.road.take_in(shape);
-        self.beside.take_in(shape);
+        let saturations = usize::from(self.bins.saturation);
+        self.road.take_in(saturations);
+        self.beside.take_in(saturations);
         let (on_road, beside) = (self.road.total(), self.beside.total());
         // Without both kinds there is nothing to tell apart.
         let scale = if on_road > 0.0 && beside > 0.0 { on_road / beside } else { 0.0 };
@@ -139,21 +142,14 @@ impl RoadColours {
         };
         // Of a length that is known when this is compiled.
         let tint = self.tint_of_bin[..ALL_BINS][usize::from(bin)];
-        kind.new[usize::from(tint)][usize::from(grey >> 4)][turn] += 1;
+        kind.new[usize::from(tint)][usize::from(grey >> LEVEL_BITS)][turn] += 1;
     }
 
-    /// Writes what the colour of every pixel of a row says: 128 is nothing, more is road.
-    pub(super) fn read(&self, picture: &GroundPicture, row: usize, says: &mut [u8]) {
+    /// Writes what the colours of pixels with these bins and greys say: 128 is nothing, more is road.
+    pub(super) fn read(&self, bins: &[u16], greys: &[u8], says: &mut [u8]) {
         let of_bin = &self.of_bin[..ALL_BINS];
-        let says_of = |bin: u16, grey: u8| of_bin[usize::from(bin)][usize::from(grey >> 4)];
-        let (bins, last_bins) = picture.bin.row(row).as_chunks::<TOGETHER>();
-        let (greys, last_greys) = picture.grey.row(row).as_chunks::<TOGETHER>();
-        let (says, last_says) = says.as_chunks_mut::<TOGETHER>();
-        for ((says, bins), greys) in says.iter_mut().zip(bins).zip(greys) {
-            *says = std::array::from_fn(|i| says_of(bins[i], greys[i]));
-        }
-        for ((says, &bin), &grey) in last_says.iter_mut().zip(last_bins).zip(last_greys) {
-            *says = says_of(bin, grey);
+        for ((says, &bin), &grey) in says.iter_mut().zip(bins).zip(greys) {
+            *says = of_bin[usize::from(bin)][usize::from(grey >> LEVEL_BITS)];
         }
     }
 }
@@ -164,6 +160,7 @@ impl Counts {
             new: vec![[[0; TURNS]; BRIGHTNESS_LEVELS]; tints],
             pixels: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
             smooth: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
+            partly: vec![[0.0; BRIGHTNESS_LEVELS]; tints],
         }
     }
 
@@ -176,41 +173,98 @@ impl Counts {
     }
 
     /// Takes in what was counted, over which older counts fade.
-    fn take_in(&mut self, shape: [usize; 3]) {
+    fn take_in(&mut self, saturations: usize) {
         let new = self.new.as_flattened_mut();
         for (pixels, new) in self.pixels.as_flattened_mut().iter_mut().zip(new) {
             *pixels = *pixels * KEPT + new.iter().sum::<u32>() as f32;
             *new = [0; TURNS];
         }
-        self.smooth(shape);
+        self.smooth(saturations);
     }
 
     /// Spreads the counts over neighbouring colours, with weights 1, 2, 1 along each axis; hue is a circle.
-    fn smooth(&mut self, [hues, saturations, levels]: [usize; 3]) {
-        self.smooth.copy_from_slice(&self.pixels);
-        let smooth = self.smooth.as_flattened_mut();
-        let mut along = |stride: usize, length: usize, is_circle: bool| {
-            let block = stride * length;
-            for block in smooth.chunks_exact_mut(block) {
-                for offset in 0..stride {
-                    let at = |i: usize| offset + i * stride;
-                    let (first, last) = (block[at(0)], block[at(length - 1)]);
-                    let mut before = if is_circle { last } else { first };
-                    for i in 0..length {
-                        let here = block[at(i)];
-                        let after = match i + 1 < length {
-                            true => block[at(i + 1)],
-                            false if is_circle => first,
-                            false => here,
-                        };
-                        block[at(i)] = 0.25 * before + 0.5 * here + 0.25 * after;
-                        before = here;
-                    }
-                }
+    fn smooth(&mut self, saturations: usize) {
+        let last = BRIGHTNESS_LEVELS - 1;
+        for (levels, out) in self.pixels.iter().zip(&mut self.smooth) {
+            let (mut darker, mut brighter) = (*levels, *levels);
+            darker[1..].copy_from_slice(&levels[..last]);
+            brighter[..last].copy_from_slice(&levels[1..]);
+            *out = spread(&darker, levels, &brighter);
+        }
+        for (of_hue, out) in
+            self.smooth.chunks_exact(saturations).zip(self.partly.chunks_exact_mut(saturations))
+        {
+            for (saturation, out) in out.iter_mut().enumerate() {
+                let (paler, richer) = (saturation.saturating_sub(1), (saturation + 1).min(saturations - 1));
+                *out = spread(&of_hue[paler], &of_hue[saturation], &of_hue[richer]);
             }
-        };
-        along(1, levels, false);
-        along(levels, saturations, false);
-        along(levels * saturations, hues, true);
+        }
+        let tints = self.partly.len();
+        for (tint, out) in self.smooth.iter_mut().enumerate() {
+            let (before, after) = ((tint + tints - saturations) % tints, (tint + saturations) % tints);
+            *out = spread(&self.partly[before], &self.partly[tint], &self.partly[after]);
+        }
+    }
+}
+
+fn spread(before: &Levels<f32>, here: &Levels<f32>, after: &Levels<f32>) -> Levels<f32> {
+    std::array::from_fn(|level| 0.25 * before[level] + 0.5 * here[level] + 0.25 * after[level])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BINS: HueSaturationBins = HueSaturationBins { hue: 32, saturation: 32 };
+    const ROAD: (u16, u8) = (5, 90);
+    const VERGE: (u16, u8) = (10 * 32 + 20, 120);
+
+    /// Road in the left half, verge in the right one.
+    fn picture(width: usize, height: usize) -> (GroundPicture, Plane<u8>) {
+        let (mut picture, mut found) =
+            (GroundPicture::new(width, height, BINS), Plane::new(width, height, 0));
+        for y in 0..height {
+            for x in 0..width {
+                let is_road = 2 * x < width;
+                let (bin, grey) = if is_road { ROAD } else { VERGE };
+                (picture.bin.row_mut(y)[x], picture.grey.row_mut(y)[x]) = (bin, grey);
+                found.row_mut(y)[x] = if is_road { 255 } else { 0 };
+            }
+        }
+        (picture, found)
+    }
+
+    fn says(colours: &RoadColours, (bin, grey): (u16, u8)) -> u8 {
+        let mut says = [0];
+        colours.read(&[bin], &[grey], &mut says);
+        says[0]
+    }
+
+    #[test]
+    fn what_was_found_to_be_road_says_road_and_what_was_not_says_none() {
+        let mut colours = RoadColours::new(BINS);
+        assert_eq!([says(&colours, ROAD), says(&colours, VERGE)], [128, 128], "nothing is learned yet");
+        let (picture, found) = picture(61, 40);
+        colours.learn(&picture, &ValidityMask::all_seen(61, 40), &found);
+        assert!(says(&colours, ROAD) > 230 && says(&colours, VERGE) < 25);
+        assert_eq!(says(&colours, (31 * 32 + 31, 250)), 128, "a colour never seen says nothing");
+        colours.forget();
+        colours.learn(&picture, &ValidityMask::all_seen(61, 40), &Plane::new(61, 40, 128));
+        assert_eq!([says(&colours, ROAD), says(&colours, VERGE)], [128, 128], "forgotten");
+    }
+
+    #[test]
+    fn every_second_pixel_each_way_counts_and_smoothing_keeps_their_number() {
+        for (width, height) in [(61, 40), (60, 41), (1, 1), (2, 3), (7, 5)] {
+            let mut colours = RoadColours::new(BINS);
+            let (picture, found) = picture(width, height);
+            colours.learn(&picture, &ValidityMask::all_seen(width, height), &found);
+            let counted = colours.road.total() + colours.beside.total();
+            assert!((counted - (width.div_ceil(2) * height.div_ceil(2)) as f32).abs() < 0.5);
+            for counts in [&colours.road, &colours.beside] {
+                let smooth: f32 = counts.smooth.as_flattened().iter().sum();
+                assert!((smooth - counts.total()).abs() < 1e-2, "{smooth}");
+            }
+        }
     }
 }

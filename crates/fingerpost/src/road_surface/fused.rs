@@ -11,6 +11,7 @@ use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::picture::Plane;
 
 use super::colours::RoadColours;
+use super::perspective::clear_unseen;
 use super::{
     Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
     RoadInput, SampleUse,
@@ -74,14 +75,15 @@ impl Fused {
         if probability.size() != (width, height) {
             probability.reset(width, height, 0);
         }
-        self.by_colour.resize(width, 0);
+        clear_unseen(input.validity, probability);
         for row in 0..height {
-            self.colours.read(input.picture, row, &mut self.by_colour);
+            let (bins, greys) = (input.picture.bin.row(row), input.picture.grey.row(row));
             let (way, fused) = (self.by_way.row(row), probability.row_mut(row));
-            fused.fill(0);
             for run in input.validity.runs(row) {
                 let pixels = run.start..run.end;
-                fuse(&way[pixels.clone()], &self.by_colour[pixels.clone()], DOUBT, &mut fused[pixels])?;
+                let by_colour = &mut self.by_colour[pixels.clone()];
+                self.colours.read(&bins[pixels.clone()], &greys[pixels.clone()], by_colour);
+                fuse(&way[pixels.clone()], by_colour, DOUBT, &mut fused[pixels])?;
             }
         }
         Ok(())
@@ -97,17 +99,21 @@ impl RoadDetector for Fused {
         let Perspective::Ground { .. } = input.perspective else {
             return self.classifier.estimate(input, probability);
         };
-        let by_sample = self.by_sample.estimate(input, probability)?;
+        if self.by_way.size() != input.validity.size() {
+            let (width, height) = input.validity.size();
+            self.by_way.reset(width, height, 0);
+            self.by_colour.resize(width, 0);
+        }
+        let by_sample = self.by_sample.learn_from(input)?;
         let tell = self.colours_tell(&by_sample);
         let trains = self.frames.is_multiple_of(TRAINED_EVERY);
         self.frames += 1;
-        if tell && !trains {
-            return Ok(by_sample);
+        if tell {
+            self.by_sample.project(input, probability)?;
+            let online = if trains { self.classifier.learn_from(input)?.online } else { None };
+            return Ok(RoadEvidence { online, ..by_sample });
         }
         let by_way = self.classifier.estimate(input, &mut self.by_way)?;
-        if tell {
-            return Ok(RoadEvidence { online: by_way.online, ..by_sample });
-        }
         self.sharpen(input, probability)?;
         Ok(RoadEvidence { histograms: by_sample.histograms, ..by_way })
     }

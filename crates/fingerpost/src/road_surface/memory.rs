@@ -10,18 +10,23 @@
 //! move leave their trace for as long. In a camera picture there are no metres: there the memory does nothing.
 
 mod road_map;
+mod sensor_model;
+
+use std::ops::Range;
 
 use fingerpost_vision::fusion::fuse;
-use fingerpost_vision::picture::{Plane, ValidityMask};
+use fingerpost_vision::picture::{Plane, Run, ValidityMask};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::perspective::clear_unseen;
 use super::{
     Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod, RoadSurface, SurfaceFile,
 };
 use crate::ground_view::GroundView;
 use crate::motion::Motion;
-use road_map::{RoadMap, SensorModel};
+use road_map::RoadMap;
+use sensor_model::SensorModel;
 
 /// Settings of the memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -152,22 +157,34 @@ impl Memory {
         let side = self.map.side_px();
         let doubt = (255.0 * self.config.doubt).round() as u8;
         self.known_pixels.set_to_union(validity, &self.known, side);
+        clear_unseen(&self.known_pixels, fused);
         self.prior_row.resize(width, 0);
         for row in 0..height {
             if row % side == 0 {
                 spread(self.prior.row(row / side), side, &mut self.prior_row);
             }
             let (seen, fused) = (self.seen.row(row), fused.row_mut(row));
-            fused.fill(0);
-            for run in self.known_pixels.runs(row) {
-                fused[run.start..run.end].copy_from_slice(&self.prior_row[run.start..run.end]);
-            }
+            let known = self.known_pixels.runs(row);
+            let mut done = 0;
             for run in validity.runs(row) {
                 let pixels = run.start..run.end;
+                copy_runs(known, done..run.start, &self.prior_row, fused);
                 fuse(&seen[pixels.clone()], &self.prior_row[pixels.clone()], doubt, &mut fused[pixels])?;
+                done = run.end;
             }
+            copy_runs(known, done..width, &self.prior_row, fused);
         }
         Ok(())
+    }
+}
+
+/// Copies what of `runs` lies within `columns`.
+fn copy_runs(runs: &[Run], columns: Range<usize>, from: &[u8], to: &mut [u8]) {
+    for run in runs {
+        let (start, end) = (run.start.max(columns.start), run.end.min(columns.end));
+        if start < end {
+            to[start..end].copy_from_slice(&from[start..end]);
+        }
     }
 }
 

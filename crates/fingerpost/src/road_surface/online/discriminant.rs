@@ -1,6 +1,7 @@
 //! What tells the road from what is not, learned as the drive goes: Fisher's linear discriminant between the sample of the
 //! road and the rows above the horizon, retrained every frame on running statistics of both.
 
+use fingerpost_vision::moments::Moments;
 use fingerpost_vision::passage::FEATURES;
 use nalgebra::{SMatrix, SVector};
 
@@ -21,23 +22,13 @@ pub(super) struct Kind {
     covariance: Matrix,
 }
 
-impl Kind {
-    /// Of the given features; none when there are none.
-    pub(super) fn of(features: impl Iterator<Item = [f32; FEATURES]> + Clone) -> Option<Self> {
-        let vectors = || features.clone().map(|f| Vector::from(f.map(f64::from)));
-        let (count, sum) = vectors().fold((0.0, Vector::zeros()), |(count, sum), v| (count + 1.0, sum + v));
-        if count < 1.0 {
-            return None;
-        }
-        let mean = sum / count;
-        let mut covariance = Matrix::zeros();
-        for vector in vectors() {
-            let step = vector - mean;
-            covariance += step * step.transpose();
-        }
-        Some(Self { mean, covariance: covariance / count })
+impl From<Moments<FEATURES>> for Kind {
+    fn from(moments: Moments<FEATURES>) -> Self {
+        Self { mean: moments.mean.into(), covariance: moments.covariance.into() }
     }
+}
 
+impl Kind {
     fn blend(self, new: Self) -> Self {
         let mix = |old: f64, new: f64| (1.0 - NEW_SHARE) * old + NEW_SHARE * new;
         Self {
@@ -102,11 +93,14 @@ mod tests {
     use super::*;
 
     fn kind(brightness: f32, texture: f32) -> Option<Kind> {
-        let near = (0..50).map(move |i| {
-            let wobble = 0.1 * (i % 7) as f32;
-            [wobble, brightness + wobble, 0.05 * (i % 3) as f32, 0.05 * (i % 5) as f32, texture - wobble]
-        });
-        Kind::of(near)
+        let near: Vec<[f32; FEATURES]> = (0..50)
+            .map(|i| {
+                let wobble = 0.1 * (i % 7) as f32;
+                [wobble, brightness + wobble, 0.05 * (i % 3) as f32, 0.05 * (i % 5) as f32, texture - wobble]
+            })
+            .collect();
+        let features: [Vec<f32>; FEATURES] = std::array::from_fn(|i| near.iter().map(|f| f[i]).collect());
+        Moments::of(features.each_ref().map(Vec::as_slice)).map(Kind::from)
     }
 
     fn value(weights: &Weights, features: [f32; FEATURES]) -> f32 {

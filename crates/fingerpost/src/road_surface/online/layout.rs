@@ -1,10 +1,12 @@
 //! Which blocks of the camera picture are looked at, and where they lie in the picture that is asked for.
 
+use std::ops::Range;
+
 use fingerpost_geometry::Pixel;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::line_gradient::LineDirection;
 use fingerpost_vision::log_colour::Block;
-use fingerpost_vision::picture::Rect;
+use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::warp::WarpTable;
 use nalgebra::Point2;
 
@@ -37,13 +39,20 @@ pub(super) struct Layout {
     pub(super) lines: LineDirection,
     /// For each row of the grid, the width of the widest marking, blocks.
     pub(super) marking_widths: Vec<usize>,
-    /// The blocks of the sample: column and row.
-    pub(super) sample: Vec<(usize, usize)>,
-    /// Those of them that the way starts from: the middle half of the width, the lower half of the height. A sample that
+    /// The blocks of the sample.
+    pub(super) sample: Vec<BlockRun>,
+    /// Those of them that the way starts from, column and row: the middle half of the width, the lower half of the height. A sample that
     /// reaches onto a kerb or a vehicle ahead teaches a few wrong colours; a way that started there would be lost.
     pub(super) starts: Vec<(usize, usize)>,
     /// From the grid to the picture that is asked for.
     pub(super) table: WarpTable,
+}
+
+/// Neighbouring blocks of a row.
+#[derive(Debug, Clone)]
+pub(super) struct BlockRun {
+    row: usize,
+    columns: Range<usize>,
 }
 
 /// What a layout was made for.
@@ -134,18 +143,44 @@ impl Layout {
                 let Some([u, v]) = input.asked_from_camera(self.centre(column, row)) else { continue };
                 let (right, down) = (u - middle[0], v - middle[1]);
                 if right.abs() < half_width && down.abs() < half_height {
-                    self.sample.push((column, row));
+                    self.add_to_sample(column, row);
                     if right.abs() < 0.5 * half_width && down > 0.0 {
                         self.starts.push((column, row));
                     }
                 }
             }
         }
-        if self.sample.is_empty() && width > 0 && height > 0 {
-            self.sample.extend(input.camera_from_asked(middle).and_then(|p| self.cell(p)));
+        if self.sample.is_empty()
+            && width > 0
+            && height > 0
+            && let Some((column, row)) = input.camera_from_asked(middle).and_then(|p| self.cell(p))
+        {
+            self.add_to_sample(column, row);
         }
         if self.starts.is_empty() {
-            self.starts.clone_from(&self.sample);
+            for BlockRun { row, columns } in &self.sample {
+                self.starts.extend(columns.clone().map(|column| (column, *row)));
+            }
+        }
+    }
+
+    fn add_to_sample(&mut self, column: usize, row: usize) {
+        match self.sample.last_mut() {
+            Some(run) if run.row == row && run.columns.end == column => run.columns.end += 1,
+            _ => self.sample.push(BlockRun { row, columns: column..column + 1 }),
+        }
+    }
+
+    /// Number of blocks of the sample.
+    pub(super) fn sample_blocks(&self) -> usize {
+        self.sample.iter().map(|run| run.columns.len()).sum()
+    }
+
+    /// Fills `taken` with the sample's values in `plane`, a value a block.
+    pub(super) fn take_sample(&self, plane: &Plane<f32>, taken: &mut Vec<f32>) {
+        taken.clear();
+        for run in &self.sample {
+            taken.extend_from_slice(&plane.row(run.row)[run.columns.clone()]);
         }
     }
 

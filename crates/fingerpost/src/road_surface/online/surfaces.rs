@@ -5,6 +5,7 @@
 //! in the shade is two samples.
 
 use fingerpost_vision::colour_clusters::ColourCluster;
+use fingerpost_vision::moments::{Moments, sums_about};
 use nalgebra::{Cholesky, Matrix3, Vector3};
 
 /// Variances that every Gaussian has at least: brightness, red-green, blue-green. A tenth in brightness and a fiftieth in
@@ -26,7 +27,7 @@ const MIN_LIGHT_SHARE: f64 = 0.15;
 const SPLIT_ROUNDS: usize = 5;
 
 /// A colour in [`fingerpost_vision::log_colour`]'s space.
-pub(super) type Colour = Vector3<f64>;
+type Colour = Vector3<f64>;
 
 #[derive(Debug, Clone, Copy)]
 struct Surface {
@@ -41,6 +42,16 @@ struct Surface {
 pub(super) struct Surfaces {
     known: Vec<Surface>,
     most: usize,
+    /// The colours of a part of the sample.
+    part: [Vec<f32>; 3],
+}
+
+/// The colours of a sample, one list a component.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample<'a> {
+    pub(super) brightness: &'a [f32],
+    pub(super) red_green: &'a [f32],
+    pub(super) blue_green: &'a [f32],
 }
 
 /// A sample's part in one light.
@@ -52,7 +63,7 @@ struct Part {
 
 impl Surfaces {
     pub(super) fn new(most: usize) -> Self {
-        Self { known: Vec::with_capacity(most), most: most.max(1) }
+        Self { known: Vec::with_capacity(most), most: most.max(1), part: Default::default() }
     }
 
     pub(super) fn forget(&mut self) {
@@ -64,15 +75,34 @@ impl Surfaces {
     }
 
     /// Takes a sample in; returns how many new surfaces it founded.
-    pub(super) fn learn(&mut self, sample: &[Colour]) -> usize {
+    pub(super) fn learn(&mut self, sample: Sample<'_>) -> usize {
         self.known.iter_mut().for_each(|surface| surface.standing *= STANDING_KEPT);
-        match lights_between(sample) {
-            None => self.take(part(sample, sample.len(), |_| true)),
+        for part in &mut self.part {
+            // So that no later frame needs more memory.
+            part.clear();
+            part.reserve(sample.brightness.len());
+        }
+        match lights_between(sample.brightness) {
+            None => self.take(Part::of([sample.brightness, sample.red_green, sample.blue_green], 1.0)),
             Some(limit) => {
-                self.take(part(sample, sample.len(), |brightness| brightness <= limit))
-                    + self.take(part(sample, sample.len(), |brightness| brightness > limit))
+                let dark = self.part_where(sample, |brightness| brightness <= limit);
+                let bright = self.part_where(sample, |brightness| brightness > limit);
+                self.take(dark) + self.take(bright)
             }
         }
+    }
+
+    /// The part of a sample whose brightness is wanted.
+    fn part_where(&mut self, sample: Sample<'_>, is_wanted: impl Fn(f64) -> bool) -> Option<Part> {
+        for (values, part) in
+            [sample.brightness, sample.red_green, sample.blue_green].into_iter().zip(&mut self.part)
+        {
+            let wanted = values.iter().zip(sample.brightness).filter(|(_, b)| is_wanted(f64::from(**b)));
+            part.clear();
+            part.extend(wanted.map(|(value, _)| value));
+        }
+        let share = self.part[0].len() as f64 / sample.brightness.len().max(1) as f64;
+        Part::of(self.part.each_ref().map(Vec::as_slice), share)
     }
 
     fn take(&mut self, part: Option<Part>) -> usize {
@@ -129,53 +159,47 @@ impl Surface {
 }
 
 /// The brightness between sun and shade, where the sample has both.
-fn lights_between(sample: &[Colour]) -> Option<f64> {
-    let mean_where = |is_wanted: &dyn Fn(f64) -> bool| {
-        let wanted = sample.iter().map(|colour| colour.x).filter(|&brightness| is_wanted(brightness));
-        let (count, sum) = wanted.fold((0_usize, 0.0), |(count, sum), b| (count + 1, sum + b));
-        (count as f64 / sample.len().max(1) as f64, sum / count.max(1) as f64)
-    };
-    let (_, mut limit) = mean_where(&|_| true);
-    let mut apart = 0.0;
+fn lights_between(brightness: &[f32]) -> Option<f64> {
+    let mean = |(count, sum): (usize, f64)| sum / count.max(1) as f64;
+    let share = |(count, _): (usize, f64)| count as f64 / brightness.len().max(1) as f64;
+    let [all, _] = sums_about(brightness, f64::INFINITY);
+    let (mut limit, mut apart) = (mean(all), 0.0);
     for _ in 0..SPLIT_ROUNDS {
-        let (dark_share, dark) = mean_where(&|brightness| brightness <= limit);
-        let (bright_share, bright) = mean_where(&|brightness| brightness > limit);
-        if dark_share.min(bright_share) < MIN_LIGHT_SHARE {
+        let [dark, bright] = sums_about(brightness, limit);
+        if share(dark).min(share(bright)) < MIN_LIGHT_SHARE {
             return None;
         }
-        (limit, apart) = (0.5 * (dark + bright), bright - dark);
+        (limit, apart) = (0.5 * (mean(dark) + mean(bright)), mean(bright) - mean(dark));
     }
     (apart > LIGHTS_APART).then_some(limit)
 }
 
-/// Mean and covariance of the part of a sample whose brightness is wanted, and its share of `all`.
-fn part(sample: &[Colour], all: usize, is_wanted: impl Fn(f64) -> bool) -> Option<Part> {
-    let wanted = || sample.iter().filter(|colour| is_wanted(colour.x));
-    let count = wanted().count();
-    if count == 0 {
-        return None;
+impl Part {
+    /// Of these colours, a `share` of the sample.
+    fn of(colours: [&[f32]; 3], share: f64) -> Option<Self> {
+        let Moments { mean, covariance } = Moments::of(colours)?;
+        Some(Self { share, mean: mean.into(), covariance: covariance.into() })
     }
-    let mean = wanted().sum::<Colour>() / count as f64;
-    let mut covariance = Matrix3::zeros();
-    for colour in wanted() {
-        let step = colour - mean;
-        covariance += step * step.transpose();
-    }
-    Some(Part { share: count as f64 / all as f64, mean, covariance: covariance / count as f64 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn sample(brightness: impl Fn(usize) -> f64) -> Vec<Colour> {
-        (0..100).map(|i| Vector3::new(brightness(i), 0.01 * (i % 3) as f64, 0.01 * (i % 5) as f64)).collect()
+    /// Takes in a hundred colours of that brightness.
+    fn learn(surfaces: &mut Surfaces, brightness: impl Fn(usize) -> f32) -> usize {
+        let values = |of: &dyn Fn(usize) -> f32| (0..100).map(of).collect::<Vec<f32>>();
+        let (red_green, blue_green) =
+            (values(&|i| 0.01 * (i % 3) as f32), values(&|i| 0.01 * (i % 5) as f32));
+        let brightness = values(&brightness);
+        let sample = Sample { brightness: &brightness, red_green: &red_green, blue_green: &blue_green };
+        surfaces.learn(sample)
     }
 
     #[test]
     fn sun_and_shade_are_two_surfaces() {
         let mut surfaces = Surfaces::new(4);
-        assert_eq!(surfaces.learn(&sample(|i| if i < 40 { 3.0 } else { 4.5 })), 2);
+        assert_eq!(learn(&mut surfaces, |i| if i < 40 { 3.0 } else { 4.5 }), 2);
         let mut clusters = Vec::new();
         surfaces.write_to(&mut clusters);
         let brightness: Vec<f32> = clusters.iter().map(|cluster| cluster.mean[0]).collect();
@@ -185,12 +209,12 @@ mod tests {
     #[test]
     fn the_same_road_joins_and_the_weakest_makes_room() {
         let mut surfaces = Surfaces::new(2);
-        assert_eq!(surfaces.learn(&sample(|_| 2.0)), 1);
-        assert_eq!(surfaces.learn(&sample(|_| 4.0)), 1);
+        assert_eq!(learn(&mut surfaces, |_| 2.0), 1);
+        assert_eq!(learn(&mut surfaces, |_| 4.0), 1);
         for _ in 0..5 {
-            assert_eq!(surfaces.learn(&sample(|_| 4.0)), 0);
+            assert_eq!(learn(&mut surfaces, |_| 4.0), 0);
         }
-        assert_eq!(surfaces.learn(&sample(|_| 6.0)), 1);
+        assert_eq!(learn(&mut surfaces, |_| 6.0), 1);
         let mut clusters = Vec::new();
         surfaces.write_to(&mut clusters);
         let mut brightness: Vec<f32> = clusters.iter().map(|cluster| cluster.mean[0]).collect();
@@ -201,7 +225,7 @@ mod tests {
     #[test]
     fn whitening_makes_a_standard_deviation_one() {
         let mut surfaces = Surfaces::new(1);
-        surfaces.learn(&sample(|i| 3.0 + 0.2 * f64::from(u8::from(i % 2 == 0))));
+        learn(&mut surfaces, |i| 3.0 + 0.2 * f32::from(u8::from(i % 2 == 0)));
         let mut clusters = Vec::new();
         surfaces.write_to(&mut clusters);
         let deviation = (0.1_f64 * 0.1 + FLOOR[0]).sqrt();
@@ -211,6 +235,7 @@ mod tests {
     #[test]
     fn an_empty_sample_teaches_nothing() {
         let mut surfaces = Surfaces::new(3);
-        assert_eq!((surfaces.learn(&[]), surfaces.len()), (0, 0));
+        let nothing = Sample { brightness: &[], red_green: &[], blue_green: &[] };
+        assert_eq!((surfaces.learn(nothing), surfaces.len()), (0, 0));
     }
 }
