@@ -94,12 +94,18 @@ impl Tracker {
         let by_edges = |section: &CrossSection| {
             section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
         };
-        if before.0 > 0 && !evidence.sections.iter().any(by_edges) {
-            // Without an edge the place at which the arms stand out most is what is known, frame by frame anew.
+        if before.0 > 0 && !self.expected.is_empty() && !evidence.sections.iter().any(by_edges) {
+            // Without an edge the place at which the arms stand out most is what is known, frame by frame anew; where nothing
+            // is known of the distance, that alone would make a junction of any road that widens.
             filter.update_pose(&found_pose, STANDS_OUT_SIGMAS);
         }
-        // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; then
-        // the search alone says where it is, less surely.
+        // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; where
+        // the feature is expected, the search alone then says where it is, less surely.
+        let surprise = |filter: &PoseFilter| {
+            let expectation = Expectation::Ahead(&stop.model, &self.expected);
+            (!self.expected.is_empty()).then(|| expectation.penalty(filter.pose()))
+        };
+        let is_expected = |filter: &PoseFilter| surprise(filter).is_some_and(|surprise| surprise <= EXPECTED);
         let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
         let mut aligned = self.spare.pop().unwrap_or_default();
         let mut holds = |filter: &PoseFilter| -> Result<bool, SpanError> {
@@ -108,7 +114,7 @@ impl Tracker {
             Ok(!off_road && aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge))
         };
         let mut is_found = holds(&filter)?;
-        if !is_found {
+        if !is_found && is_expected(&by_search) {
             evidence.sections.clear();
             filter = by_search;
             is_found = holds(&filter)?;
@@ -122,14 +128,16 @@ impl Tracker {
         // What is shown is the place that is judged from here on.
         let shown = evidence.sought.replace(Sought { index, matched: aligned });
         self.spare.extend(shown.map(|sought| sought.matched));
-        let surprise = Expectation::Ahead(&stop.model, &self.expected).penalty(filter.pose());
         let is_near = filter.pose().translation.x <= VERGES_OUT_OF_VIEW_M;
-        let is_expected = is_near && !self.expected.is_empty() && surprise <= EXPECTED;
-        if contrast.is_none() && !is_expected && !evidence.sections.iter().any(tells_it) {
+        if contrast.is_none() && !(is_near && is_expected(&filter)) && !evidence.sections.iter().any(tells_it)
+        {
             evidence.decision = Decision::Unbounded { index, p: aligned_p };
             return Ok(());
         }
-        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast, surprise));
+        let (frames, weight) = (
+            before.0 + 1,
+            before.1 + frame_weight(config, aligned_p, contrast, surprise(&filter).unwrap_or(0.0)),
+        );
         let enough =
             config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
         if weight <= 0.0 {
