@@ -26,10 +26,9 @@ struct Street {
     node: i64,
 }
 
-/// The detector that works on the camera's picture: back-projection finds no road on these streets.
-const CONFIG: &str = "[road_surface]\ndetector = \"online\"\n";
-/// The camera's mount on the recorder's unit, of which the positions are: 1.08 m ahead of it and 0.32 m to its right.
-const MOUNT: &str = "[mount]\nheight_m = 1.65\npitch_deg = 0.7\nx_m = 1.08\ny_m = -0.32\n";
+/// The camera's mount on the recorder's unit, of which the positions are: 1.08 m ahead of it and 0.32 m to its right. Its
+/// pitch is not known.
+const MOUNT: &str = "[mount]\nheight_m = 1.65\npitch_deg = 0.0\nx_m = 1.08\ny_m = -0.32\n";
 
 fn data(name: &str) -> PathBuf {
     let path = PathBuf::from(env::var("FINGERPOST_DATA").unwrap()).join(name);
@@ -58,13 +57,11 @@ fn drive(street: &Street) -> Driven {
     let (camera, route, run) =
         (folder.path().join("camera.toml"), folder.path().join("route.geojson"), folder.path().join("run"));
     fs::write(&camera, format!("{}{MOUNT}", street.camera)).unwrap();
-    let config = folder.path().join("fingerpost.toml");
-    fs::write(&config, CONFIG).unwrap();
     let map = data(&format!("osm/kitti_{}.osm", street.sequence));
     let (from, to) = (street.from, street.to);
     fingerpost(&["route", "--map", text(&map), "--from", from, "--to", to, "--out", text(&route)]);
     let input = data(&format!("kitti/frames{}", street.sequence));
-    let set = ["--camera", text(&camera), "--config", text(&config), "--out", text(&run)];
+    let set = ["--camera", text(&camera), "--out", text(&run)];
     fingerpost(&[&["run", text(&input), "--route", text(&route), "--start-m", "0"], &set[..]].concat());
     let records = from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap();
     let route = read_route(&fs::read_to_string(&route).unwrap()).unwrap();
@@ -94,9 +91,9 @@ impl Driven {
         self.map_from_vehicle[frame].inverse() * map.map_from_wgs84(feature.at)
     }
 
-    /// Checks that the junction is found at least `ahead_m` before it, followed until it is arrived at, and how far its
-    /// place is from the map's, median over the frames until it is passed, metres.
-    fn check(&self, node: i64, ahead_m: f64, within_m: f64) {
+    /// Checks that the junction is the first that is found, at least `ahead_m` before it, and followed until it is arrived
+    /// at. Returns how far its place is from the map's, median over the frames until it is passed, metres.
+    fn median_error_m(&self, node: i64, ahead_m: f64) -> f64 {
         let with_feature = || self.records.iter().filter(|record| record.feature.is_some());
         let first = with_feature().next().unwrap();
         assert_eq!(first.feature.as_ref().unwrap().id, node);
@@ -116,13 +113,12 @@ impl Driven {
             }
         }
         errors_m.sort_by(f64::total_cmp);
-        let median_m = errors_m[errors_m.len() / 2];
-        assert!(median_m <= within_m, "off by {median_m:.2} m, median of {} frames", errors_m.len());
+        errors_m[errors_m.len() / 2]
     }
 }
 
 #[test]
-fn nothing_is_found_on_the_way_to_a_junction() {
+fn a_junction_between_parked_cars_and_shadows_is_found_and_nothing_before_it() {
     let street = Street {
         sequence: "00",
         camera: "[image]\nwidth = 1241\nheight = 376\n\
@@ -135,6 +131,8 @@ fn nothing_is_found_on_the_way_to_a_junction() {
     assert!(driven.node_in_vehicle(street.node, 55).x > 30.0);
     // The junction at the start, which lies behind, is not taken for the one ahead either.
     assert!(driven.records[5..=55].iter().all(|record| record.feature.is_none()));
+    // The shadow of a house hides the near half of the crossing road, so that its place is known to half its width only.
+    assert!(driven.median_error_m(street.node, 8.0) < 3.0);
 }
 
 #[test]
@@ -147,5 +145,5 @@ fn a_side_road_passed_in_grey() {
         to: "49.05338,8.39529",
         node: 25344948,
     };
-    drive(&street).check(street.node, 8.0, 1.0);
+    assert!(drive(&street).median_error_m(street.node, 8.0) <= 1.0);
 }
