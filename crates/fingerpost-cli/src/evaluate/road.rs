@@ -1,32 +1,31 @@
 //! `fingerpost evaluate road`: road detectors on camera pictures, against labels or to be looked at.
 
-use std::collections::BTreeMap;
+mod labels;
+mod pictures;
+mod sheet;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::{ArgGroup, Args};
 use fingerpost::Config;
-use fingerpost::ground_view::GroundPicture;
+use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::road_surface::{
     Perspective, RoadDetector, RoadInput, RoadMethod, RoadSurface, RoadSurfaceConfig,
 };
 use fingerpost_eval::{RoadEvaluation, RoadLabels, RoadScores, stage_time};
-use fingerpost_io::{picture_paths, read_picture};
-use fingerpost_report::{RoadSheetCell, RoadSheetRow, road_sheet};
-use fingerpost_vision::colour::{BinDivision, grey_and_bins};
-use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
+use fingerpost_io::{picture_paths, read_camera, read_picture};
+use fingerpost_vision::picture::{Plane, RgbImage};
 use serde::Serialize;
 
+use self::labels::{labels_of, read_labels};
+use self::pictures::{GroundViews, Pictures};
+use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
 use crate::road_detector::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output};
-
-/// Rows of a contact sheet: what can be looked at in one picture.
-const SHEET_ROWS: usize = 12;
-/// Outline on a contact sheet of pictures without labels.
-const UNLABELLED_THRESHOLD: u8 = 128;
 
 /// Road detectors on camera pictures: how well they tell labelled road, at what cost; or a sheet to look at.
 ///
@@ -63,6 +62,10 @@ pub(crate) struct RoadArgs {
     /// Write a contact sheet (PNG): some of the pictures with labelled road outlined, and each detector's surface beside.
     #[arg(long, value_name = "FILE", group = "wanted")]
     sheet: Option<PathBuf>,
+    /// Show on the sheet the ground view of each picture as well, through this camera; "assumed" stands for one of 60
+    /// degrees, 1.4 m above a level road, with the horizon at --from-row.
+    #[arg(long, value_name = "FILE|assumed", requires = "sheet")]
+    ground_view: Option<PathBuf>,
     /// Print the numbers as JSON on standard output.
     #[arg(long)]
     json: bool,
@@ -110,6 +113,7 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
     let ids = args.road.map(|road| RoadLabels { road, void: args.void });
     let mut contestants = contestants(&config, args.detector, ids)?;
     let mut drive = Pictures::new(&config, args.from_row)?;
+    let mut ground_views = ground_views(args, &config)?;
     let mut kept = Vec::new();
     let bar = output::progress(Some(pictures.len() as u64), "pictures");
     for (index, path) in pictures.iter().enumerate() {
@@ -144,6 +148,16 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
             });
             kept.push(Kept { caption: file_name(path), picture: drive.picture.colour.clone(), labelled });
         }
+        if let Some(views) = &mut ground_views
+            && on_sheet
+        {
+            let (ground, view) = views.take(&drive.picture.colour)?;
+            for contestant in &mut contestants {
+                contestant.look_at_ground(&config, view, &ground, &drive.picture.colour)?;
+            }
+            let caption = format!("{}, ground view", file_name(path));
+            kept.push(Kept { caption, picture: ground.colour, labelled: None });
+        }
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -158,6 +172,13 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
         output::message(&format!("the sheet is {}", path.display()));
     }
     if args.json { output::print_json(&numbers) } else { Ok(()) }
+}
+
+/// The ground views that are asked for.
+fn ground_views(args: &RoadArgs, config: &Config) -> Result<Option<GroundViews>> {
+    let Some(camera) = &args.ground_view else { return Ok(None) };
+    let camera = if camera.as_os_str() == "assumed" { None } else { Some(read_camera(camera)?) };
+    GroundViews::new(config, camera, args.from_row).map(Some)
 }
 
 fn contestants(
@@ -199,6 +220,28 @@ impl Contestant {
         Ok(())
     }
 
+    /// Finds the road in the ground view of a single picture, as in the first frame of a drive, for the sheet.
+    fn look_at_ground(
+        &mut self,
+        config: &Config,
+        view: &GroundView,
+        ground: &GroundPicture,
+        frame: &RgbImage,
+    ) -> Result<()> {
+        let config = RoadSurfaceConfig { detector: self.method, ..config.road_surface.clone() };
+        let input = RoadInput {
+            picture: ground,
+            validity: view.validity(),
+            sample: config.sample_region(view),
+            perspective: Perspective::Ground { view, frame },
+            motion: None,
+        };
+        let mut surface = RoadSurface::default();
+        road_detector(&config)?.detect(input, &mut surface)?;
+        self.kept.push(surface.probability);
+        Ok(())
+    }
+
     fn score(&mut self, labels: &Plane<u8>, first_row: usize) -> Result<()> {
         let Some(scores) = &mut self.scores else { return Ok(()) };
         let skipped = first_row * labels.width();
@@ -212,104 +255,6 @@ impl Contestant {
             ms_per_frame: stage_time(self.times_ms.iter().copied()).map_or(0.0, |time| time.median),
         })
     }
-}
-
-/// The picture at hand, as detectors take it.
-struct Pictures {
-    division: BinDivision,
-    from_row: f64,
-    picture: GroundPicture,
-    validity: ValidityMask,
-    /// First row that counts.
-    first_row: usize,
-}
-
-impl Pictures {
-    fn new(config: &Config, from_row: f64) -> Result<Self> {
-        let division = BinDivision::new(config.road_surface.backprojection.bins())?;
-        let picture = GroundPicture::new(0, 0, division.bins());
-        Ok(Self { division, from_row, picture, validity: ValidityMask::default(), first_row: 0 })
-    }
-
-    /// Takes a picture; milliseconds that its greys and bins took.
-    fn take(&mut self, colour: RgbImage) -> Result<f64> {
-        let (width, height) = colour.size();
-        if self.picture.colour.size() != (width, height) {
-            self.picture = GroundPicture::new(width, height, self.division.bins());
-            self.first_row = ((height as f64 * self.from_row).round() as usize).min(height);
-            let mut below = Plane::new(width, height, 0);
-            (self.first_row..height).for_each(|row| below.row_mut(row).fill(1));
-            self.validity = ValidityMask::from_plane(below);
-        }
-        let GroundPicture { grey, bin, .. } = &mut self.picture;
-        let start = Instant::now();
-        grey_and_bins(&colour, &self.division, grey, bin)?;
-        let spent_ms = milliseconds(start.elapsed());
-        self.picture.colour = colour;
-        Ok(spent_ms)
-    }
-}
-
-/// The label files of `pictures`, in their order.
-fn labels_of(pictures: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>> {
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_owned();
-    let mut labels: BTreeMap<_, _> =
-        picture_paths(folder)?.into_iter().map(|path| (stem(&path), path)).collect();
-    let of_picture = |path: &PathBuf| {
-        labels.remove(&stem(path)).with_context(|| {
-            let (picture, folder) = (path.display(), folder.display());
-            format!("{picture} has no labels of its name in {folder}; give labels for every picture")
-        })
-    };
-    let found = pictures.iter().map(of_picture).collect::<Result<Vec<_>>>()?;
-    match labels.values().next() {
-        Some(left_over) => {
-            bail!("{} belongs to no picture; give the labels of these pictures", left_over.display())
-        }
-        None => Ok(found),
-    }
-}
-
-fn read_labels(path: &Path) -> Result<Plane<u8>> {
-    let picture = read_picture(path)?;
-    let (pixels, _) = picture.as_slice().as_chunks::<3>();
-    if pixels.iter().any(|[red, green, blue]| red != green || red != blue) {
-        bail!(
-            "{} is a coloured picture; give labels as grey pictures, a pixel's value its label",
-            path.display()
-        );
-    }
-    let labels = pixels.iter().map(|[label, ..]| *label).collect();
-    Ok(Plane::from_vec(picture.width(), picture.height(), labels)?)
-}
-
-/// Whether a picture of `count` is on the sheet: all of few, some at even distances of many.
-const fn on_sheet(index: usize, count: usize) -> bool {
-    count <= SHEET_ROWS || (index * SHEET_ROWS) % count < SHEET_ROWS
-}
-
-fn sheet(kept: &[Kept], contestants: &[Contestant], numbers: &RoadNumbers) -> RgbImage {
-    let rows: Vec<RoadSheetRow<'_>> = kept
-        .iter()
-        .enumerate()
-        .map(|(index, kept)| RoadSheetRow {
-            caption: kept.caption.clone(),
-            picture: &kept.picture,
-            labelled: kept.labelled.as_ref(),
-            surfaces: contestants
-                .iter()
-                .zip(&numbers.detectors)
-                .filter_map(|(contestant, numbers)| {
-                    let threshold = numbers.evaluation.map_or(UNLABELLED_THRESHOLD, |evaluation| {
-                        (255.0 * evaluation.threshold).round() as u8
-                    });
-                    let probability = contestant.kept.get(index)?;
-                    Some(RoadSheetCell { caption: numbers.detector.to_owned(), probability, threshold })
-                })
-                .collect(),
-        })
-        .collect();
-    road_sheet(&rows)
 }
 
 fn print_table(numbers: &RoadNumbers) {

@@ -102,6 +102,12 @@ fn one_detector_on_pictures_without_labels_makes_a_sheet() {
     assert_eq!(numbers["detectors"].as_array().unwrap().len(), 1);
     assert_eq!(numbers["detectors"][0].get("iou"), None);
     assert!(exists(&sheet));
+    let height_px = || read_picture(&sheet).unwrap().height();
+    let without_px = height_px();
+    scenes.evaluate(&format!("{line} --ground-view assumed")).done();
+    assert!(height_px() > without_px + 200, "a row of ground views for each picture");
+    scenes.evaluate(&format!("{line} --ground-view nothing.toml")).refused(1, &["nothing.toml"]);
+    scenes.evaluate("--labels x --road 1 --ground-view assumed").refused(2, &["--sheet"]);
 }
 
 #[test]
