@@ -13,6 +13,7 @@ mod network;
 mod online;
 mod perspective;
 mod region;
+mod verge_colours;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;

@@ -12,6 +12,7 @@ use fingerpost_vision::picture::Plane;
 
 use super::colours::RoadColours;
 use super::perspective::clear_unseen;
+use super::verge_colours::VergeColours;
 use super::{
     Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
     RoadInput, SampleUse,
@@ -30,6 +31,7 @@ const TRAINED_EVERY: u64 = 5;
 /// Back-projection, and the classifier with the colours of what it finds.
 pub(super) struct Fused {
     by_sample: Backprojection,
+    verges: VergeColours,
     prior: f64,
     /// Running mean of the logarithm of the odds; none before the first frame.
     told: Option<f64>,
@@ -44,6 +46,7 @@ impl Fused {
     pub(super) fn new(classifier: Online, config: &BackprojectionConfig) -> Result<Self, RoadError> {
         Ok(Self {
             by_sample: Backprojection::new(config)?,
+            verges: VergeColours::new(config.bins()),
             prior: config.prior,
             told: None,
             frames: 0,
@@ -109,7 +112,9 @@ impl RoadDetector for Fused {
         let trains = self.frames.is_multiple_of(TRAINED_EVERY);
         self.frames += 1;
         if tell {
+            self.by_sample.raise_to(self.verges.least_probability());
             self.by_sample.project(input, probability)?;
+            self.verges.learn(&input.picture.bin, input.validity, probability);
             let online = if trains { self.classifier.learn_from(input)?.online } else { None };
             return Ok(RoadEvidence { online, ..by_sample });
         }
@@ -120,6 +125,7 @@ impl RoadDetector for Fused {
 
     fn reset(&mut self) {
         self.by_sample.reset();
+        self.verges.forget();
         self.told = None;
         self.frames = 0;
         self.classifier.reset();
