@@ -180,7 +180,10 @@ impl Loop {
         let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         laid.score(&mut self.masks, &self.node, 0.0)?;
         lap(2);
-        self.moved = self.motion.estimate(&self.view, &self.ground, &AttitudeObservation::default())?.map(|(motion, _)| motion);
+        self.moved = self
+            .motion
+            .estimate(&self.view, &self.ground, &AttitudeObservation::default())?
+            .map(|(motion, _)| motion);
         let previous_from_current =
             self.moved.map_or_else(Isometry2::identity, |motion| motion.previous_from_current);
         lap(3);
