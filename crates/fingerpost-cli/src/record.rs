@@ -171,7 +171,7 @@ fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRec
 }
 
 fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
-    let place = sought.matched.vehicle_from_feature.translation;
+    let place = sought.vehicle_from_feature.translation;
     SoughtRecord {
         id: identity.id,
         p: sought.matched.p.map(|p| rounded(p, DIGITS)),

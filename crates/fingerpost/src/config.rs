@@ -302,6 +302,22 @@ impl Config {
                 "0.2 to 10 metres",
             ),
             ("track.alignment.slide_step_m", self.track.alignment.slide_step_m, 0.02, 1.0, "0.02 to 1 metre"),
+            ("track.alignment.min_edge_step", self.track.alignment.min_edge_step, 0.01, 1.0, "0.01 to 1"),
+            ("track.alignment.max_wider_m", self.track.alignment.max_wider_m, 0.0, 50.0, "0 to 50 metres"),
+            (
+                "track.alignment.min_width_share",
+                self.track.alignment.min_width_share,
+                0.0,
+                1.0,
+                "a share, 0 to 1",
+            ),
+            (
+                "track.alignment.width_sigma_share",
+                self.track.alignment.width_sigma_share,
+                0.0,
+                1.0,
+                "a share, 0 to 1",
+            ),
             ("track.alignment.sigma_m", self.track.alignment.sigma_m, 0.01, 5.0, "0.01 to 5 metres"),
             (
                 "track.alignment.pitch_sigma_deg",

@@ -199,12 +199,12 @@ impl Pipeline {
         view.render(frame, ground)?;
         finished(Stage::GroundView);
 
-        // A frame that shows nothing still lets the suspension swing back.
         let attitude = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
         finished(Stage::Mount);
 
         let (motion, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
         let turn = motion_evidence.map(MotionEvidence::camera_turn);
+        // A frame whose picture shows nothing still lets the suspension swing back.
         if let Some(motion) = &motion {
             self.mount.observe(&attitude, motion);
         }
@@ -218,7 +218,7 @@ impl Pipeline {
 
         let laid = self.matcher.laid(surface, surface.known())?;
         let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        let moved = Moved { motion: motion.as_ref(), turn: turn.unwrap_or_default() };
+        let moved = Moved { motion: motion.as_ref(), turn };
         tracker.step(moved, &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 

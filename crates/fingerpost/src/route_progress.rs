@@ -41,6 +41,8 @@ pub struct RouteProgress {
     known: Option<Known>,
     /// What was known before a feature was found where it was not expected; kept until the next one tells which is right.
     doubted: Option<Known>,
+    /// Distance along the route of the feature that was found last, metres.
+    found_m: Option<f64>,
     /// Metres driven since the first frame: the vehicle started on the route, so it is at least this far along.
     driven_m: f64,
 }
@@ -70,7 +72,7 @@ impl RouteProgress {
     /// Progress at the first frame: `start_m` along the route, or unknown.
     pub fn new(config: &RouteProgressConfig, start_m: Option<f64>) -> Self {
         let known = start_m.map(|mean_m| Known { mean_m, variance: config.start_sigma_m.powi(2) });
-        Self { config: config.clone(), known, doubted: None, driven_m: 0.0 }
+        Self { config: config.clone(), known, doubted: None, found_m: None, driven_m: 0.0 }
     }
 
     /// Mean and standard deviation, metres; none while unknown.
@@ -102,9 +104,12 @@ impl RouteProgress {
         }
     }
 
-    /// A feature that was found says where on the route the vehicle is. What was believed before is kept beside it when the
+    /// The feature that lies `feature_m` along the route was found and says where on it the vehicle is. What was believed before is kept beside it when the
     /// two disagree, because places look alike; what neither agrees with is forgotten.
-    pub fn observe_found(&mut self, route_m: f64, sigma_m: f64) {
+    pub fn observe_found(&mut self, feature_m: f64, route_m: f64, sigma_m: f64) {
+        // The same feature found again tells nothing new.
+        let is_same =
+            self.found_m.replace(feature_m).is_some_and(|found_m| (found_m - feature_m).abs() < 0.01);
         let agrees = |known: &Known| {
             let variance = known.variance + sigma_m.max(LEAST_SIGMA_M).powi(2);
             (route_m - known.mean_m).powi(2) <= AGREEING_SIGMAS.powi(2) * variance
@@ -112,6 +117,7 @@ impl RouteProgress {
         let surprised = self.known.as_ref().is_some_and(|known| !agrees(known));
         self.doubted = match self.doubted {
             Some(doubted) if agrees(&doubted) => None,
+            Some(doubted) if is_same => Some(doubted),
             _ if surprised => self.known,
             _ => None,
         };
@@ -141,6 +147,9 @@ impl RouteProgress {
             return GpsUse::OffRoute { distance_m: foot.left_m.abs() };
         }
         let measured = self.config.gps_sigma_m.powi(2);
+        let contradicted =
+            |known: &Known| (foot.along_m - known.mean_m).powi(2) > 9.0 * (known.variance + measured);
+        self.doubted = self.doubted.filter(|doubted| !contradicted(doubted));
         let known = self.known.unwrap_or(Known { mean_m: foot.along_m, variance: 1e6 });
         let gain = known.variance / (known.variance + measured);
         let innovation_m = foot.along_m - known.mean_m;
@@ -178,12 +187,12 @@ mod tests {
         let sigma_m = 0.4;
         let means = |progress: &RouteProgress| progress.beliefs_m().map(|(mean, _)| mean).collect::<Vec<_>>();
         let mut progress = start();
-        progress.observe_found(13.0, sigma_m);
+        progress.observe_found(30.0, 13.0, sigma_m);
         assert_eq!(means(&progress), [13.0], "within what was expected");
 
         let surprised = || {
             let mut progress = start();
-            progress.observe_found(18.0, sigma_m);
+            progress.observe_found(30.0, 18.0, sigma_m);
             progress.observe(18.1, sigma_m);
             progress.advance(20.0);
             progress
@@ -192,9 +201,15 @@ mod tests {
         assert!(surprised().at_least_m() < 30.0 - 9.0, "neither is given up");
         for (next_m, believed) in [(38.3, vec![38.3]), (30.5, vec![30.5]), (50.0, vec![50.0, 38.1])] {
             let mut progress = surprised();
-            progress.observe_found(next_m, sigma_m);
+            progress.observe_found(60.0, next_m, sigma_m);
             assert_eq!(means(&progress), believed);
         }
+        let mut lost_and_found = surprised();
+        lost_and_found.observe_found(30.0, 38.2, sigma_m);
+        assert_eq!(means(&lost_and_found), [38.2, 30.0], "the same feature again proves nothing");
+        let mut with_gps = surprised();
+        with_gps.observe_gps(&route(), Point2::new(80.0, 0.0));
+        assert_eq!(means(&with_gps).len(), 1, "a position that contradicts the doubt ends it");
     }
 
     #[test]

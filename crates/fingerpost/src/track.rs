@@ -124,8 +124,16 @@ pub struct Followed {
     pub vehicle_from_feature: Isometry2<f64>,
     /// Covariance of its forward (m), left (m) and heading (rad).
     pub covariance: Matrix3<f64>,
-    /// The match at that pose.
+    /// The match there; its pose is where the ground view shows the feature, which is made for the configured mount.
     pub matched: Match,
+}
+
+impl Followed {
+    /// From places on the road to those at which the ground view shows them, near the feature: the view is made for the
+    /// configured mount, the camera may look elsewhere.
+    pub fn shown_from_road(&self) -> Isometry2<f64> {
+        self.matched.vehicle_from_feature * self.vehicle_from_feature.inverse()
+    }
 }
 
 /// What the tracker says after a frame.
@@ -144,7 +152,9 @@ pub struct TrackOutput {
 pub struct Sought {
     /// Index of the feature in the route.
     pub index: usize,
-    /// The match at the best of the poses that were tried, good enough or not.
+    /// The best of the poses that were tried.
+    pub vehicle_from_feature: Isometry2<f64>,
+    /// The match there, good enough or not; its pose is where the ground view shows it.
     pub matched: Match,
 }
 
@@ -234,7 +244,7 @@ pub enum Decision {
 pub struct TrackEvidence {
     /// What decided the frame.
     pub decision: Decision,
-    /// Where ego-motion put the followed feature, before any match.
+    /// Where ego-motion put the followed feature, before any match, as the ground view shows it.
     pub predicted: Option<Isometry2<f64>>,
     /// P(F) there.
     pub predicted_p: Option<f64>,

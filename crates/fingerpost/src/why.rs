@@ -83,7 +83,7 @@ impl Display for Why<'_> {
                 "{} not taken: P(F) {p:.2}, but its contrast with the verge is {contrast:.2}, {:.2} is needed: a paved \
                  area would look alike",
                 name(index),
-                config.detect_contrast
+                0.5 * config.detect_contrast
             ),
             (Decision::EdgesDisagree { index, p, aligned_p }, _) => write!(
                 f,

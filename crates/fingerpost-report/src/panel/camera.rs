@@ -2,8 +2,10 @@
 
 use fingerpost::feature_masks::SubMaskKind;
 use fingerpost::matching::Participation;
+use fingerpost::track::Followed;
 use fingerpost_geometry::{Camera, Polyline};
 use fingerpost_vision::picture::Rect;
+use nalgebra::Isometry2;
 use nalgebra::Point2;
 
 use crate::draw::{Canvas, Paint, TextSize};
@@ -30,7 +32,11 @@ pub(crate) fn draw(canvas: &mut Canvas, area: Rect, scene: &Scene<'_>) {
 }
 
 fn driving_line(canvas: &mut Canvas, lens: &Lens<'_>, scene: &Scene<'_>) {
-    let Ok(line) = Polyline::new(scene.output.driving_line.iter().copied()) else { return };
+    let followed = scene.output.track.followed.as_ref();
+    let shown_from_road = followed.map_or_else(Isometry2::identity, Followed::shown_from_road);
+    let Ok(line) = Polyline::new(scene.output.driving_line.iter().map(|p| shown_from_road * p)) else {
+        return;
+    };
     let half_m = 0.5 * scene.setting.vehicle_width_m;
     let colour = palette::sub_mask("driving_line");
     if let (Ok(left), Ok(right)) = (line.offset(half_m), line.offset(-half_m)) {
@@ -49,7 +55,7 @@ fn driving_line(canvas: &mut Canvas, lens: &Lens<'_>, scene: &Scene<'_>) {
 fn arms(canvas: &mut Canvas, lens: &Lens<'_>, scene: &Scene<'_>) {
     let Some((followed, model)) = scene.followed() else { return };
     for (index, arm) in model.arms.iter().enumerate() {
-        let course = arm.course.transformed(&followed.vehicle_from_feature);
+        let course = arm.course.transformed(&followed.matched.vehicle_from_feature);
         let takes_part = followed.matched.subs.iter().any(|sub| {
             matches!(sub.kind, SubMaskKind::Arm { index: of, .. } if of == index)
                 && sub.participation == Participation::TakesPart
@@ -67,8 +73,10 @@ fn arms(canvas: &mut Canvas, lens: &Lens<'_>, scene: &Scene<'_>) {
 
 fn node(canvas: &mut Canvas, lens: &Lens<'_>, scene: &Scene<'_>) {
     let Some((followed, _)) = scene.followed() else { return };
+    // The camera is drawn as configured: its picture shows the node where the ground view does.
+    let shown = followed.matched.vehicle_from_feature.translation.vector;
+    let Some(centre) = lens.at(shown.into()) else { return };
     let place = followed.vehicle_from_feature.translation.vector;
-    let Some(centre) = lens.at(place.into()) else { return };
     canvas.ring(centre, 8.0, 5.0, Paint::glaze(palette::SHADE, 0.6));
     canvas.ring(centre, 8.0, 2.5, Paint::solid(palette::UPDATED));
     let p = followed.matched.p.map_or_else(|| "no arm seen".to_owned(), |p| format!("P(F) {p:.2}"));

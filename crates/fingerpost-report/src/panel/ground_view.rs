@@ -1,6 +1,6 @@
 //! The ground view with the feature's place: predicted by ego-motion, measured across the arms, updated.
 
-use fingerpost::track::{CrossSection, CrossSectionUse};
+use fingerpost::track::{CrossSection, CrossSectionUse, Followed};
 use nalgebra::{Isometry2, Point2};
 
 use super::ground_plot::GroundPlot;
@@ -23,7 +23,10 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
     plot.raster(canvas, scene.evidence.validity, |column, row| colour.get(column, row).unwrap_or_default());
     plot.metre_lines(canvas);
     canvas.clipped(plot.area, |canvas| {
-        let line: Vec<[f64; 2]> = scene.output.driving_line.iter().map(|&p| plot.at(p)).collect();
+        let followed = scene.output.track.followed.as_ref();
+        let shown_from_road = followed.map_or_else(Isometry2::identity, Followed::shown_from_road);
+        let line: Vec<[f64; 2]> =
+            scene.output.driving_line.iter().map(|p| plot.at(shown_from_road * p)).collect();
         canvas.polyline(&line, 2.5, Paint::glaze(palette::sub_mask("driving_line"), 0.9));
         for section in &scene.evidence.track.sections {
             cross_section(canvas, plot, section);
@@ -32,7 +35,8 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
             cross(canvas, plot.at(predicted.translation.vector.into()));
         }
         if let Some(followed) = &scene.output.track.followed {
-            let pose = &followed.vehicle_from_feature;
+            // The view is made for the configured mount: what it shows is where the masks lie in it.
+            let pose = &followed.matched.vehicle_from_feature;
             let place = pose.translation.vector;
             let covariance = followed.covariance.fixed_view::<2, 2>(0, 0).into_owned();
             if let Some(root) = covariance.cholesky() {

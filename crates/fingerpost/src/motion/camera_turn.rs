@@ -203,3 +203,26 @@ impl SeenTurn {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pitch_that_the_picture_shows_turns_the_camera_that_way_and_leaves_its_roll() {
+        let seen = ObservedAngle { angle_rad: DEGREE, variance_rad2: (0.1 * DEGREE).powi(2) };
+        let attitude = AttitudeObservation { pitch: Some(seen), ..AttitudeObservation::default() };
+        let mut filter = TurnFilter::default();
+        let mut before_rad = 0.0;
+        for _ in 0..20 {
+            filter = filter.predicted().with(&attitude).updated(&SeenTurn::default());
+            let [pitch_rad, roll_rad] = filter.turn_rad();
+            assert!(pitch_rad > before_rad && pitch_rad < DEGREE, "{pitch_rad}");
+            assert!(roll_rad.abs() < 1e-12);
+            before_rad = pitch_rad;
+        }
+        assert!(before_rad > 0.8 * DEGREE, "{before_rad}");
+        let untold = TurnFilter::default().predicted().with(&AttitudeObservation::default());
+        assert!(untold.mean.norm() < 1e-12);
+    }
+}

@@ -24,7 +24,7 @@ const DOUBT_PIXELS: f32 = 4.0;
 
 /// Likelihood ratios are cut to this either way: colours alone never decide against a sure classifier.
 const MOST_ODDS: f32 = 20.0;
-/// Probability from which a pixel counts as road found, and below which as none, of 255.
+/// Probability below which a pixel counts as none of the road found, and from which as road, of 255.
 const SURE: [u8; 2] = [60, 190];
 /// Counters of a colour that are used in turn: neighbours are mostly alike, and a counter can be added to again only when
 /// the last addition has been stored.

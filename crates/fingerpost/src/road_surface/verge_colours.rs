@@ -4,7 +4,8 @@
 //! a bridge, a junction with a road of another kind, it would end there. But what is beside roads is seen all along the
 //! drive: a colour that neither the road nor its verges have had is unknown, and as likely road as not.
 //!
-//! Limits: a verge that changes is unknown as well until it has been passed; a car or a wall of a colour of its own is.
+//! Limits: a verge that changes is unknown as well, until none of what is passed is like the verges of before and they are
+//! learned anew; a car or a wall of a colour of its own is.
 
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::picture::{Plane, ValidityMask};
@@ -65,6 +66,8 @@ impl VergeColours {
         }
         let total: f32 = self.counts.iter().sum();
         if total < LEAST_COUNTED {
+            // What is known of verges has grown old, or is not yet enough.
+            self.unknown.fill(0);
             return;
         }
         let even = total / self.counts.len() as f32;
@@ -128,6 +131,11 @@ mod tests {
         assert!(silent(&learned(0, 10)) && silent(&learned(5, 10)), "too little is seen");
         assert!(silent(&learned(40, 100)), "what may be road is no verge");
         let mut verges = learned(40, 10);
+        assert!(!silent(&verges));
+        let (bin, unknown) = (Plane::new(320, 320, GRASS + 300), Plane::new(320, 320, 127));
+        let validity = ValidityMask::from_plane(Plane::new(320, 320, 1));
+        (0..200).for_each(|_| verges.learn(&bin, &validity, &unknown));
+        assert!(silent(&verges), "verges that are passed no more are forgotten");
         verges.forget();
         assert!(silent(&verges));
     }

@@ -36,7 +36,7 @@ pub struct AlignmentConfig {
     pub slide_beyond_m: f64,
     /// Step of the slide, metres; default 0.1.
     pub slide_step_m: f64,
-    /// Least fall of the probability at an edge, 0 to 1; half of it for the mean of a whole arm, which has less noise;
+    /// Least fall of the probability at an edge, 0.01 to 1; half of it for the mean of a whole arm, which has less noise;
     /// default 0.15.
     pub min_edge_step: f64,
     /// Narrowest road believed, as a share of the map's width; default 0.55.

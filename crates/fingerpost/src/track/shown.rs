@@ -6,7 +6,9 @@
 
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
+use super::Sought;
 use crate::ground_view::{CameraTurn, Viewpoint};
+use crate::matching::Match;
 
 /// The places of the road and those at which the ground view shows them.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +34,11 @@ impl ShownRoad {
     /// Where a feature that is shown with this pose is on the road.
     pub(super) fn road_from_shown(&self, pose: &Isometry2<f64>) -> Isometry2<f64> {
         moved(&self.road_from_shown, pose)
+    }
+
+    /// A match that was sought, with its place on the road.
+    pub(super) fn sought(&self, index: usize, matched: Match) -> Sought {
+        Sought { index, vehicle_from_feature: self.road_from_shown(&matched.vehicle_from_feature), matched }
     }
 
     /// How far ahead the road is shown that is so far ahead, metres.
@@ -70,7 +77,10 @@ mod tests {
         assert!((road.shown_ahead_m(13.0) - 14.2).abs() < 0.03);
         let back = road.road_from_shown(&shown);
         assert!((back.translation.vector - pose.translation.vector).norm() < 1e-9);
-        assert!((back.rotation.angle() - 0.1).abs() < 0.005);
+        assert!((back.rotation.angle() - 0.1).abs() < 1e-9);
+        // What lies ahead along the feature is shown along it.
+        let ahead = shown.inverse() * place(&road.shown_from_road, pose * Point2::new(3.0, 0.0));
+        assert!(ahead.x > 0.0 && ahead.y.abs() < 1e-9, "{ahead}");
     }
 
     #[test]

@@ -46,8 +46,8 @@ struct Passing {
 pub struct Moved<'a> {
     /// The motion; none where it is not known.
     pub motion: Option<&'a Motion>,
-    /// How the camera is turned against its mount.
-    pub turn: CameraTurn,
+    /// How the camera is turned against its mount; none where this frame says nothing of it.
+    pub turn: Option<CameraTurn>,
 }
 
 /// Follows the features of a route, one after the other.
@@ -161,9 +161,10 @@ impl Tracker {
         };
         output.followed = self.followed(output.state, laid)?;
         if let Some(followed) = &output.followed {
+            let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);
             match (self.progress_beside(followed), &evidence.decision) {
                 (Some((route_m, sigma_m)), Decision::Detected) => {
-                    self.progress.observe_found(route_m, sigma_m);
+                    self.progress.observe_found(feature_m, route_m, sigma_m);
                 }
                 (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),
                 (None, _) => {}
@@ -175,7 +176,7 @@ impl Tracker {
 
     fn predict(&mut self, moved: &Moved<'_>) {
         let before = self.shown;
-        let now = ShownRoad::new(&moved.turn, self.viewpoint);
+        let now = moved.turn.map_or(before, |turn| ShownRoad::new(&turn, self.viewpoint));
         let predict = |filter: &mut PoseFilter| {
             filter.place(before.road_from_shown(filter.pose()));
             if let Some(motion) = moved.motion {

@@ -5,14 +5,14 @@ use fingerpost_vision::picture::RgbImage;
 
 use super::{Contestant, Kept, RoadNumbers};
 
-/// Rows of a contact sheet: what can be looked at in one picture.
-const SHEET_ROWS: usize = 12;
+/// Pictures on a contact sheet: what can be looked at in one.
+const SHEET_PICTURES: usize = 12;
 /// Outline on a contact sheet of pictures without labels.
 const UNLABELLED_THRESHOLD: u8 = 128;
 
 /// Whether a picture of `count` is on the sheet: all of few, some at even distances of many.
 pub(super) const fn on_sheet(index: usize, count: usize) -> bool {
-    count <= SHEET_ROWS || (index * SHEET_ROWS) % count < SHEET_ROWS
+    count <= SHEET_PICTURES || (index * SHEET_PICTURES) % count < SHEET_PICTURES
 }
 
 /// The sheet of the pictures that were kept.

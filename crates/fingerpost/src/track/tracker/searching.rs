@@ -3,12 +3,14 @@
 use std::ops::RangeInclusive;
 
 use fingerpost_vision::span::SpanError;
+use nalgebra::Isometry2;
 
 use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, Tracker};
+use crate::feature_masks::MaskCache;
 use crate::feature_model::FeatureModel;
-use crate::matching::LaidSurface;
+use crate::matching::{LaidSurface, Match};
 use crate::track::alignment::{CrossSection, CrossSectionUse};
-use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, Sought, TrackConfig, TrackEvidence};
+use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, TrackConfig, TrackEvidence};
 
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
@@ -48,7 +50,7 @@ impl Tracker {
         else {
             return Ok(());
         };
-        let (config, index, masks) = (&self.config, self.next, &mut stop.masks);
+        let (config, index, masks, shown) = (&self.config, self.next, &mut stop.masks, self.shown);
         let (mut filter, before, found) = match (candidate.take(), &range) {
             (Some(candidate), _) => {
                 let threshold = config.detect_threshold_at_verge;
@@ -56,6 +58,10 @@ impl Tracker {
                 evidence.tried = tried.count;
                 let Some(found) = tried.best else {
                     evidence.decision = Decision::NotFound { index };
+                    if let Some(closest) = &tried.closest {
+                        let matched = explained(laid, masks, closest, &mut self.spare)?;
+                        evidence.sought = Some(shown.sought(index, matched));
+                    }
                     return Ok(());
                 };
                 (candidate.filter, (candidate.frames, candidate.weight), found)
@@ -65,10 +71,9 @@ impl Tracker {
                 let tried =
                     self.search.along_approach(config, laid, &stop.model, masks, range, expectation)?;
                 evidence.tried = tried.count;
-                if let Some(closest) = tried.closest {
-                    let mut matched = self.spare.pop().unwrap_or_default();
-                    laid.explain(masks, &closest, &mut matched)?;
-                    evidence.sought = Some(Sought { index, matched });
+                if let Some(closest) = &tried.closest {
+                    let matched = explained(laid, masks, closest, &mut self.spare)?;
+                    evidence.sought = Some(shown.sought(index, matched));
                 }
                 let Some(found) = tried.best else {
                     evidence.decision = Decision::NotFound { index };
@@ -108,26 +113,27 @@ impl Tracker {
         let is_expected = |filter: &PoseFilter| surprise(filter).is_some_and(|surprise| surprise <= EXPECTED);
         let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
         let mut aligned = self.spare.pop().unwrap_or_default();
-        let mut holds = |filter: &PoseFilter| -> Result<bool, SpanError> {
+        let mut holds = |filter: &PoseFilter| -> Result<(bool, Option<f64>), SpanError> {
             laid.explain(masks, filter.pose(), &mut aligned)?;
             let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
-            Ok(!off_road && aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge))
+            let matches = aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge);
+            Ok((!off_road && matches, aligned.p))
         };
-        let mut is_found = holds(&filter)?;
-        if !is_found && is_expected(&by_search) {
+        let (mut is_found, by_edges) = holds(&filter)?;
+        if !is_found && is_expected(&by_search) && holds(&by_search)?.0 {
             evidence.sections.clear();
-            filter = by_search;
-            is_found = holds(&filter)?;
+            (filter, is_found) = (by_search, true);
         }
-        let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
         if !is_found {
             self.spare.push(aligned);
+            let aligned_p = by_edges.unwrap_or(0.0);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
             return Ok(());
         }
+        let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
         // What is shown is the place that is judged from here on.
-        let shown = evidence.sought.replace(Sought { index, matched: aligned });
-        self.spare.extend(shown.map(|sought| sought.matched));
+        let before_it = evidence.sought.replace(shown.sought(index, aligned));
+        self.spare.extend(before_it.map(|sought| sought.matched));
         let is_near = filter.pose().translation.x <= VERGES_OUT_OF_VIEW_M;
         if contrast.is_none() && !(is_near && is_expected(&filter)) && !evidence.sections.iter().any(tells_it)
         {
@@ -194,6 +200,18 @@ impl Tracker {
         }
         (low <= high).then_some(low..=high)
     }
+}
+
+/// The match at a pose, in memory of one that was handed out before.
+fn explained(
+    laid: &LaidSurface<'_>,
+    masks: &mut MaskCache,
+    vehicle_from_feature: &Isometry2<f64>,
+    spare: &mut Vec<Match>,
+) -> Result<Match, SpanError> {
+    let mut matched = spare.pop().unwrap_or_default();
+    laid.explain(masks, vehicle_from_feature, &mut matched)?;
+    Ok(matched)
 }
 
 /// What a frame says for a candidate: its contrast beyond half of the one that is needed, so that a weak contrast must
