@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{FlowModel, MotionConfig, MotionEstimator, MotionMethod};
+use fingerpost::mount::AttitudeObservation;
 use fingerpost_geometry::wrap_angle;
 use fingerpost_sim::{SimConfig, Simulator};
 use nalgebra::{Isometry2, Vector2};
@@ -101,7 +102,7 @@ impl Drive {
                 next = 0;
             }
             // The pictures all fit the view.
-            let _ = estimator.estimate(&self.view, &self.pictures[next]);
+            let _ = estimator.estimate(&self.view, &self.pictures[next], &AttitudeObservation::default());
             next += 1;
         })
     }
@@ -109,9 +110,11 @@ impl Drive {
     fn errors(&self, name: &str, mut estimator: Box<dyn MotionEstimator>) -> Result<Vec<Figure>> {
         let mut squares = [0.0; 3];
         let mut driven = [0.0; 2];
-        estimator.estimate(&self.view, &self.pictures[0])?;
+        estimator.estimate(&self.view, &self.pictures[0], &AttitudeObservation::default())?;
         for (picture, step) in self.pictures[1..].iter().zip(&self.steps) {
-            let (motion, _) = estimator.estimate(&self.view, picture)?.context("a motion of every frame")?;
+            let (motion, _) = estimator
+                .estimate(&self.view, picture, &AttitudeObservation::default())?
+                .context("a motion of every frame")?;
             let found = motion.previous_from_current;
             let apart = found.translation.vector - step.translation.vector;
             let yaw = wrap_angle(found.rotation.angle() - step.rotation.angle());
