@@ -21,6 +21,11 @@ pub struct Flattening {
     /// Sum of the grey of the seen pixels, and their number, of each block.
     sums: Plane<u32>,
     counts: Plane<u32>,
+    /// The same over the width of the window about each block.
+    wide_sums: Plane<u32>,
+    wide_counts: Plane<u32>,
+    /// Sum and number over the whole window, of a row of blocks.
+    column_sums: Vec<(u32, u32)>,
     /// Mean of what is seen in the window about each block.
     means: Plane<f32>,
     /// Means of the blocks at the height of a row of pixels.
@@ -39,6 +44,9 @@ impl Flattening {
             reach_blocks: (window_px / 2).div_ceil(block_px),
             sums: Plane::default(),
             counts: Plane::default(),
+            wide_sums: Plane::default(),
+            wide_counts: Plane::default(),
+            column_sums: Vec::new(),
             means: Plane::default(),
             across: Vec::new(),
             row: Vec::new(),
@@ -93,16 +101,31 @@ impl Flattening {
         let (columns, rows) = self.sums.size();
         self.means.reset(columns, rows, f32::from(FLAT));
         let reach = self.reach_blocks;
+        self.wide_sums.reset(columns, rows, 0);
+        self.wide_counts.reset(columns, rows, 0);
         for row in 0..rows {
-            for column in 0..columns {
-                let (left, right) = (column.saturating_sub(reach), (column + reach + 1).min(columns));
-                let (mut sum, mut count) = (0, 0);
-                for y in row.saturating_sub(reach)..(row + reach + 1).min(rows) {
-                    sum += self.sums.row(y)[left..right].iter().sum::<u32>();
-                    count += self.counts.row(y)[left..right].iter().sum::<u32>();
+            for (narrow, wide) in [
+                (self.sums.row(row), self.wide_sums.row_mut(row)),
+                (self.counts.row(row), self.wide_counts.row_mut(row)),
+            ] {
+                for (column, wide) in wide.iter_mut().enumerate() {
+                    let (left, right) = (column.saturating_sub(reach), (column + reach + 1).min(columns));
+                    *wide = narrow[left..right].iter().sum();
                 }
+            }
+        }
+        self.column_sums.resize(columns, (0, 0));
+        for row in 0..rows {
+            self.column_sums.fill((0, 0));
+            for y in row.saturating_sub(reach)..(row + reach + 1).min(rows) {
+                let wide = self.wide_sums.row(y).iter().zip(self.wide_counts.row(y));
+                for (total, (&sum, &count)) in self.column_sums.iter_mut().zip(wide) {
+                    *total = (total.0 + sum, total.1 + count);
+                }
+            }
+            for (mean, &(sum, count)) in self.means.row_mut(row).iter_mut().zip(&self.column_sums) {
                 if count > 0 {
-                    self.means.row_mut(row)[column] = sum as f32 / count as f32;
+                    *mean = sum as f32 / count as f32;
                 }
             }
         }
