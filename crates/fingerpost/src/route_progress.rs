@@ -104,8 +104,8 @@ impl RouteProgress {
         }
     }
 
-    /// The feature that lies `feature_m` along the route was found and says where on it the vehicle is. What was believed before is kept beside it when the
-    /// two disagree, because places look alike; what neither agrees with is forgotten.
+    /// The feature that lies `feature_m` along the route was found and says where on it the vehicle is. What was believed
+    /// before is kept beside it when the two disagree, because places look alike; what neither agrees with is forgotten.
     pub fn observe_found(&mut self, feature_m: f64, route_m: f64, sigma_m: f64) {
         // The same feature found again tells nothing new.
         let is_same =

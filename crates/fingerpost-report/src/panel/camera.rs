@@ -5,8 +5,7 @@ use fingerpost::matching::Participation;
 use fingerpost::track::Followed;
 use fingerpost_geometry::{Camera, Polyline};
 use fingerpost_vision::picture::Rect;
-use nalgebra::Isometry2;
-use nalgebra::Point2;
+use nalgebra::{Isometry2, Point2};
 
 use crate::draw::{Canvas, Paint, TextSize};
 use crate::palette;

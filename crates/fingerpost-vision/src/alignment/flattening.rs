@@ -30,6 +30,8 @@ pub struct Flattening {
     means: Plane<f32>,
     /// Means of the blocks at the height of a row of pixels.
     across: Vec<f32>,
+    /// Between which blocks each column of pixels lies, and how far towards the second.
+    columns: Vec<(usize, usize, f32)>,
     /// The mean at each pixel of a row.
     row: Vec<f32>,
 }
@@ -49,6 +51,7 @@ impl Flattening {
             column_sums: Vec::new(),
             means: Plane::default(),
             across: Vec::new(),
+            columns: Vec::new(),
             row: Vec::new(),
         }
     }
@@ -71,18 +74,21 @@ impl Flattening {
         self.take_means();
         let (columns, rows) = self.means.size();
         self.across.resize(columns, 0.0);
-        self.row.resize(columns * self.block_px, 0.0);
+        self.row.resize(width, 0.0);
+        if self.columns.len() != width {
+            self.columns.clear();
+            self.columns.extend((0..width).map(|x| between(x, self.block_px, columns)));
+        }
         for y in 0..height {
             let (above, below, share) = between(y, self.block_px, rows);
             let (above, below) = (self.means.row(above), self.means.row(below));
             for (out, (&above, &below)) in self.across.iter_mut().zip(above.iter().zip(below)) {
                 *out = above + (below - above) * share;
             }
-            for (x, out) in self.row.iter_mut().enumerate() {
-                let (left, right, share) = between(x, self.block_px, columns);
+            for (out, &(left, right, share)) in self.row.iter_mut().zip(&self.columns) {
                 *out = self.across[left] + (self.across[right] - self.across[left]) * share;
             }
-            take_off(path, &self.row[..width], grey.row(y), flat.row_mut(y));
+            take_off(path, &self.row, grey.row(y), flat.row_mut(y));
         }
     }
 

@@ -119,14 +119,14 @@ impl Tracker {
             let matches = aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge);
             Ok((!off_road && matches, aligned.p))
         };
-        let (mut is_found, by_edges) = holds(&filter)?;
+        let (mut is_found, p_by_edges) = holds(&filter)?;
         if !is_found && is_expected(&by_search) && holds(&by_search)?.0 {
             evidence.sections.clear();
             (filter, is_found) = (by_search, true);
         }
         if !is_found {
             self.spare.push(aligned);
-            let aligned_p = by_edges.unwrap_or(0.0);
+            let aligned_p = p_by_edges.unwrap_or(0.0);
             evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
             return Ok(());
         }
