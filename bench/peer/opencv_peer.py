@@ -7,6 +7,7 @@ takes one, and every call is made once untimed first, so that nothing but the op
 """
 import collections
 import json
+import math
 import sys
 import time
 
@@ -221,6 +222,151 @@ class Localisation:
         return [grey]
 
 
+class LaneDetection:
+    """The lane path as an OpenCV user writes it: one frame a call; the columns of both edges in rows of the region come out.
+
+    `rows` has for every row of the region: the columns between which edges may lie, the column straight ahead, and the
+    stretch of the horizon to which a lane can lead, with its row.
+    """
+
+    def __init__(self, p, frames, rows):
+        self.p, self.frames, self.rows = p, frames, rows
+        self.wanted = np.arange(rows.shape[0] - 1, 0, -p["point_rows"])[::-1].astype(np.float64)
+        self.start()
+        self.stages = {}
+
+    def start(self):
+        self.next, self.mean, self.previous = 0, None, [{}, {}]
+
+    def smooth_mean(self):
+        grey = cv2.cvtColor(self.frames[self.next][self.p["top_row"] :], cv2.COLOR_RGB2GRAY)
+        self.next += 1
+        if self.mean is None:
+            self.mean = grey.astype(np.float32)
+        cv2.accumulateWeighted(grey, self.mean, 1 / min(self.next, self.p["buffer_frames"]))
+        return cv2.GaussianBlur(cv2.convertScaleAbs(self.mean), (5, 5), 0)
+
+    def threshold(self, smooth):
+        """The upper threshold, raised in steps above the texture of the road."""
+        across = cv2.absdiff(smooth[1:-1:4, :-2:4], smooth[1:-1:4, 2::4])
+        common = np.searchsorted(np.bincount(across.ravel(), minlength=256).cumsum(), 0.9 * across.size)
+        high = self.p["canny_high"]
+        return high * 1.25 ** math.floor(math.log(max(4 * 1.5 * common / high, 1), 1.25))
+
+    def oriented(self, edges, dx, dy):
+        """The edges that are brighter outside and lead to where a lane can."""
+        kept = np.zeros_like(edges)
+        points = cv2.findNonZero(edges)
+        if points is None:
+            return kept
+        xs, ys = points.reshape(-1, 2).T
+        left, right, ahead, horizon_left, horizon_right, horizon_row = self.rows[ys].T
+        gx, gy = dx[ys, xs].astype(np.float32), dy[ys, xs].astype(np.float32)
+        inside = (xs >= left) & (xs < right) & (np.where(xs < ahead, -gx, gx) > 0)
+        slope = np.divide(gy, gx, out=np.zeros_like(gx), where=gx != 0)
+        up = ys - horizon_row
+        to = xs + slope * up
+        slack = np.abs(slope) * self.p["slack_rows"] + up * (1 + slope * slope) * np.float32(self.p["direction_rad"])
+        inside &= (to > horizon_left - slack) & (to < horizon_right + slack)
+        kept[ys[inside], xs[inside]] = 255
+        return kept
+
+    def large(self, dilated):
+        count, labels, stats, _ = cv2.connectedComponentsWithStats(dilated, None, None, None, 8, cv2.CV_32S)
+        keep = np.where(stats[:, cv2.CC_STAT_AREA] >= self.p["min_area_px"], 255, 0).astype(np.uint8)
+        keep[0] = 0
+        return np.take(keep, labels, mode="clip")
+
+    def candidates(self, thin, section, side):
+        """The strongest lines of a section's side as columns at its lower and upper end."""
+        upper, lower = section
+        ahead = int(self.rows[(upper + lower) // 2, 2])
+        first, part = (0, thin[upper:lower, :ahead]) if side < 0 else (ahead, thin[upper:lower, ahead:])
+        lines = cv2.HoughLines(part, 1, np.pi / 180, max(7, int(0.22 * (lower - upper))))
+        found = []
+        for rho, theta in [] if lines is None else lines.reshape(-1, 2)[:32].tolist():
+            cosine = math.cos(theta)
+            if abs(cosine) < 0.05:
+                continue
+            line = first + (rho - (lower - upper) * math.sin(theta)) / cosine, first + rho / cosine
+            if all(max(abs(line[0] - other[0]), abs(line[1] - other[1])) >= 5 for other in found):
+                found.append(line)
+            if len(found) == 4:
+                break
+        return found
+
+    def select(self, thin, side):
+        """The innermost line of every section that a lane's edge can be; where there is none, the one of before."""
+        chosen, before = self.previous[side > 0], None
+        for index, (upper, lower) in enumerate(self.p["sections"]):
+            best, largest = None, 0.0
+            left, right, ahead = self.rows[lower - 1, :3]
+            for at_lower, at_upper in self.candidates(thin, (upper, lower), side):
+                angle = math.atan2(lower - upper, -side * (at_upper - at_lower))
+                _, _, _, horizon_left, horizon_right, horizon_row = self.rows[upper]
+                at_horizon = at_lower + (at_upper - at_lower) * (lower - horizon_row) / (lower - upper)
+                possible = horizon_left < at_horizon < horizon_right and left <= at_lower < right
+                if before is not None:
+                    possible &= abs(at_lower - before[0]) < 20 and abs(angle - before[1]) < math.radians(8)
+                if possible and side * (at_lower - ahead) > -20 and angle > largest:
+                    best, largest = (at_lower, at_upper), angle
+            if best is not None:
+                chosen[index] = (*best, self.next)
+                before = best[1], largest
+        last = self.next - self.p["keep_frames"]
+        self.previous[side > 0] = {index: line for index, line in chosen.items() if line[2] >= last}
+        return self.previous[side > 0]
+
+    def spline(self, chosen):
+        """The columns of the shape-preserving cubic (Fritsch and Carlson) through the sections' ends."""
+        knots = {}
+        for index, (at_lower, at_upper, _) in chosen.items():
+            upper, lower = self.p["sections"][index]
+            knots.setdefault(lower, []).append(at_lower)
+            knots.setdefault(upper, []).append(at_upper)
+        if not knots:
+            return np.full(self.wanted.size, np.nan)
+        x = np.array(sorted(knots), np.float64)
+        y = np.array([sum(knots[row]) / len(knots[row]) for row in sorted(knots)])
+        h = np.diff(x)
+        d = np.diff(y) / h
+        slopes = np.concatenate([d[:1], np.zeros(d.size - 1), d[-1:]])
+        for i in range(1, d.size):
+            if d[i - 1] * d[i] > 0:
+                w1, w2 = 2 * h[i] + h[i - 1], h[i] + 2 * h[i - 1]
+                slopes[i] = (w1 + w2) / (w1 / d[i - 1] + w2 / d[i])
+        i = np.clip(np.searchsorted(x, self.wanted, "right") - 1, 0, d.size - 1)
+        t = (self.wanted - x[i]) / h[i]
+        cubic = (1 + 2 * t) * (1 - t) ** 2 * y[i] + t * t * (3 - 2 * t) * y[i + 1]
+        cubic += h[i] * t * (1 - t) * ((1 - t) * slopes[i] - t * slopes[i + 1])
+        cubic[(self.wanted < x[0]) | (self.wanted > x[-1])] = np.nan
+        return cubic
+
+    def __call__(self):
+        if self.next == len(self.frames):
+            self.start()
+        laps = [time.perf_counter_ns()]
+        smooth = self.smooth_mean()
+        laps.append(time.perf_counter_ns())
+        high = self.threshold(smooth)
+        dx, dy = cv2.spatialGradient(smooth)
+        edges = cv2.Canny(dx, dy, self.p["canny_low_share"] * high, high)
+        laps.append(time.perf_counter_ns())
+        kept = self.oriented(edges, dx, dy)
+        laps.append(time.perf_counter_ns())
+        large = self.large(cv2.dilate(kept, np.ones((3, 3), np.uint8)))
+        laps.append(time.perf_counter_ns())
+        thin = cv2.ximgproc.thinning(large, None, cv2.ximgproc.THINNING_ZHANGSUEN)
+        laps.append(time.perf_counter_ns())
+        chosen = [self.select(thin, side) for side in (-1, 1)]
+        laps.append(time.perf_counter_ns())
+        columns = np.float32([self.spline(lines) for lines in chosen])
+        laps.append(time.perf_counter_ns())
+        names = ["mean and blur", "edges", "orientation", "dilation and area", "thinning", "lines", "spline"]
+        self.stages = {name: b - a for name, a, b in zip(names, laps, laps[1:])}
+        return [columns]
+
+
 OPERATIONS = {
     operation.__name__: operation
     for operation in [
@@ -228,7 +374,7 @@ OPERATIONS = {
         dilation, components, component_statistics, hough_lines, hough_segments, resize_half, pyramid_reduction,
         farneback,
     ]
-} | {"localisation": Localisation}
+} | {"localisation": Localisation, "lane_detection": LaneDetection}
 
 
 def read_arrays(kinds):

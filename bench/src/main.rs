@@ -1,4 +1,4 @@
-//! Fingerpost beside its peers: one command measures kernels, the whole loop, motion estimates, candidate poses and whole
+//! Fingerpost beside its peers: one command measures kernels, the whole loop, lanes, motion estimates, candidate poses and whole
 //! runs, interleaved in one run on the same frames, after it has checked that the results agree.
 
 mod candidates;
@@ -6,6 +6,7 @@ mod footage;
 mod growth;
 
 mod kernels;
+mod lanes;
 mod machine;
 mod measure;
 mod motion;
@@ -33,7 +34,7 @@ struct Arguments {
     /// Recording to measure on; without it a drive is simulated, 960 x 540.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// Python with opencv-python and numpy.
+    /// Python with opencv-contrib-python and numpy.
     #[arg(long, value_name = "FILE", default_value = "python3")]
     python: PathBuf,
     /// The program `fingerpost`; without it whole runs are left out.
@@ -71,6 +72,9 @@ fn main() -> Result<()> {
     }
     if timed("whole loop") {
         sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
+    if wanted("lanes") {
+        sections.push(lanes::lanes(&mut opencv, effort)?);
     }
     if timed("motion") {
         sections.push(motion::motion(&mut opencv, effort)?);

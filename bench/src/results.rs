@@ -22,6 +22,8 @@ pub struct Row {
     pub ratio: f64,
     /// Ratio that is promised, where one is.
     pub promised_ratio: Option<f64>,
+    /// Fingerpost's time that is promised at most, where one is, milliseconds.
+    pub promised_ms: Option<f64>,
     pub agreement: Option<Agreement>,
 }
 
@@ -30,12 +32,14 @@ impl Row {
         let ms = |index: usize| contestants.get(index).map_or(f64::NAN, |measured| measured.median_ms);
         let ratio = ms(1) / ms(0);
         let (what, size) = (what.to_owned(), size.to_owned());
-        Self { what, size, contestants, ratio, promised_ratio, agreement: None }
+        Self { what, size, contestants, ratio, promised_ratio, promised_ms: None, agreement: None }
     }
 
     /// Whether everything promised of it holds.
     pub fn holds(&self) -> bool {
+        let ours_ms = self.contestants.first().map_or(f64::NAN, |measured| measured.median_ms);
         self.promised_ratio.is_none_or(|promised| self.ratio >= promised)
+            && self.promised_ms.is_none_or(|promised| ours_ms <= promised)
             && self.agreement.as_ref().is_none_or(|agreement| agreement.holds)
     }
 }
@@ -116,8 +120,9 @@ fn row_line(row: &Row) -> String {
     let promised = row.promised_ratio.map_or(String::new(), |promised| format!("of {promised}x"));
     let agreement = row.agreement.as_ref().map_or("", |agreement| agreement.found.as_str());
     let says = verdict(row.holds(), row.promised_ratio.is_some() || row.agreement.is_some());
+    let at_most = row.promised_ms.map_or(String::new(), |promised| format!(" (at most {promised} ms)"));
     let line = format!(
-        "  {:<50} {:<24} {ratio:>8} {promised:<8} {says:<12} {}  {agreement}",
+        "  {:<50} {:<24} {ratio:>8} {promised:<8} {says:<12} {}{at_most}  {agreement}",
         row.what,
         row.size,
         contestants.join(", ")

@@ -12,7 +12,7 @@ use fingerpost_sim::{SimConfig, SimFrame, Simulator};
 use rayon::prelude::*;
 
 use crate::arguments::PictureSize;
-use crate::driver::{Driver, RunSetting};
+use crate::driver::{Driver, RunSetting, Sequence};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlap::{self, Overlap};
@@ -58,6 +58,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         camera: &camera,
         route: Some(&route),
         start_m: Some(sim_config.start_m),
+        sequence: Sequence::Drive,
     };
     let wishes = Wishes {
         title: "Fingerpost demo: a simulated drive through Mauren".to_owned(),

@@ -29,6 +29,26 @@ pub(crate) struct RunSetting<'a> {
     pub(crate) route: Option<&'a Route>,
     /// Distance along the route at the first frame, metres.
     pub(crate) start_m: Option<f64>,
+    /// How the pictures hang together.
+    pub(crate) sequence: Sequence,
+}
+
+impl RunSetting<'_> {
+    /// The method before its first frame.
+    fn pipeline(&self) -> Result<Pipeline> {
+        let detector = road_detector(&self.config.road_surface)?;
+        Ok(Pipeline::with_road_detector(self.config, self.camera, self.route, self.start_m, detector)?)
+    }
+}
+
+/// How the pictures of an input hang together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Sequence {
+    /// They are a drive.
+    #[default]
+    Drive,
+    /// Each was taken by itself.
+    Stills,
 }
 
 /// What came of a frame.
@@ -56,28 +76,31 @@ pub(crate) struct Seen {
 /// The method with what the results need of it.
 pub(crate) struct Driver {
     pipeline: Pipeline,
+    sequence: Sequence,
     drawing: Setting,
     features: Vec<FeatureIdentity>,
     key_frames: KeyFrameChoice,
     pictures: Pictures,
     video: bool,
     frames_used: u64,
+    /// Time of the last frame that was used, seconds.
+    last_t_s: Option<f64>,
 }
 
 impl Driver {
     /// Sets the method up for a run of about `frames` frames, where that is known.
     pub(crate) fn new(setting: RunSetting<'_>, wishes: &Wishes, frames: Option<u64>) -> Result<Self> {
-        let RunSetting { config, camera, route, start_m } = setting;
-        let detector = road_detector(&config.road_surface)?;
-        let pipeline = Pipeline::with_road_detector(config, camera, route, start_m, detector)?;
+        let pipeline = setting.pipeline()?;
         Ok(Self {
-            drawing: Setting::new(camera, &pipeline),
+            drawing: Setting::new(setting.camera, &pipeline),
+            sequence: setting.sequence,
             features: feature_identities(pipeline.tracker().stops()),
             pipeline,
             key_frames: KeyFrameChoice::new(frames),
             pictures: wishes.pictures.clone(),
             video: wishes.video_fps.is_some(),
             frames_used: 0,
+            last_t_s: None,
         })
     }
 
@@ -92,6 +115,7 @@ impl Driver {
             },
             route: setting.route.cloned(),
             features: self.features.clone(),
+            picture_px: [setting.camera.width(), setting.camera.height()].map(|side| side as u32),
         })
     }
 
@@ -110,14 +134,18 @@ impl Driver {
         &self.features
     }
 
-    /// Takes one frame in.
+    /// Takes one frame in; the time since the frame before is known here.
     pub(crate) fn step(
         &mut self,
         time: FrameTime,
         picture: &RgbImage,
         sensors: Sensors,
     ) -> Result<FrameResult> {
+        if self.sequence == Sequence::Stills {
+            self.begin_anew()?;
+        }
         let mut clock = FrameClock::start();
+        let sensors = Sensors { dt_s: self.last_t_s.map(|last_s| time.t_s - last_s), ..sensors };
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
         let (output, evidence) = match done {
             Ok(done) => done,
@@ -125,9 +153,9 @@ impl Driver {
             Err(cause) => return Ok(pass_over(time, &cause)),
         };
         self.frames_used += 1;
+        self.last_t_s = Some(time.t_s);
         let stage_ms = clock.stage_ms;
-        let sought = evidence.track.sought.as_ref();
-        let record = frame_record(time, output, sought, &evidence.road, &self.features, stage_ms);
+        let record = frame_record(time, output, &evidence, &self.features, stage_ms);
         let mut clock = FrameClock::start();
         let FrameTime { frame, t_s } = time;
         let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
@@ -136,6 +164,16 @@ impl Driver {
         let annotated = (self.video || self.pictures.want(frame)).then(|| compose(&scene));
         clock.finished("drawing");
         Ok(FrameResult { time, outcome: Ok(Seen { record, key_frame, annotated }), stage_ms: clock.stage_ms })
+    }
+
+    /// Puts the method before its first frame.
+    fn begin_anew(&mut self) -> Result<()> {
+        let config = self.pipeline.config().clone();
+        let camera = &self.drawing.camera;
+        let setting =
+            RunSetting { config: &config, camera, route: None, start_m: None, sequence: self.sequence };
+        self.pipeline = setting.pipeline()?;
+        Ok(())
     }
 
     /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no

@@ -1,5 +1,6 @@
 //! `fingerpost evaluate`: results against truth.
 
+mod lanes;
 mod road;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use crate::output;
 pub(crate) enum EvaluateCommand {
     Junctions(JunctionsArgs),
     Motion(MotionArgs),
+    Lanes(lanes::LanesArgs),
     Road(road::RoadArgs),
 }
 
@@ -60,6 +62,7 @@ pub(crate) fn evaluate(command: &EvaluateCommand) -> Result<()> {
     match command {
         EvaluateCommand::Junctions(args) => junctions(args),
         EvaluateCommand::Motion(args) => motion(args),
+        EvaluateCommand::Lanes(args) => lanes::lanes(args),
         EvaluateCommand::Road(args) => road::road(args),
     }
 }

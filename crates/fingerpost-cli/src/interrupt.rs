@@ -27,6 +27,11 @@ impl Interrupt {
         Ok(Self(wanted))
     }
 
+    /// What is set when Ctrl-C is pressed.
+    pub(crate) fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
+
     /// Whether Ctrl-C was pressed.
     pub(crate) fn wanted(&self) -> bool {
         self.0.load(Ordering::SeqCst)

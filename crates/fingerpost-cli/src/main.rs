@@ -6,12 +6,16 @@
 mod arguments;
 mod calibrate;
 mod campaign;
+mod can;
+mod can_signals;
 mod demo;
 mod driver;
 mod evaluate;
 mod gps;
 mod inputs;
 mod interrupt;
+mod lanes_record;
+mod mark;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;
@@ -48,6 +52,8 @@ enum Command {
     Calibrate(calibrate::CalibrateCommand),
     #[command(subcommand)]
     Evaluate(evaluate::EvaluateCommand),
+    Mark(mark::MarkArgs),
+    Can(can::CanArgs),
     Schema(schema::SchemaArgs),
 }
 
@@ -60,6 +66,8 @@ fn main() -> ExitCode {
         Command::Campaign(args) => campaign::campaign(&args),
         Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
+        Command::Mark(args) => mark::mark(&args),
+        Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
     };
     match done {

@@ -2,24 +2,28 @@
 
 use std::collections::BTreeMap;
 
-use fingerpost::FrameOutput;
+use fingerpost::centreline::Centreline;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::road_surface::RoadEvidence;
 use fingerpost::track::{Followed, RouteStop, Sought, State};
+use fingerpost::vehicle_signals::{SignalSource, SignalsEvidence, TurnSignal, VehicleState};
+use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
-    ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, RoadSurfaceRecord, SoughtRecord, TrackState,
+    CentrelineRecord, ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord,
+    MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
+use crate::lanes_record::lanes_record;
+
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
 /// anything the method resolves.
-const DIGITS: i32 = 4;
+pub(crate) const DIGITS: i32 = 4;
 /// Digits of angles in radians: 10 micrometres at 10 m.
-const ANGLE_DIGITS: i32 = 6;
+pub(crate) const ANGLE_DIGITS: i32 = 6;
 /// Digits of seconds.
 const TIME_DIGITS: i32 = 6;
 
@@ -57,12 +61,12 @@ pub(crate) const fn kind_name(kind: FeatureKind) -> &'static str {
 pub(crate) fn frame_record(
     time: FrameTime,
     output: &FrameOutput,
-    sought: Option<&Sought>,
-    road: &RoadEvidence,
+    evidence: &FrameEvidence<'_>,
     features: &[FeatureIdentity],
     stage_ms: BTreeMap<String, f64>,
 ) -> FrameRecord {
     let followed = output.track.followed.as_ref();
+    let sought = evidence.track.sought.as_ref();
     FrameRecord {
         sought: sought.and_then(|sought| Some(sought_record(sought, features.get(sought.index)?))),
         frame: time.frame,
@@ -71,15 +75,16 @@ pub(crate) fn frame_record(
         feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
         mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
-        surface: Some(surface_record(road)),
+        signals: evidence.signals.as_ref().map(|signals| signals_record(&output.vehicle, signals)),
+        surface: Some(surface_record(&evidence.road)),
         driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
         driving_line_curvature_per_m: output
             .driving_line_curvature_per_m
             .iter()
             .map(|curvature| rounded(*curvature, DIGITS))
             .collect(),
-        centreline: None,
-        lanes: None,
+        centreline: output.centreline.as_ref().map(centreline_record),
+        lanes: output.lane.as_ref().map(|lane| lanes_record(lane, output.departure.as_ref())),
         fix: None,
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
         stage_ms,
@@ -103,6 +108,7 @@ pub(crate) fn broken_record(
         feature: None,
         motion: None,
         mount: None,
+        signals: None,
         surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
@@ -139,6 +145,40 @@ fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
             by_deg: degrees(fault.by_rad),
             since_frame: frame.saturating_sub(fault.frames_since as u64),
         }),
+    }
+}
+
+fn centreline_record(centreline: &Centreline) -> CentrelineRecord {
+    CentrelineRecord {
+        offset_m: rounded(centreline.offset_m, DIGITS),
+        heading_rad: rounded(centreline.heading_rad, ANGLE_DIGITS),
+        steer_rad: rounded(centreline.steer_rad, ANGLE_DIGITS),
+    }
+}
+
+fn signals_record(state: &VehicleState, evidence: &SignalsEvidence) -> SignalsRecord {
+    let uses =
+        [("speed", evidence.speed), ("yaw_rate", evidence.yaw_rate), ("turn_signal", evidence.turn_signal)];
+    let source = |source| match source {
+        SignalSource::Nowhere => None,
+        SignalSource::Can => Some("can".to_owned()),
+        SignalSource::Camera => Some("camera".to_owned()),
+    };
+    SignalsRecord {
+        speed_mps: state.speed_mps.map(|mps| rounded(mps, DIGITS)),
+        yaw_rate_rps: state.yaw_rate_rps.map(|rps| rounded(rps, ANGLE_DIGITS)),
+        turn_signal: match state.turn_signal {
+            TurnSignal::Unknown => "unknown",
+            TurnSignal::Off => "off",
+            TurnSignal::Left => "left",
+            TurnSignal::Right => "right",
+        }
+        .to_owned(),
+        source: uses.iter().filter_map(|(name, of)| Some(((*name).to_owned(), source(of.source)?))).collect(),
+        not_used: uses
+            .iter()
+            .filter_map(|(name, of)| Some(((*name).to_owned(), of.not_used?.name().to_owned())))
+            .collect(),
     }
 }
 
@@ -219,7 +259,8 @@ fn motion_record(motion: &Motion) -> MotionRecord {
     }
 }
 
-fn rounded(value: f64, digits: i32) -> f64 {
+/// A number to so many digits behind the point.
+pub(crate) fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);
     // Adding zero turns a negative zero into a plain one.
     (value * scale).round() / scale + 0.0

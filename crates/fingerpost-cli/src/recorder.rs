@@ -73,6 +73,8 @@ pub(crate) struct Subject {
     pub(crate) route: Option<Route>,
     /// What its features are called.
     pub(crate) features: Vec<FeatureIdentity>,
+    /// Width and height of the camera's pictures.
+    pub(crate) picture_px: [u32; 2],
 }
 
 /// Writes the results of a run.
@@ -183,6 +185,7 @@ impl Recorder {
         let state_count = |state| self.records.iter().filter(|record| record.state == state).count() as u64;
         let summary = Summary {
             frames: self.records.len() as u64,
+            picture_px: Some(self.subject.picture_px),
             broken_frames: self.broken_frames,
             // A tenth of a frame a second is all that repeats.
             fps: (10.0 * self.records.len() as f64 / elapsed_s.max(1e-9)).round() / 10.0,

@@ -13,7 +13,8 @@ use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InstructionSetName};
-use crate::driver::{Driver, FrameResult, RunSetting, pass_over};
+use crate::can_signals::CanFeed;
+use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
 use crate::overlap::{self, Overlap};
@@ -23,7 +24,8 @@ use crate::stage_clock::milliseconds;
 use crate::{inputs, output};
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
-/// summary.json, config.toml and report.html. Without a route: ground view, road surface and motion alone.
+/// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,
+/// motion, lanes and the road's middle.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads: a video file, rtsp://..., /dev/video0.
@@ -44,6 +46,14 @@ pub(crate) struct RunArgs {
     /// GPS track with times, .gpx; its first position belongs to the first frame.
     #[arg(long, value_name = "FILE", requires = "route")]
     gps: Option<PathBuf>,
+    /// Signals of the vehicle's bus: a log of `candump -L`, plain or .gz, whose first line belongs to the first frame (else
+    /// can.time_offset_s of the configuration); or, built with the feature socketcan, a bus, as in socketcan:can0. The
+    /// configuration's table "can" says which signals mean what.
+    #[arg(long, value_name = "FILE", requires_all = ["dbc", "config"])]
+    can: Option<String>,
+    /// Database of the vehicle's bus, .dbc.
+    #[arg(long, value_name = "FILE", requires = "can")]
+    dbc: Option<PathBuf>,
     /// Road surfaces known from earlier drives, JSON; those learned on this one are added at its end. A file that does not
     /// exist yet is made. Needs a detector that knows surfaces, such as "combined".
     #[arg(long, value_name = "FILE")]
@@ -57,6 +67,9 @@ pub(crate) struct RunArgs {
     /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
     #[arg(long, value_name = "N")]
     fps: Option<f64>,
+    /// The pictures have nothing to do with each other: each is taken as a drive's first frame.
+    #[arg(long, conflicts_with_all = ["route", "bank"])]
+    stills: bool,
     /// Write annotated.mp4: every frame with all that was seen in it. Needs ffmpeg.
     #[arg(long)]
     video: bool,
@@ -88,11 +101,18 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     check_start(args.start_m, route.as_ref())?;
     let gps = args.gps.as_deref().map(GpsTrack::read).transpose()?.unwrap_or_default();
+    let can = args.can.as_deref().zip(args.dbc.as_deref());
+    let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
     let options = SourceOptions { fps: args.fps, threads: args.threads, ..SourceOptions::default() };
     let source = FrameSource::open(&args.input, &options)?;
-    let setting =
-        RunSetting { config: &config, camera: &camera, route: route.as_ref(), start_m: args.start_m };
+    let setting = RunSetting {
+        config: &config,
+        camera: &camera,
+        route: route.as_ref(),
+        start_m: args.start_m,
+        sequence: if args.stills { Sequence::Stills } else { Sequence::Drive },
+    };
     let wishes = Wishes {
         title: args.input.clone(),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
@@ -107,7 +127,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let bar = output::progress(frames, "frames");
     let recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
-    let drive = RecordedDrive { driver, source, gps, left: most, interrupt };
+    let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt };
     drive.run(recorder, args, truth.as_deref())
 }
 
@@ -174,6 +194,7 @@ struct RecordedDrive {
     driver: Driver,
     source: FrameSource,
     gps: GpsTrack,
+    can: Option<CanFeed>,
     /// Frames still wanted.
     left: u64,
     interrupt: Interrupt,
@@ -215,7 +236,8 @@ impl RecordedDrive {
         let time = FrameTime { frame: frame.index, t_s: frame.t_s };
         let mut result = match frame.picture {
             Ok(picture) => {
-                let sensors = Sensors { gps: self.gps.at(time.t_s) };
+                let signals = self.can.as_mut().map(|can| can.at(time.t_s));
+                let sensors = Sensors { gps: self.gps.at(time.t_s), signals, ..Sensors::default() };
                 let result = self.driver.step(time, &picture, sensors)?;
                 self.source.recycle(picture);
                 result

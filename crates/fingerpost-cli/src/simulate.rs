@@ -1,4 +1,6 @@
-//! `fingerpost simulate`: a drive on a map's roads, rendered, with truth.
+//! `fingerpost simulate`: a drive on a map's roads or on a made-up one, rendered, with truth.
+
+mod course;
 
 use std::path::PathBuf;
 
@@ -7,11 +9,12 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
-use fingerpost_io::{DriveFolder, FrameFormat, read_camera};
+use fingerpost_io::{DriveFolder, FrameFormat, JsonLinesFile, read_camera};
 use fingerpost_map::write_route;
-use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide};
+use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera};
 use rayon::prelude::*;
 
+use self::course::CourseArgs;
 use crate::arguments::PictureSize;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output};
@@ -21,11 +24,13 @@ use crate::{inputs, output};
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
-    #[arg(long, value_name = "FILE")]
-    map: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "route")]
+    map: Option<PathBuf>,
     /// Route on that map, as written by `fingerpost route`.
-    #[arg(long, value_name = "FILE")]
-    route: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "map")]
+    route: Option<PathBuf>,
+    #[command(flatten)]
+    road: CourseArgs,
     /// Everything random follows from this number; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -67,6 +72,9 @@ enum Traffic {
     Centre,
 }
 
+/// File of the moments in which a wheel crosses a line.
+const CROSSINGS_FILE: &str = "crossings.jsonl";
+
 /// A lens of the default camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Lens {
@@ -104,12 +112,6 @@ pub(crate) fn default_camera(size: PictureSize, lens: Lens) -> Result<Camera, Ge
 
 /// Writes the drive.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
-    let graph = inputs::road_graph(&args.map)?;
-    let route = inputs::route(&args.route)?;
-    let camera = match &args.camera {
-        Some(path) => read_camera(path)?,
-        None => default_camera(args.size, args.lens)?,
-    };
     let config = SimConfig {
         seed: args.seed,
         fps: args.fps,
@@ -122,11 +124,30 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         },
         ..SimConfig::default()
     };
+    let (graph, route, config) = match (args.road.course, &args.map, &args.route) {
+        (Some(course), ..) => {
+            let (road, config) = args.road.drive(course, args.seed, config);
+            let (graph, route) = road.roads()?;
+            (graph, route, config)
+        }
+        (None, Some(map), Some(route)) => (inputs::road_graph(map)?, inputs::route(route)?, config),
+        (None, ..) => bail!("neither a road nor a map with a route; give --course, or --map and --route"),
+    };
+    let camera = match (&args.camera, args.road.course) {
+        (Some(path), _) => read_camera(path)?,
+        (None, Some(_)) if args.lens == Lens::None => windscreen_camera(args.size.width, args.size.height)?,
+        (None, _) => default_camera(args.size, args.lens)?,
+    };
     let simulator = Simulator::new(&graph, &route, &camera, &config)?;
     let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
+    if args.road.course.is_some() {
+        let path = args.out.join(CROSSINGS_FILE);
+        let mut lines = JsonLinesFile::create(&path)?;
+        simulator.crossings().iter().try_for_each(|crossing| lines.append(crossing))?;
+    }
 
     let interrupt = Interrupt::listen()?;
     let bar = output::progress(Some(simulator.frames() as u64), "frames");

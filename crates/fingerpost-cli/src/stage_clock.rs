@@ -16,10 +16,12 @@ pub(crate) const fn stage_name(stage: Stage) -> &'static str {
     match stage {
         Stage::GroundView => "ground_view",
         Stage::Road => "road",
+        Stage::Centreline => "centreline",
         Stage::Motion => "motion",
         Stage::Mount => "mount",
         Stage::Match => "match",
         Stage::DrivingLine => "driving_line",
+        Stage::Lanes => "lanes",
     }
 }
 

@@ -163,6 +163,23 @@ fn the_mount_of_two_streets() {
     assert!(pitch_deg.iter().all(|pitch| (0.5..1.3).contains(pitch)), "nose down: {pitch_deg:?}");
 }
 
+/// The marks that ship are of these clips: they have their size and their frames.
+#[test]
+fn the_shipped_marks_fit_their_clips() {
+    let out = TempDir::new().unwrap();
+    for (clip, frames) in
+        [("p1_solidWhiteRight", 221), ("p5h_project_video_cut", 76), ("p5h_test_small1", 88)]
+    {
+        let video = data(&format!("udacity/{clip}.mp4"));
+        let marks = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/marks/{clip}.json"));
+        let truth = out.path().join(clip);
+        fingerpost(&["mark", text(&video), "--marks", text(&marks), "--export", text(&truth)]);
+        let truth = fingerpost_io::read_truth(&truth.join("truth.jsonl")).unwrap();
+        assert_eq!(truth.len(), frames, "{clip}");
+        assert!((truth[frames - 1].t_s - (frames - 1) as f64 / 25.0).abs() < 1e-6, "{clip}");
+    }
+}
+
 #[test]
 fn a_motorway_video() {
     let folder = TempDir::new().unwrap();

@@ -10,6 +10,7 @@ mod campaign;
 mod error;
 mod features;
 mod junctions;
+mod lanes;
 mod motion;
 mod pose;
 mod quantiles;
@@ -20,6 +21,10 @@ pub use campaign::CampaignTally;
 pub use error::EvalError;
 pub use features::{FeatureIdentity, feature_summaries};
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
+pub use lanes::{
+    LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneError, LaneEvaluation, LaneMean,
+    TuSimpleScores, column_at_row, evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
+};
 pub use motion::{MotionEvaluation, evaluate_motion};
 pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};
 pub use quantiles::{error_quantiles, stage_time};

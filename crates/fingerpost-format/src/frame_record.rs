@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::lanes::LanesRecord;
+
 /// Where the search for a route feature stands (paper 1, section VI).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -41,6 +43,9 @@ pub struct FrameRecord {
     /// Where the camera looks against its calibration; none for a camera known by points and in broken frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<MountRecord>,
+    /// What is known of the vehicle itself; none without its bus and in broken frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signals: Option<SignalsRecord>,
     /// The road's surface; none after a broken frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<RoadSurfaceRecord>,
@@ -184,6 +189,23 @@ pub struct MountFaultRecord {
     pub since_frame: u64,
 }
 
+/// Speed, yaw rate and turn signal, and where they come from.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalsRecord {
+    /// Speed, m/s.
+    pub speed_mps: Option<f64>,
+    /// Yaw rate, radians a second, positive to the left.
+    pub yaw_rate_rps: Option<f64>,
+    /// `left`, `right`, `off` or `unknown`.
+    pub turn_signal: String,
+    /// Where `speed`, `yaw_rate` and `turn_signal` come from: `can` or `camera`; those that are not known are left out.
+    pub source: BTreeMap<String, String>,
+    /// Why the bus's `speed`, `yaw_rate` or `turn_signal` was not used: `missing`, `late`, `out_of_range`, `jump`,
+    /// `contradicts_camera`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub not_used: BTreeMap<String, String>,
+}
+
 /// The road's surface as it was found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RoadSurfaceRecord {
@@ -221,15 +243,6 @@ pub struct CentrelineRecord {
     pub heading_rad: f64,
     /// Advised steering direction, radians.
     pub steer_rad: f64,
-}
-
-/// Lane edges in the picture.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LanesRecord {
-    /// Left edge, `[u, v]` pixels.
-    pub left_px: Vec<[f64; 2]>,
-    /// Right edge, `[u, v]` pixels.
-    pub right_px: Vec<[f64; 2]>,
 }
 
 /// The vehicle's place on the map.

@@ -8,19 +8,27 @@ mod camera_file;
 mod camera_yaml;
 mod campaign;
 mod frame_record;
+mod lanes;
 mod lines;
+mod marks;
 mod summary;
 mod times;
 mod truth;
+mod tusimple;
 
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, WorstDrive};
 pub use frame_record::{
-    CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord, LanesRecord, MotionRecord,
-    MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SoughtRecord, TrackState,
+    CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord, MotionRecord, MountFaultRecord,
+    MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+};
+pub use lanes::{
+    DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use lines::{LinesError, from_json_lines, to_json_line};
+pub use marks::{EdgeMark, MARKS_VERSION, MarksError, MarksFile, marks_from_json, marks_to_json};
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use truth::TruthRecord;
+pub use tusimple::{TUSIMPLE_NO_POINT, TuSimpleRecord};

@@ -11,6 +11,9 @@ use crate::MountFaultRecord;
 pub struct Summary {
     /// Frames processed.
     pub frames: u64,
+    /// Width and height of the camera's pictures; none in results of a program that did not say yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture_px: Option<[u32; 2]>,
     /// Frames that could not be read and were passed over.
     #[serde(default)]
     pub broken_frames: u64,

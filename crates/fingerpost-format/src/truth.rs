@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::lanes::{MarkingRecord, Side};
+
 /// Truth of one frame, written by the simulator and by converters of recorded drives.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TruthRecord {
@@ -32,10 +34,28 @@ pub struct TruthRecord {
     /// How far to the left, metres.
     #[serde(default)]
     pub feature_left_m: Option<f64>,
-    /// Left lane edge, `[u, v]` pixels; empty without markings.
+    /// Width and height of the picture that the lane's pixels are of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture_px: Option<[u32; 2]>,
+    /// Left edge of the vehicle's lane, the inner edge of its marking: `[u, v]` pixels, near to far; empty without one.
     #[serde(default)]
     pub lane_left_px: Vec<[f64; 2]>,
-    /// Right lane edge, `[u, v]` pixels; empty without markings.
+    /// Right edge of the vehicle's lane, likewise.
     #[serde(default)]
     pub lane_right_px: Vec<[f64; 2]>,
+    /// The same points of the left edge in the vehicle frame, `[forward, left]` metres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lane_left_m: Vec<[f64; 2]>,
+    /// The same points of the right edge, likewise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lane_right_m: Vec<[f64; 2]>,
+    /// The left edge's marking.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lane_left_marking: Option<MarkingRecord>,
+    /// The right edge's marking.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lane_right_marking: Option<MarkingRecord>,
+    /// The turn signal that is on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn_signal: Option<Side>,
 }

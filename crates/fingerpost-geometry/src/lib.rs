@@ -14,6 +14,7 @@ mod ground_grid;
 mod homography;
 mod mount;
 mod mount_from_points;
+mod pchip;
 mod pixel;
 mod polyline;
 
@@ -25,5 +26,6 @@ pub use ground_grid::{GroundGrid, GroundPixel};
 pub use homography::Homography;
 pub use mount::Mount;
 pub use mount_from_points::MountFromPoints;
+pub use pchip::Pchip;
 pub use pixel::Pixel;
 pub use polyline::{Footpoint, Polyline};

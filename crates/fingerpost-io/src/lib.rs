@@ -1,9 +1,10 @@
 //! Files, videos and cameras: the only library crate that touches the outside world.
 //!
 //! Frames come in through [`FrameSource`], calibrations through [`read_camera`], results go out through [`RunFolder`],
-//! [`DriveFolder`] and [`VideoWriter`]. Every error names the file, the cause and what to do next. Nothing is printed.
+//! [`DriveFolder`] and [`VideoWriter`]. [`CanDatabase`] and [`SignalLog`] give the vehicle's own signals. Every error names the file, the cause and what to do next. Nothing is printed.
 
 mod camera;
+mod can;
 mod decoders;
 mod drive_folder;
 mod ffmpeg;
@@ -17,6 +18,12 @@ mod video;
 mod video_writer;
 
 pub use camera::{CameraReadError, read_camera};
+pub use can::{
+    CanDatabase, CanDatabaseError, CanFrame, CanId, CanLogError, CanLogFrames, LogFrame, SignalLayout,
+    SignalLog, SignalSample, UnknownSignal, parse_candump_line, read_can_log,
+};
+#[cfg(all(feature = "socketcan", target_os = "linux"))]
+pub use can::{CanListener, CanListenerError};
 pub use drive_folder::{DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_text, replace_file, write_file};

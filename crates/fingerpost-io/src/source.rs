@@ -149,6 +149,17 @@ impl FrameSource {
         self.fps
     }
 
+    /// Time of the frame with that index, seconds since the first.
+    pub fn time_s(&self, index: u64) -> f64 {
+        let listed = match &self.input {
+            Input::Pictures { times_s: Some(times_s), .. } => {
+                usize::try_from(index).ok().and_then(|index| times_s.get(index))
+            }
+            _ => None,
+        };
+        listed.copied().unwrap_or(index as f64 / self.fps)
+    }
+
     /// Takes back a picture that is no longer needed; its memory serves a later frame.
     pub fn recycle(&mut self, picture: RgbImage) {
         match &mut self.input {
@@ -163,12 +174,10 @@ impl Iterator for FrameSource {
 
     fn next(&mut self) -> Option<Frame> {
         let index = self.next_index;
-        let mut t_s = index as f64 / self.fps;
+        let t_s = self.time_s(index);
         let (decoding, picture) = match &mut self.input {
-            Input::Pictures { pictures, times_s, .. } => {
+            Input::Pictures { pictures, .. } => {
                 let Decoded { picture, decoding } = pictures.next()?;
-                let time_s = times_s.as_ref().and_then(|times_s| times_s.get(usize::try_from(index).ok()?));
-                t_s = time_s.copied().unwrap_or(t_s);
                 (decoding, picture.map_err(FrameError::from))
             }
             Input::Video(video) => {

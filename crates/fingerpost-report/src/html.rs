@@ -10,6 +10,7 @@ use fingerpost_format::{FrameRecord, Summary, TruthRecord};
 use fingerpost_map::Route;
 use maud::{DOCTYPE, PreEscaped, html};
 
+pub(crate) use self::chart::{joined, number, px};
 use crate::key_frames::KeyFrames;
 
 /// P(F) from which a feature counts as seen, and as confirmed.

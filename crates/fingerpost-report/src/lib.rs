@@ -2,7 +2,7 @@
 //!
 //! [`compose`] draws one annotated picture of a frame, [`StagePictures`] one picture a stage, [`KeyFrames`] keeps those
 //! of the frames that a person wants to see afterwards, and [`report_html`] makes one self-contained page of a whole
-//! run, [`road_sheet`] shows what road detectors make of pictures. Nothing here decides anything, touches a file or reads a clock: pictures come as [`RgbImage`], pages as text.
+//! run, [`road_sheet`] shows what road detectors make of pictures, [`surface_svg`] a table of percentages. Nothing here decides anything, touches a file or reads a clock: pictures come as [`RgbImage`], pages as text.
 //!
 //! [`RgbImage`]: fingerpost_vision::picture::RgbImage
 
@@ -14,12 +14,14 @@ mod panel;
 mod road_sheet;
 mod scene;
 mod series;
+mod surface_plot;
 
 pub use html::{ReportInput, Thresholds, report_html};
 pub use key_frames::{ChosenFrame, DrawnFrame, KeyFrame, KeyFrameChoice, KeyFrames, KeyPicture, KeyReason};
 pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose};
 pub use road_sheet::{RoadSheetCell, RoadSheetRow, road_sheet};
 pub use scene::{Scene, Setting};
+pub use surface_plot::{SurfacePlot, surface_svg};
 
 use thiserror::Error;
 

@@ -27,8 +27,13 @@ pub(crate) const REJECTED: Rgb = [255, 72, 72];
 pub(crate) const PREDICTED: Rgb = [255, 255, 255];
 /// Where the feature is believed after the frame.
 pub(crate) const UPDATED: Rgb = [255, 221, 51];
+/// The road's middle by the edges of its surface.
+pub(crate) const CENTRELINE: Rgb = [255, 128, 32];
 /// The region in front of the vehicle that is assumed to be road.
 pub(crate) const SAMPLE: Rgb = [255, 255, 255];
+
+/// An edge of the lane.
+pub(crate) const LANE: Rgb = [190, 120, 255];
 
 const DRIVING_LINE: Rgb = [124, 224, 84];
 const APPROACH: Rgb = [86, 180, 233];

@@ -1,14 +1,17 @@
 //! What the drive looks like: markings, ground, light, camera. One struct of numbers and named presets of it; a new
 //! kind of day is a new preset, or a new number that the old presets leave without effect.
 
+mod lane_presets;
+mod lanes;
 mod presets;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::lanes::{LaneMarkings, LineColour, LinePattern, LineStyle};
 use crate::SimError;
 use crate::error::check_range;
 
-/// White lines on the road.
+/// Lines on the road.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Markings {
@@ -16,14 +19,18 @@ pub enum Markings {
     None,
     /// Dashed centre lines and edge lines on roads wide enough for them.
     Lines,
+    /// Lanes as [`Conditions::lanes`] says.
+    Lanes,
 }
 
 /// Numbers of a scene. Lengths in metres, angles in radians, shares between 0 and 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Conditions {
-    /// White lines.
+    /// Lines.
     pub markings: Markings,
+    /// How lanes are marked, with [`Markings::Lanes`].
+    pub lanes: LaneMarkings,
     /// Amplitude of the ground's longest wave (80 m), metres; the shorter ones are proportionally lower.
     pub undulation_m: f64,
     /// Root mean square of the body's pitch and roll about the road's plane from unevenness, radians.
@@ -78,6 +85,25 @@ pub struct Conditions {
     pub lens_dirt: f64,
     /// Light of the vehicle's low beam 10 m ahead, in the units of `sky_light`.
     pub headlights: f64,
+    /// Power of the distance with which the low beam fades on the road: 3 for a lamp without a beam, 2 for one whose beam
+    /// is strongest just below its cut-off.
+    pub headlight_fading: i32,
+    /// How many times as bright as in daylight paint, plates and lamps throw the low beam back.
+    pub retroreflection: f64,
+    /// How many vehicles there are in the other lanes, where 1 is one in each 80 m of a lane.
+    pub traffic: f64,
+    /// Vehicles that stand beside the road, for each 100 m.
+    pub parked_per_100_m: f64,
+    /// How bright the lamps of other vehicles are; 0 where they are off.
+    pub lamps: f64,
+    /// Rain in the air and drops on the windscreen: 1 for a heavy shower.
+    pub rain: f64,
+    /// Lamp posts for each 100 m of roadside.
+    pub posts_per_100_m: f64,
+    /// Share of the roadsides with a guard rail.
+    pub guard_rails: f64,
+    /// Strips of new asphalt and sealed cracks along the road: 1 where every stretch has some.
+    pub strips: f64,
 }
 
 impl Default for Conditions {
@@ -108,7 +134,7 @@ impl Conditions {
         check_range("clearance_m", self.clearance_m, 1.5, 30.0, "1.5 to 30 metres")?;
         check_range("bare_verge", self.bare_verge, 0.0, 1.0, share)?;
         check_range("road_wear", self.road_wear, 0.0, 3.0, "0 to 3")?;
-        check_range("sky_light", self.sky_light, 0.01, 3.0, "0.01 to 3")?;
+        check_range("sky_light", self.sky_light, 0.001, 3.0, "0.001 to 3")?;
         check_range("sun_light", self.sun_light, 0.0, 3.0, "0 to 3")?;
         check_range("overcast", self.overcast, 0.0, 1.0, share)?;
         check_range("sun_warmth", self.sun_warmth, 0.0, 1.0, share)?;
@@ -120,7 +146,18 @@ impl Conditions {
         // Below 10 m the road itself is no longer seen.
         check_range("haze_m", self.haze_m, 10.0, 1e5, "10 to 100000 metres")?;
         check_range("lens_dirt", self.lens_dirt, 0.0, 1.0, share)?;
-        check_range("headlights", self.headlights, 0.0, 3.0, "0 to 3")
+        check_range("headlights", self.headlights, 0.0, 3.0, "0 to 3")?;
+        let fading = f64::from(self.headlight_fading);
+        check_range("headlight_fading", fading, 1.0, 4.0, "a power from 1 to 4")?;
+        check_range("retroreflection", self.retroreflection, 0.0, 50.0, "0 to 50")?;
+        check_range("traffic", self.traffic, 0.0, 5.0, "0 to 5")?;
+        check_range("parked_per_100_m", self.parked_per_100_m, 0.0, 12.0, "0 to 12")?;
+        check_range("lamps", self.lamps, 0.0, 10.0, "0 to 10")?;
+        check_range("rain", self.rain, 0.0, 2.0, "0 to 2")?;
+        check_range("posts_per_100_m", self.posts_per_100_m, 0.0, 20.0, "0 to 20")?;
+        check_range("guard_rails", self.guard_rails, 0.0, 1.0, share)?;
+        check_range("strips", self.strips, 0.0, 1.0, share)?;
+        self.lanes.check()
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_range;
-use crate::{Conditions, SimError};
+use crate::{Conditions, DrivingPlan, SimError};
 
 /// The side of the road on which traffic keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -36,6 +36,10 @@ pub struct SimConfig {
     pub cruise_speed_mps: f64,
     /// Distance along the route at which the first frame is taken, metres.
     pub start_m: f64,
+    /// The drive ends so far before the route's end, metres: what lies beyond is not there to be seen.
+    pub end_gap_m: f64,
+    /// What the driver does on the way.
+    pub driving: DrivingPlan,
 }
 
 impl Default for SimConfig {
@@ -49,6 +53,8 @@ impl Default for SimConfig {
             // 29 km/h, a side street's pace.
             cruise_speed_mps: 8.0,
             start_m: 5.0,
+            end_gap_m: 5.0,
+            driving: DrivingPlan::default(),
         }
     }
 }
@@ -62,6 +68,8 @@ impl SimConfig {
         check_range("fps", self.fps, 0.1, 1000.0, "0.1 to 1000 frames a second")?;
         check_range("cruise_speed_mps", self.cruise_speed_mps, 1.0, 40.0, "1 to 40 m/s")?;
         check_range("start_m", self.start_m, 0.0, 1e6, "0 or more metres along the route")?;
+        check_range("end_gap_m", self.end_gap_m, 0.0, 1e6, "0 or more metres before the route's end")?;
+        self.driving.check()?;
         self.conditions.check()
     }
 }

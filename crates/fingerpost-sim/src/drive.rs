@@ -19,7 +19,7 @@ const LATERAL_MPS2: f64 = 2.3;
 const SPEED_UP_MPS2: f64 = 1.2;
 /// Braking along the line, m/s2.
 const BRAKE_MPS2: f64 = 1.5;
-/// Slowest speed, m/s: the vehicle never stops.
+/// Slowest speed in a bend, m/s.
 const CRAWL_MPS: f64 = 1.5;
 /// Frequencies of the body's motion on its springs, Hz.
 const SPRING_HZ: [f64; 3] = [0.9, 1.3, 1.9];
@@ -52,6 +52,8 @@ pub(crate) struct Drive {
     along_m: Vec<f64>,
     speeds_mps: Vec<f64>,
     times_s: Vec<f64>,
+    /// How long the vehicle has stood before each point.
+    stood_s: Vec<f64>,
     lengthwise_mps2: Vec<f64>,
     lateral_mps2: Vec<f64>,
     springs: [Spring; 2],
@@ -79,9 +81,10 @@ impl Spring {
 }
 
 impl Drive {
-    /// The drive along `path`, at least two points of it.
+    /// The drive along `path`, at least two points of it, with `stops`: where, metres along the route, and how long, seconds.
     pub(crate) fn new(
-        path: Vec<PathPoint>,
+        mut path: Vec<PathPoint>,
+        stops: &[(f64, f64)],
         cruise_mps: f64,
         conditions: &Conditions,
         seed: u64,
@@ -89,16 +92,20 @@ impl Drive {
         if path.len() < 2 {
             return Err(SimError::RouteTooShort { length_m: 0.0, needed_m: crate::simulator::MIN_ROUTE_M });
         }
+        let stands_s = insert_stops(&mut path, stops);
         let mut along_m = vec![0.0; path.len()];
         for i in 1..path.len() {
             along_m[i] = along_m[i - 1] + (path[i].p_in_map - path[i - 1].p_in_map).norm();
         }
-        let speeds_mps = speed_profile(&path, &along_m, cruise_mps);
+        let speeds_mps = speed_profile(&path, &along_m, &stands_s, cruise_mps);
         let mut times_s = vec![0.0; path.len()];
+        let mut stood_s = vec![0.0; path.len()];
         let mut accelerations = vec![0.0; path.len()];
         for i in 1..path.len() {
             let step_m = along_m[i] - along_m[i - 1];
-            times_s[i] = times_s[i - 1] + 2.0 * step_m / (speeds_mps[i] + speeds_mps[i - 1]);
+            stood_s[i] = stood_s[i - 1] + stands_s[i].unwrap_or(0.0);
+            let moves_s = 2.0 * step_m / (speeds_mps[i] + speeds_mps[i - 1]);
+            times_s[i] = times_s[i - 1] + stands_s[i].unwrap_or(moves_s);
             accelerations[i] = (speeds_mps[i].powi(2) - speeds_mps[i - 1].powi(2)) / (2.0 * step_m.max(1e-9));
         }
         let spacing_m = along_m[along_m.len() - 1] / (along_m.len() - 1) as f64;
@@ -117,6 +124,7 @@ impl Drive {
             along_m,
             speeds_mps,
             times_s,
+            stood_s,
             springs: [Spring::new(&mut stream, rms_rad), Spring::new(&mut stream, rms_rad)],
             rad_per_mps2: conditions.suspension_rad_per_mps2,
         })
@@ -127,6 +135,11 @@ impl Drive {
         self.times_s[self.times_s.len() - 1]
     }
 
+    /// Distances along the route, metres, with the times at which they are reached, seconds.
+    pub(crate) fn clock(&self) -> Vec<(f64, f64)> {
+        self.path.iter().zip(&self.times_s).map(|(point, t_s)| (point.route_m, *t_s)).collect()
+    }
+
     /// The vehicle `t_s` seconds after its start; clamped to the drive.
     pub(crate) fn at(&self, t_s: f64) -> VehicleState {
         let t_s = t_s.clamp(0.0, self.duration_s());
@@ -134,11 +147,15 @@ impl Drive {
         let (elapsed_s, step_s) = (t_s - self.times_s[i], self.times_s[i + 1] - self.times_s[i]);
         let acceleration = (self.speeds_mps[i + 1] - self.speeds_mps[i]) / step_s;
         let gone_m = self.speeds_mps[i] * elapsed_s + 0.5 * acceleration * elapsed_s * elapsed_s;
-        let share = (gone_m / (self.along_m[i + 1] - self.along_m[i])).clamp(0.0, 1.0);
+        let piece_m = self.along_m[i + 1] - self.along_m[i];
+        let share = if piece_m > 0.0 { (gone_m / piece_m).clamp(0.0, 1.0) } else { 0.0 };
         let (a, b) = (&self.path[i], &self.path[i + 1]);
         let blend = |from: f64, to: f64| from + (to - from) * share;
         let speed_mps = self.speeds_mps[i] + acceleration * elapsed_s;
-        let [pitch_spring, roll_spring] = self.springs.map(|spring| spring.angle_rad(t_s));
+        // No road shakes a vehicle that stands.
+        let stands = self.stood_s[i + 1] > self.stood_s[i];
+        let moved_s = t_s - self.stood_s[i] - if stands { elapsed_s } else { 0.0 };
+        let [pitch_spring, roll_spring] = self.springs.map(|spring| spring.angle_rad(moved_s));
         let lengthwise = blend(self.lengthwise_mps2[i], self.lengthwise_mps2[i + 1]);
         let lateral = blend(self.lateral_mps2[i], self.lateral_mps2[i + 1]);
         VehicleState {
@@ -154,7 +171,21 @@ impl Drive {
     }
 }
 
-fn speed_profile(path: &[PathPoint], along_m: &[f64], cruise_mps: f64) -> Vec<f64> {
+/// Doubles the points at which the vehicle stands. For each point of the path the seconds of standing that lead to it.
+fn insert_stops(path: &mut Vec<PathPoint>, stops: &[(f64, f64)]) -> Vec<Option<f64>> {
+    let mut stands_s = vec![None; path.len()];
+    for &(at_m, for_s) in stops {
+        let i = path.partition_point(|point| point.route_m < at_m);
+        // A stop at either end is a drive that starts later or ends sooner.
+        if (1..path.len() - 1).contains(&i) && stands_s[i].is_none() && for_s > 0.0 {
+            path.insert(i, path[i]);
+            stands_s.insert(i + 1, Some(for_s));
+        }
+    }
+    stands_s
+}
+
+fn speed_profile(path: &[PathPoint], along_m: &[f64], stands_s: &[Option<f64>], cruise_mps: f64) -> Vec<f64> {
     let slowest = CRAWL_MPS.min(cruise_mps);
     let mut speeds: Vec<f64> = path
         .iter()
@@ -163,6 +194,9 @@ fn speed_profile(path: &[PathPoint], along_m: &[f64], cruise_mps: f64) -> Vec<f6
             (LATERAL_MPS2 / curvature).sqrt().clamp(slowest, cruise_mps)
         })
         .collect();
+    for i in (1..speeds.len()).filter(|&i| stands_s[i].is_some()) {
+        (speeds[i - 1], speeds[i]) = (0.0, 0.0);
+    }
     for i in 1..speeds.len() {
         let step_m = along_m[i] - along_m[i - 1];
         speeds[i] = speeds[i].min((speeds[i - 1].powi(2) + 2.0 * SPEED_UP_MPS2 * step_m).sqrt());
@@ -206,7 +240,7 @@ mod tests {
 
     #[test]
     fn slow_in_bends_and_within_all_limits() {
-        let drive = Drive::new(path(), 8.0, &Conditions::CLEAR, 1).unwrap();
+        let drive = Drive::new(path(), &[], 8.0, &Conditions::CLEAR, 1).unwrap();
         let mut last: Option<VehicleState> = None;
         for i in 0..(drive.duration_s() * 100.0) as usize {
             let state = drive.at(i as f64 * 0.01);
@@ -224,7 +258,7 @@ mod tests {
     #[test]
     fn signs_of_the_body_motion() {
         let conditions = Conditions { suspension_rms_rad: 0.0, ..Conditions::ROUGH };
-        let drive = Drive::new(path(), 8.0, &conditions, 1).unwrap();
+        let drive = Drive::new(path(), &[], 8.0, &conditions, 1).unwrap();
         let when = |route_m: f64| {
             (0..20_000).map(|i| drive.at(f64::from(i) * 0.001)).find(|s| s.route_m >= route_m).unwrap()
         };
@@ -234,8 +268,24 @@ mod tests {
 
     #[test]
     fn a_rigid_body_keeps_still() {
-        let drive = Drive::new(path(), 8.0, &Conditions::IDEAL, 1).unwrap();
+        let drive = Drive::new(path(), &[], 8.0, &Conditions::IDEAL, 1).unwrap();
         let state = drive.at(7.0);
         assert!(state.pitch_rad.abs() < 1e-12 && state.roll_rad.abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stop_is_a_standstill_of_its_length_at_its_place() {
+        let drive = Drive::new(path(), &[(30.0, 4.0)], 8.0, &Conditions::IDEAL, 1).unwrap();
+        let without = Drive::new(path(), &[], 8.0, &Conditions::IDEAL, 1).unwrap();
+        let states: Vec<VehicleState> =
+            (0..(drive.duration_s() * 100.0) as usize).map(|i| drive.at(i as f64 * 0.01)).collect();
+        let standing: Vec<&VehicleState> = states.iter().filter(|state| state.speed_mps < 1e-9).collect();
+        assert!((398..=402).contains(&standing.len()), "{} hundredths of a second", standing.len());
+        assert!(standing.iter().all(|state| (state.route_m - 30.0).abs() < 0.11));
+        for pair in states.windows(2) {
+            assert!((pair[1].speed_mps - pair[0].speed_mps).abs() <= 0.0151, "within 1.5 m/s2");
+        }
+        assert!(drive.duration_s() > without.duration_s() + 4.0);
+        assert!(states.iter().all(|state| state.p_in_map.x.is_finite()));
     }
 }

@@ -1,6 +1,7 @@
 //! What can keep a drive from being simulated.
 
 use fingerpost_geometry::GeometryError;
+use fingerpost_map::GraphError;
 use thiserror::Error;
 
 /// A simulation that cannot start; the message says what to change.
@@ -70,6 +71,9 @@ pub enum SimError {
          give intrinsics and a mount"
     )]
     CameraWithoutLens,
+    /// A made-up map that is none.
+    #[error(transparent)]
+    Map(#[from] GraphError),
     /// A geometry that cannot be right.
     #[error(transparent)]
     Geometry(#[from] GeometryError),

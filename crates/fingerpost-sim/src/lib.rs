@@ -6,35 +6,51 @@
 //! the method that is tried on its pictures. No file, clock or global state: the same input and seed give the same
 //! bytes, frame by frame, on any number of threads and in any order.
 //!
-//! Limits: one vehicle, no other traffic; bridges are level crossings; lenses sharp everywhere, no motion blur, no
+//! [`RoadCourse`] makes up roads where no map is wanted, [`DrivingPlan`] says how the vehicle is driven on them.
+//!
+//! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
 //! rolling shutter; roads within 80 m of the route.
 
 mod conditions;
 mod config;
+mod course;
+mod crossing;
 mod dirt;
 mod drive;
+mod driving;
 mod error;
 mod ground;
 mod lens;
 mod light;
+mod markings;
 mod noise;
 mod object;
 mod path;
+mod rain;
 mod random_drive;
 mod relief;
 mod render;
 mod roads;
+mod roadside;
 mod scenery;
 mod simulator;
 mod sky;
 mod surface;
 mod texture;
 mod tone;
+mod traffic;
 mod truth;
+mod vehicle;
 mod wet;
+mod windscreen;
 
-pub use conditions::{Conditions, Markings};
+pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
 pub use config::{SimConfig, TrafficSide};
+pub use course::{CoursePiece, RoadCourse};
+pub use crossing::Crossing;
+pub use driving::{DrivingManner, DrivingPlan, Manoeuvre};
 pub use error::SimError;
 pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};
+pub use truth::RoadPlace;
+pub use windscreen::windscreen_camera;

@@ -31,6 +31,7 @@ pub(crate) struct Light {
     pub(crate) sky: Colour,
     pub(crate) sun: Colour,
     low_beam: f32,
+    fading: i32,
 }
 
 impl Light {
@@ -41,6 +42,7 @@ impl Light {
             sky: sky.map(|c| c * conditions.sky_light as f32),
             sun: sun.map(|c| c * conditions.sun_light as f32),
             low_beam: conditions.headlights as f32,
+            fading: conditions.headlight_fading,
         }
     }
 
@@ -51,14 +53,15 @@ impl Light {
     }
 
     /// Light of the low beam on ground so far ahead of the camera and to its side. Illumination falls with the square of
-    /// the distance, and once more because farther ground is met more flatly.
+    /// the distance, and once more because farther ground is met more flatly; a beam that is strongest at its cut-off makes
+    /// up for some of that.
     pub(crate) fn low_beam(&self, ahead_m: f32, aside_m: f32) -> Colour {
         let [from, fully] = LAMP_FROM_M;
         let rise = ((ahead_m - from) / (fully - from)).clamp(0.0, 1.0);
         let below = rise * rise * (3.0 - 2.0 * rise);
         let angle = aside_m / (LAMP_TANGENT * ahead_m.max(from));
         let strength =
-            self.low_beam * below * (LAMP_AT_M / ahead_m.max(from)).powi(3) / (1.0 + angle.powi(4));
+            self.low_beam * below * (LAMP_AT_M / ahead_m.max(from)).powi(self.fading) / (1.0 + angle.powi(4));
         LAMP.map(|c| c * strength)
     }
 }

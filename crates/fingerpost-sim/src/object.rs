@@ -1,9 +1,10 @@
-//! Houses and trees, and where a ray meets them.
+//! Houses, trees, posts, rails and vehicles, and where a ray meets them.
 //!
-//! A house is a box with a gabled roof: the common part of seven half-spaces. A tree is a trunk, an upright cylinder,
+//! A house is a box with a gabled roof: the common part of six half-spaces. A tree is a trunk, an upright cylinder,
 //! and a crown, an ellipsoid whose rim is frayed by noise.
 
 use crate::noise::value_noise;
+use crate::vehicle::VehicleShape;
 
 /// A ray: origin and direction (of any length), map frame, metres.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +26,12 @@ pub(crate) enum Part {
     Trunk,
     /// Leaves.
     Crown,
+    /// A vehicle's body.
+    Body,
+    /// A vehicle's window.
+    Glass,
+    /// A post's or a rail's metal.
+    Metal,
 }
 
 /// Where a ray meets an object.
@@ -61,6 +68,17 @@ pub(crate) enum Shape {
         /// Height of the crown's middle, metres.
         middle_m: f32,
     },
+    /// A beam that stands or lies.
+    Beam {
+        /// Cosine and sine of its direction over ground.
+        direction: [f32; 2],
+        /// Half of its length over ground and of its thickness, metres.
+        half_m: [f32; 2],
+        /// Height of its lower and upper end, metres.
+        height_m: [f32; 2],
+    },
+    /// A vehicle.
+    Vehicle(VehicleShape),
 }
 
 /// A thing beside the road.
@@ -78,7 +96,8 @@ impl Object {
     /// Height of its top above its foot, metres.
     pub(crate) fn height_m(&self) -> f32 {
         match self.shape {
-            Shape::House { height_m, .. } => height_m[1],
+            Shape::House { height_m, .. } | Shape::Beam { height_m, .. } => height_m[1],
+            Shape::Vehicle(shape) => shape.height_m[1],
             Shape::Tree { crown_m, middle_m, .. } => middle_m + crown_m[1],
         }
     }
@@ -86,7 +105,9 @@ impl Object {
     /// Radius of the upright cylinder around it, metres.
     pub(crate) fn radius_m(&self) -> f32 {
         match self.shape {
-            Shape::House { half_m: [a, b], .. } => (a * a + b * b).sqrt(),
+            Shape::House { half_m: [a, b], .. }
+            | Shape::Beam { half_m: [a, b], .. }
+            | Shape::Vehicle(VehicleShape { half_m: [a, b], .. }) => (a * a + b * b).sqrt(),
             Shape::Tree { crown_m, .. } => crown_m[0],
         }
     }
@@ -105,6 +126,10 @@ impl Object {
             Shape::House { ridge, half_m, height_m } => {
                 house_hit(origin, ray.direction, ridge, half_m, height_m)
             }
+            Shape::Beam { direction, half_m, height_m } => {
+                beam_hit(origin, ray.direction, direction, half_m, height_m)
+            }
+            Shape::Vehicle(shape) => shape.hit(origin, ray.direction),
             Shape::Tree { trunk_m, crown_m, middle_m } => {
                 let crown = crown_hit(origin, ray.direction, crown_m, middle_m);
                 let trunk = trunk_hit(origin, ray.direction, trunk_m, middle_m);
@@ -128,19 +153,74 @@ fn house_hit(
     let (o, d) = (turn(origin), turn(direction));
     let slope = (top - eaves) / half_m[1];
     let length = (1.0 + slope * slope).sqrt();
-    // Outward normals and offsets: a point is inside where all of n.p <= offset.
-    let planes = [
-        ([1.0, 0.0, 0.0], half_m[0], Part::Wall),
-        ([-1.0, 0.0, 0.0], half_m[0], Part::Wall),
-        ([0.0, 1.0, 0.0], half_m[1], Part::Wall),
-        ([0.0, -1.0, 0.0], half_m[1], Part::Wall),
-        ([0.0, slope / length, 1.0 / length], top / length, Part::Roof),
-        ([0.0, -slope / length, 1.0 / length], top / length, Part::Roof),
-    ];
+    let wall = |normal, offset| Half { normal, offset, part: Part::Wall };
+    let roof = |normal| Half { normal, offset: top / length, part: Part::Roof };
+    let hit = convex_hit(
+        o,
+        d,
+        &[
+            wall([1.0, 0.0, 0.0], half_m[0]),
+            wall([-1.0, 0.0, 0.0], half_m[0]),
+            wall([0.0, 1.0, 0.0], half_m[1]),
+            wall([0.0, -1.0, 0.0], half_m[1]),
+            roof([0.0, slope / length, 1.0 / length]),
+            roof([0.0, -slope / length, 1.0 / length]),
+        ],
+    )?;
+    Some(turned_back(hit, o, d, [cos, sin]))
+}
+
+fn beam_hit(
+    origin: [f32; 3],
+    direction: [f32; 3],
+    [cos, sin]: [f32; 2],
+    half_m: [f32; 2],
+    [low, high]: [f32; 2],
+) -> Option<Hit> {
+    let turn = |v: [f32; 3]| [cos * v[0] + sin * v[1], -sin * v[0] + cos * v[1], v[2]];
+    let (o, d) = (turn(origin), turn(direction));
+    let side = |normal, offset| Half { normal, offset, part: Part::Metal };
+    let hit = convex_hit(
+        o,
+        d,
+        &[
+            side([1.0, 0.0, 0.0], half_m[0]),
+            side([-1.0, 0.0, 0.0], half_m[0]),
+            side([0.0, 1.0, 0.0], half_m[1]),
+            side([0.0, -1.0, 0.0], half_m[1]),
+            side([0.0, 0.0, 1.0], high),
+            side([0.0, 0.0, -1.0], -low),
+        ],
+    )?;
+    Some(turned_back(hit, o, d, [cos, sin]))
+}
+
+/// A hit in an object's own directions, in those of the map; with its place on the face that was hit.
+pub(crate) fn turned_back(hit: Hit, o: [f32; 3], d: [f32; 3], [cos, sin]: [f32; 2]) -> Hit {
+    let p = [0, 1, 2].map(|i| o[i] + hit.t * d[i]);
+    let [x, y, up] = hit.normal;
+    let along = if x.abs() > 0.5 { p[1] } else { p[0] };
+    Hit { normal: [cos * x - sin * y, sin * x + cos * y, up], surface_m: [along, p[2]], ..hit }
+}
+
+/// A half-space: the points p with normal . p <= offset.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Half {
+    /// Outward unit normal.
+    pub(crate) normal: [f32; 3],
+    /// Distance of its plane from the origin.
+    pub(crate) offset: f32,
+    /// What its plane is part of.
+    pub(crate) part: Part,
+}
+
+/// Where a ray first meets the common part of half-spaces, from outside; the place on the surface is left open.
+#[inline]
+pub(crate) fn convex_hit(o: [f32; 3], d: [f32; 3], halves: &[Half]) -> Option<Hit> {
     let (mut enter, mut leave, mut entered) = (0.0_f32, f32::INFINITY, None);
-    for (normal, offset, part) in planes {
-        let speed = dot(normal, d);
-        let gap = offset - dot(normal, o);
+    for half in halves {
+        let speed = dot(half.normal, d);
+        let gap = half.offset - dot(half.normal, o);
         if speed.abs() < 1e-9 {
             if gap < 0.0 {
                 return None;
@@ -150,18 +230,15 @@ fn house_hit(
             if speed > 0.0 {
                 leave = leave.min(t);
             } else if t > enter {
-                (enter, entered) = (t, Some((normal, part)));
+                (enter, entered) = (t, Some(half));
             }
         }
         if enter > leave {
             return None;
         }
     }
-    let (normal, part) = entered?;
-    let p = [0, 1, 2].map(|i| o[i] + enter * d[i]);
-    let along = if normal[0].abs() > 0.5 { p[1] } else { p[0] };
-    let normal = [cos * normal[0] - sin * normal[1], sin * normal[0] + cos * normal[1], normal[2]];
-    Some(Hit { t: enter, normal, part, surface_m: [along, p[2]] })
+    let half = entered?;
+    Some(Hit { t: enter, normal: half.normal, part: half.part, surface_m: [0.0; 2] })
 }
 
 fn trunk_hit(o: [f32; 3], d: [f32; 3], radius: f32, height: f32) -> Option<Hit> {
@@ -217,37 +294,4 @@ pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn house() -> Object {
-        let shape = Shape::House { ridge: [1.0, 0.0], half_m: [5.0, 4.0], height_m: [3.0, 6.0] };
-        Object { foot: [20.0, 0.0, 0.0], shape, hash: 0 }
-    }
-
-    #[test]
-    fn a_house_has_walls_a_roof_and_nothing_above_it() {
-        let from = |z: f32, up: f32| house().hit(&Ray { origin: [0.0, 0.0, z], direction: [1.0, 0.0, up] });
-        let wall = from(1.5, 0.0).unwrap();
-        assert!((wall.t - 15.0).abs() < 1e-5 && wall.part == Part::Wall && wall.normal[0] < -0.99);
-        assert!(from(7.0, 0.0).is_none());
-        let across = Ray { origin: [20.0, -30.0, 4.5], direction: [0.0, 1.0, 0.0] };
-        let roof = house().hit(&across).unwrap();
-        assert!(roof.part == Part::Roof && (roof.t - 28.0).abs() < 1e-4, "half way up the roof, half way in");
-        assert!(
-            from(1.5, 0.0).is_some()
-                && house().hit(&Ray { origin: [40.0, 0.0, 1.0], direction: [1.0, 0.0, 0.0] }).is_none()
-        );
-    }
-
-    #[test]
-    fn a_tree_has_a_trunk_below_its_crown() {
-        let shape = Shape::Tree { trunk_m: 0.2, crown_m: [2.0, 2.5], middle_m: 5.0 };
-        let tree = Object { foot: [10.0, 1.0, 0.0], shape, hash: 0 };
-        let at = |z: f32, y: f32| tree.hit(&Ray { origin: [0.0, y, z], direction: [1.0, 0.0, 0.0] });
-        assert!(at(1.0, 1.0).is_some_and(|hit| hit.part == Part::Trunk && (hit.t - 9.8).abs() < 1e-4));
-        assert!(at(5.0, 1.0).is_some_and(|hit| hit.part == Part::Crown && (hit.t - 8.0).abs() < 1e-4));
-        assert!(at(1.0, 1.5).is_none() && at(9.0, 1.0).is_none());
-        assert!((tree.height_m() - 7.5).abs() < 1e-6);
-    }
-}
+mod tests;

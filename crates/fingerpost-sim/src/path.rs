@@ -10,9 +10,10 @@ use std::f64::consts::TAU;
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::{Point2, Vector2};
 
+use crate::markings::lane_middle_m;
 use crate::noise::Stream;
 use crate::roads::RoadNetwork;
-use crate::{SimError, TrafficSide};
+use crate::{Conditions, SimError, TrafficSide};
 
 /// Spacing of the samples along the route, metres.
 const SAMPLE_M: f64 = 0.5;
@@ -29,8 +30,6 @@ const GENTLE_RADIUS_M: f64 = 40.0;
 const TURN_WINDOW_M: f64 = 8.0;
 /// Upper bound of the flow's steps; a right angle takes about 600.
 const FLOW_STEPS: usize = 6000;
-/// Half of the width of a car and 0.4 m to the road's edge, metres.
-const HALF_CAR_M: f64 = 1.3;
 /// Length over which a changed road width shifts the line, metres.
 const SHIFT_M: f64 = 16.0;
 /// Wavelengths of the driver's wander, metres.
@@ -52,32 +51,53 @@ pub(crate) struct PathPoint {
 /// Spline points for each sample: 0.1 m apart, so that straight pieces between them are within a millimetre.
 const SUBSAMPLES: usize = 5;
 
-/// The driven line for `route`, from its start to its end.
-pub(crate) fn driven_path(
-    route: &Polyline,
-    roads: &RoadNetwork,
-    traffic: TrafficSide,
-    wander_m: f64,
-    seed: u64,
-) -> Result<Vec<PathPoint>, SimError> {
-    let count = (route.length_m() / SAMPLE_M).floor() as usize;
-    let axis: Vec<Point2<f64>> = (0..=count).map(|i| route.at(i as f64 * SAMPLE_M).0).collect();
-    let shifts = side_shifts(route, &axis, roads, traffic)?;
-    let rounded = rounded(axis, route);
-    let mut stream = Stream::new(seed, 0x5741_4e44);
-    let waves: Vec<(f64, f64)> =
-        WANDER_LENGTHS_M.iter().map(|length| (TAU / length, stream.between(0.0, TAU))).collect();
-    let wander = |along: f64| {
-        wander_m / waves.len() as f64 * waves.iter().map(|(k, phase)| (k * along + phase).sin()).sum::<f64>()
-    };
-    let control: Vec<Point2<f64>> = (0..rounded.len())
-        .map(|i| {
-            let along = rounded[(i + 1).min(rounded.len() - 1)] - rounded[i.saturating_sub(1)];
-            let left = Vector2::new(-along.y, along.x).normalize();
-            rounded[i] + left * (shifts[i] + wander(i as f64 * SAMPLE_M))
-        })
-        .collect();
-    Ok(spline(&control))
+/// The line that a vehicle follows along a route when it does nothing else.
+#[derive(Debug, Clone)]
+pub(crate) struct DrivenLine {
+    /// Every [`SAMPLE_M`] along the route.
+    control: Vec<Point2<f64>>,
+    /// Unit vectors to its left.
+    lefts: Vec<Vector2<f64>>,
+    /// How far to the left of it the vehicle keeps, metres.
+    shifts_m: Vec<f64>,
+}
+
+impl DrivenLine {
+    /// The line for `route`, from its start to its end.
+    pub(crate) fn new(
+        route: &Polyline,
+        roads: &RoadNetwork,
+        traffic: TrafficSide,
+        conditions: &Conditions,
+        seed: u64,
+    ) -> Result<Self, SimError> {
+        let count = (route.length_m() / SAMPLE_M).floor() as usize;
+        let axis: Vec<Point2<f64>> = (0..=count).map(|i| route.at(i as f64 * SAMPLE_M).0).collect();
+        let mut shifts_m = side_shifts(route, &axis, roads, traffic, conditions)?;
+        let control = rounded(axis, route);
+        let mut stream = Stream::new(seed, 0x5741_4e44);
+        let waves: Vec<(f64, f64)> =
+            WANDER_LENGTHS_M.iter().map(|length| (TAU / length, stream.between(0.0, TAU))).collect();
+        for (i, shift_m) in shifts_m.iter_mut().enumerate() {
+            let along = i as f64 * SAMPLE_M;
+            let wave = waves.iter().map(|(k, phase)| (k * along + phase).sin()).sum::<f64>();
+            *shift_m += conditions.wander_m / waves.len() as f64 * wave;
+        }
+        let lefts = (0..control.len())
+            .map(|i| {
+                let along = control[(i + 1).min(control.len() - 1)] - control[i.saturating_sub(1)];
+                Vector2::new(-along.y, along.x).normalize()
+            })
+            .collect();
+        Ok(Self { control, lefts, shifts_m })
+    }
+
+    /// The path of a vehicle that is `aside_m` to the left of the line at a distance along the route, metres.
+    pub(crate) fn path(&self, aside_m: impl Fn(f64) -> f64) -> Vec<PathPoint> {
+        let place =
+            |i: usize| self.control[i] + self.lefts[i] * (self.shifts_m[i] + aside_m(i as f64 * SAMPLE_M));
+        spline(&(0..self.control.len()).map(place).collect::<Vec<_>>())
+    }
 }
 
 /// How far left of the axis the vehicle keeps at each sample, metres.
@@ -86,14 +106,10 @@ fn side_shifts(
     axis: &[Point2<f64>],
     roads: &RoadNetwork,
     traffic: TrafficSide,
+    conditions: &Conditions,
 ) -> Result<Vec<f64>, SimError> {
     /// Routes are made of the map's own nodes; farther off than this it is another map.
     const OFF_MAP_M: f64 = 5.0;
-    let sign = match traffic {
-        TrafficSide::Left => 1.0,
-        TrafficSide::Right => -1.0,
-        TrafficSide::Centre => 0.0,
-    };
     let mut shifts = Vec::with_capacity(axis.len());
     for (i, &place) in axis.iter().enumerate() {
         let along_m = i as f64 * SAMPLE_M;
@@ -103,9 +119,7 @@ fn side_shifts(
         match found {
             // Trimmed side roads leave up to half of the main road's width without a stroke of their own.
             Some((stroke, distance_m)) if distance_m < OFF_MAP_M + 5.0 => {
-                let quarter = 0.5 * stroke.half_width_m;
-                let widest = (stroke.half_width_m - HALF_CAR_M).max(0.0);
-                shifts.push(if stroke.two_way { sign * quarter.min(widest) } else { 0.0 });
+                shifts.push(lane_middle_m(stroke, conditions, traffic));
             }
             _ => return Err(SimError::RouteOffTheMap { along_m, distance_m }),
         }

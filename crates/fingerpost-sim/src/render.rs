@@ -5,26 +5,33 @@
 //! Every pixel depends on the frame and its own place alone, so bands can be rendered in any order.
 //! Wet ground is a mirror: what it shows is what the camera's mirror image below the ground would see.
 
+mod ground;
+mod lamps;
 mod nearby;
+mod things;
 
 use fingerpost_geometry::Camera;
 use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 
-use self::nearby::{Candidates, Nearby, Neighbour, first_hit};
+use self::lamps::{Lamps, glare_along};
+use self::nearby::{Candidates, Nearby, first_hit};
+use self::things::{SHADOW_REACH_M, Things};
 use crate::conditions::Conditions;
 use crate::dirt::Dirt;
 use crate::ground::GroundMap;
 use crate::lens::{Lens, TILE_PX};
 use crate::light::{Light, mixed};
+use crate::markings::Layout;
 use crate::noise::mix;
-use crate::object::{Hit, Object, Ray, dot};
+use crate::object::{Object, Ray, dot};
+use crate::rain::Rain;
 use crate::relief::ReliefRaster;
+use crate::roadside::Roadside;
 use crate::scenery::Scenery;
 use crate::sky::Sky;
-use crate::surface::{Colour, Footprint, Painter};
-use crate::wet::Water;
+use crate::surface::{Colour, Painter};
 use crate::{SimError, tone};
 
 /// Ground farther off than this is seen so flatly that its waves do not matter, metres.
@@ -35,7 +42,7 @@ const GUESS_TOLERANCE: f32 = 3.0;
 /// Distant woods hide the ground beyond, metres.
 const GROUND_REACH_M: f32 = 900.0;
 /// Where the camera is in a frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct FrameView {
     /// Number of the frame, for its noise.
     pub(crate) frame: u64,
@@ -45,6 +52,8 @@ pub(crate) struct FrameView {
     pub(crate) map_from_camera: Isometry3<f64>,
     /// Height of the ground below the vehicle, metres.
     pub(crate) ground_m: f64,
+    /// Other vehicles.
+    pub(crate) vehicles: Vec<Object>,
 }
 
 /// Everything that does not change from frame to frame.
@@ -65,6 +74,10 @@ pub(crate) struct Renderer {
     shadow_strength: f32,
     shadow_detail: f32,
     wetness: f32,
+    roadside: Option<Roadside>,
+    retroreflection: f32,
+    lamps: f32,
+    rain: f64,
 }
 
 impl Renderer {
@@ -93,7 +106,18 @@ impl Renderer {
             shadow_strength: conditions.shadow_strength as f32,
             shadow_detail: conditions.shadow_detail as f32,
             wetness: conditions.wetness as f32,
+            roadside: Roadside::new(seed, conditions),
+            retroreflection: conditions.retroreflection as f32,
+            lamps: conditions.lamps as f32,
+            rain: conditions.rain,
         })
+    }
+
+    /// Whether lines are drawn at a place of the map, metres, where there are any.
+    pub(crate) fn bears_lines(&self, x: f32, y: f32) -> bool {
+        let point = self.ground.at(x, y);
+        !Layout::interrupted(point.other_m)
+            && point.stroke.is_some_and(|stroke| self.painter.bears_paint(stroke, x, y))
     }
 
     /// The picture of a frame, and its mask of road: 255 where the pixel shows road, 0 elsewhere.
@@ -127,24 +151,36 @@ struct Shot<'a> {
     /// What stands within reach of the camera, and of the camera's mirror image below wet ground.
     near: Nearby,
     below: Nearby,
+    shades: Nearby,
+    things: Things<'a>,
+    lamps: Lamps,
+    rain: Option<Rain>,
 }
 
 impl<'a> Shot<'a> {
-    fn new(scene: &'a Renderer, view: &FrameView) -> Self {
+    fn new(scene: &'a Renderer, view: &'a FrameView) -> Self {
         let matrix = view.map_from_camera.rotation.to_rotation_matrix();
         let rotation = [0, 1, 2].map(|c| [0, 1, 2].map(|r| matrix[(r, c)] as f32));
         let origin = [0, 1, 2].map(|i| view.map_from_camera.translation.vector[i] as f32);
-        let objects = scene.scenery.objects();
+        let things = Things { standing: scene.scenery.objects(), moving: &view.vehicles };
         let ground_m = view.ground_m as f32;
-        let near = Nearby::new(objects, origin, rotation[2]);
+        let near = Nearby::new(&things, origin, rotation[2]);
         let below = if scene.wetness > 0.0 {
             let [x, y, up] = rotation[2];
-            Nearby::new(objects, mirrored(origin, ground_m), [x, y, -up])
+            Nearby::new(&things, mirrored(origin, ground_m), [x, y, -up])
         } else {
             Nearby::default()
         };
         let noise_seed = mix(scene.seed ^ mix(view.frame ^ 0x4652_414d));
-        Self { scene, rotation, origin, ground_m, noise_seed, t_s: view.t_s as f32, near, below }
+        let lamps = Lamps::new(things.moving, origin, scene.lamps, |ray, to_m| {
+            let mut on_the_way = Vec::new();
+            near.touching((ray.direction, 1.0, 0.0), &mut on_the_way);
+            first_hit(&things, ray, 0.0..to_m, &on_the_way).is_some()
+        });
+        let shades = Nearby::shades(things.moving, origin, SHADOW_REACH_M);
+        let rain = Rain::new(scene.rain, [scene.width, scene.height], scene.seed, view.frame, view.t_s);
+        let t_s = view.t_s as f32;
+        Self { scene, rotation, origin, ground_m, noise_seed, t_s, near, below, shades, things, lamps, rain }
     }
 
     fn turned(&self, d: [f32; 3]) -> [f32; 3] {
@@ -161,6 +197,9 @@ impl<'a> Shot<'a> {
             let axis = self.turned(axis);
             self.near.touching((axis, cos, sin), &mut candidates.seen);
             self.below.touching(([axis[0], axis[1], -axis[2]], cos, sin), &mut candidates.mirrored);
+            self.lamps.dazzling(axis, cos, &mut candidates.dazzling);
+            self.lamps.streaking([axis[0], axis[1], -axis[2]], cos, &mut candidates.streaking);
+            self.shades.touching((axis, cos, sin), &mut candidates.shading);
             for row in 0..mask.len() / width {
                 // Ground seen by neighbouring pixels is about as high: a good first guess.
                 let mut ground_m = self.ground_m;
@@ -181,17 +220,43 @@ impl<'a> Shot<'a> {
         if dot(in_camera, in_camera) < 0.5 {
             return ([0; 3], 0);
         }
+        let (mut light, road) = self.seen(in_camera, candidates, ground_m);
+        if let Some(rain) = &self.rain {
+            light = self.through_rain(light, rain, index);
+        }
+        let noise = mix(self.noise_seed ^ index as u64);
+        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), road)
+    }
+
+    /// The light from a direction (unit vector, camera frame), and 255 where it comes from the road.
+    #[inline]
+    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, u8) {
         let direction = self.turned(in_camera);
         let ground = self.ground_distance(direction, ground_m);
         let ray = Ray { origin: self.origin, direction };
-        let objects = scene.scenery.objects();
-        let (light, road) = match first_hit(objects, &ray, 0.0..ground, &candidates.seen) {
-            Some((object, hit)) => (self.object_light(object, &hit), 0),
+        let (mut light, road) = match first_hit(&self.things, &ray, 0.0..ground, &candidates.seen) {
+            Some((object, hit)) => (self.object_light(object, &hit, Some(in_camera)), 0),
             None if ground < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
-            None => (scene.sky.colour(direction), 0),
+            None => (self.scene.sky.colour(direction), 0),
         };
-        let noise = mix(self.noise_seed ^ index as u64);
-        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), road)
+        if !candidates.dazzling.is_empty() {
+            let glare = glare_along(direction, &candidates.dazzling);
+            light = [0, 1, 2].map(|i| light[i] + glare[i]);
+        }
+        (light, road)
+    }
+
+    /// The light of a pixel behind falling drops and those on the windscreen.
+    #[inline(never)]
+    fn through_rain(&self, light: Colour, rain: &Rain, index: usize) -> Colour {
+        let grey = self.scene.sky.blurred(0.1);
+        let mut light = mixed(light, grey, rain.falling(index));
+        if let Some((shown, share)) = rain.drop_at(index) {
+            let in_camera = self.scene.lens.pixels[shown].0;
+            let beyond = self.seen(in_camera, &Candidates::default(), &mut self.ground_m.clone()).0;
+            light = mixed(light, beyond, share);
+        }
+        light
     }
 
     /// Distance along a ray to the ground, metres; infinite above the horizon. `ground_m` is a guess of the height
@@ -225,66 +290,5 @@ impl<'a> Shot<'a> {
             }
         }
         t
-    }
-
-    #[inline]
-    fn ground_light(
-        &self,
-        d: [f32; 3],
-        in_camera: [f32; 3],
-        t: f32,
-        candidates: &Candidates,
-    ) -> (Colour, u8) {
-        let scene = self.scene;
-        let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
-        let point = scene.ground.at(x, y);
-        let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
-        let across_m = t * scene.lens.pixel_rad;
-        let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
-        let (road, colour) = scene.painter.ground(x, y, &point, &footprint);
-        let shadow = if scene.shadow_detail > 0.0 {
-            let detailed = scene.painter.detailed_shadow(x, y, &point, footprint.fineness_m());
-            point.shadow + (detailed - point.shadow) * scene.shadow_detail
-        } else {
-            point.shadow
-        };
-        let sun = (1.0 - scene.shadow_strength * shadow) * scene.scenery.to_sun()[2].max(0.7);
-        let Light { sky, sun: full_sun, .. } = scene.light;
-        let mut lit = [0, 1, 2].map(|i| colour[i] * (sky[i] + full_sun[i] * sun));
-        if scene.light.has_low_beam() {
-            let beam = scene.light.low_beam(t * in_camera[2], t * in_camera[0]);
-            lit = [0, 1, 2].map(|i| lit[i] + colour[i] * beam[i]);
-        }
-        if scene.wetness > 0.0 {
-            let water = Water::at(scene.wetness, &point, road);
-            let grain = scene.painter.grain(x, y, footprint.fineness_m());
-            let mirrored = self.mirrored_light(water.mirrored(d, grain), water.clear, &candidates.mirrored);
-            lit = mixed(lit.map(|c| c * water.brightness), mirrored, water.mirrored_share(d));
-        }
-        let thickness = scene.sky.thickness(x, y, self.t_s);
-        (scene.sky.hazed(lit, t * thickness), if road >= 0.5 { 255 } else { 0 })
-    }
-
-    /// What a mirrored ray meets, in a mirror that is `clear` or rough, taken from the mirror image of the camera.
-    #[inline(never)]
-    fn mirrored_light(&self, direction: [f32; 3], clear: f32, candidates: &[Neighbour]) -> Colour {
-        let ray = Ray { origin: mirrored(self.origin, self.ground_m), direction };
-        // Below ground it meets nothing.
-        let from_ground = (self.origin[2] - self.ground_m).max(0.0) / direction[2];
-        match first_hit(self.scene.scenery.objects(), &ray, from_ground..f32::INFINITY, candidates) {
-            Some((object, hit)) => self.object_light(object, &hit),
-            None => mixed(self.scene.sky.blurred(direction[2]), self.scene.sky.colour(direction), clear),
-        }
-    }
-
-    fn object_light(&self, object: &Object, hit: &Hit) -> Colour {
-        let footprint_m = hit.t * self.scene.lens.pixel_rad;
-        let colour = self.scene.painter.object(object, hit, footprint_m);
-        let facing = dot(hit.normal, self.scene.scenery.to_sun()).max(0.0);
-        // Less sky is seen by what faces down.
-        let seen_sky = 0.7 + 0.3 * hit.normal[2];
-        let Light { sky, sun, .. } = self.scene.light;
-        let lit = [0, 1, 2].map(|i| colour[i] * (sky[i] * seen_sky + sun[i] * facing));
-        self.scene.sky.hazed(lit, hit.t)
     }
 }

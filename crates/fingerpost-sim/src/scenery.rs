@@ -1,4 +1,4 @@
-//! Houses and trees along the roads, and the shadows they cast.
+//! Houses, trees, posts and rails along the roads, and the shadows that houses and trees cast.
 
 use nalgebra::{Point2, Vector2};
 
@@ -7,6 +7,7 @@ use crate::noise::{Stream, cell_hash, mix, unit, value_noise};
 use crate::object::{Object, Ray, Shape};
 use crate::relief::Relief;
 use crate::roads::{RoadNetwork, Stroke};
+use crate::roadside::Roadside;
 
 /// Objects stand at most this much farther from the road than they must, metres.
 const SETBACK_M: f64 = 9.0;
@@ -39,6 +40,9 @@ impl Scenery {
                 }
             }
         }
+        if let Some(roadside) = Roadside::new(seed, conditions) {
+            planter.objects.extend(roadside.objects(roads, relief, &wanted));
+        }
         let (sin_up, cos_up) = conditions.sun_elevation_rad.sin_cos();
         let (sin, cos) = conditions.sun_azimuth_rad.sin_cos();
         Self { objects: planter.objects, to_sun: [cos_up * cos, cos_up * sin, sin_up].map(|x| x as f32) }
@@ -58,7 +62,8 @@ impl Scenery {
     pub(crate) fn casting_onto(&self, middle: Point2<f64>, radius_m: f64) -> Vec<Object> {
         let (x, y) = (middle.x as f32, middle.y as f32);
         let flat = (self.to_sun[0] * self.to_sun[0] + self.to_sun[1] * self.to_sun[1]).sqrt();
-        let objects = self.objects.iter().filter(|object| {
+        let raised = self.objects.iter().filter(|object| !matches!(object.shape, Shape::Beam { .. }));
+        let objects = raised.filter(|object| {
             let throw = object.height_m() * flat / self.to_sun[2];
             let (dx, dy) = (object.foot[0] - x, object.foot[1] - y);
             let reach = radius_m as f32 + object.radius_m() + throw;
@@ -78,6 +83,8 @@ impl Scenery {
                     Shape::House { .. } => 0.0,
                     // Sun flecks under leaves.
                     Shape::Tree { .. } => 0.45 * (value_noise(caster.hash, x * 2.5, y * 2.5) - 0.35).max(0.0),
+                    // What stands in the raster's way is too thin for it, or moves.
+                    Shape::Beam { .. } | Shape::Vehicle(_) => 1.0,
                 };
             }
         }

@@ -1,28 +1,30 @@
 //! The simulator: a vehicle, its camera, its surroundings; any frame on demand.
 
-use fingerpost_format::TruthRecord;
+use fingerpost_format::{MarkingRecord, TruthRecord};
 use fingerpost_geometry::{Camera, Mount, Polyline, View};
 use fingerpost_map::{RoadGraph, Route, TangentPlane};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::crossing::{Crossing, crossings};
 use crate::drive::{Drive, VehicleState};
+use crate::driving::PlannedDriving;
 use crate::ground::{GroundMap, REACH_M};
-use crate::path::{PathPoint, driven_path};
+use crate::object::Object;
+use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
 use crate::render::{FrameView, Renderer};
 use crate::roads::RoadNetwork;
 use crate::scenery::Scenery;
 use crate::surface::Painter;
-use crate::truth::LaneEdges;
+use crate::traffic::Traffic;
+use crate::truth::{EdgeSeen, LaneEdges, RoadPlace};
 use crate::{SimConfig, SimError};
 
 /// Shortest route that can be driven, metres.
 pub(crate) const MIN_ROUTE_M: f64 = 20.0;
 /// Longest route whose surroundings are held at once, metres: about 1 GB.
 const MAX_ROUTE_M: f64 = 20_000.0;
-/// The drive ends so far before the route's end, metres.
-const END_GAP_M: f64 = 5.0;
 /// Distance from rear to front axle, metres, a medium car's.
 pub(crate) const WHEELBASE_M: f64 = 2.7;
 /// Distance between left and right wheels, metres.
@@ -59,6 +61,8 @@ pub struct Simulator {
     fps: f64,
     frames: usize,
     drive: Drive,
+    planned: Option<PlannedDriving>,
+    traffic: Traffic,
     relief: Relief,
     lanes: LaneEdges,
     targets: Vec<Target>,
@@ -82,7 +86,7 @@ impl Simulator {
             return Err(SimError::CameraWithoutLens);
         };
         let line = route.polyline()?;
-        let needed_m = (config.start_m + END_GAP_M + 1.0).max(MIN_ROUTE_M);
+        let needed_m = (config.start_m + config.end_gap_m + 1.0).max(MIN_ROUTE_M);
         if line.length_m() < needed_m {
             return Err(SimError::RouteTooShort { length_m: line.length_m(), needed_m });
         }
@@ -93,18 +97,16 @@ impl Simulator {
         let conditions = &config.conditions;
         let (low, high) = surroundings(&line);
         let roads = RoadNetwork::new(graph, &plane, low, high);
-        let path = driven_path(&line, &roads, config.traffic, conditions.wander_m, config.seed)?;
-        let driven =
-            |point: &PathPoint| (config.start_m..=line.length_m() - END_GAP_M).contains(&point.route_m);
-        let path: Vec<PathPoint> = path.into_iter().filter(driven).collect();
-        let drive = Drive::new(path, config.cruise_speed_mps, conditions, config.seed)?;
+        let driven = DrivenLine::new(&line, &roads, config.traffic, conditions, config.seed)?;
+        let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
         let relief = Relief::new(config.seed, conditions.undulation_m);
         let near_route = |p: Point2<f64>| line.nearest(p).left_m.abs() < REACH_M;
         let scenery = Scenery::new(config.seed, conditions, &roads, &relief, near_route);
         let ground = GroundMap::new(config.seed, &line, &roads, &scenery);
         let raster = ReliefRaster::new(&relief, low, high);
-        let painter = Painter::new(config.seed, conditions, &roads);
+        let painter = Painter::new(config.seed, conditions, &roads, config.traffic);
         let renderer = Renderer::new(camera, conditions, config.seed, ground, raster, scenery, painter)?;
+        let traffic = Traffic::new(line.clone(), &roads, config, drive.duration_s());
         let route_frames = (drive.duration_s() * config.fps).floor() as usize + 1;
         Ok(Self {
             camera: camera.clone(),
@@ -113,9 +115,11 @@ impl Simulator {
             fps: config.fps,
             frames: config.frames.map_or(route_frames, |most| most.min(route_frames)),
             drive,
+            planned,
+            traffic,
             relief,
             targets: targets(route, &plane),
-            lanes: LaneEdges::new(line, &roads, conditions.markings, config.traffic),
+            lanes: LaneEdges::new(line, &roads, conditions, config.traffic),
             renderer,
         })
     }
@@ -134,9 +138,22 @@ impl Simulator {
             t_s: index as f64 / self.fps,
             map_from_camera: map_from_vehicle * self.mount_of(&state).vehicle_from_camera(),
             ground_m: map_from_vehicle.translation.vector.z,
+            vehicles: self.vehicles(&state, index),
         };
         let (picture, road) = self.renderer.render(&view);
         SimFrame { picture, road, truth: self.truth(index) }
+    }
+
+    /// Where the vehicle is on its road in that frame, marked or not; none off the roads.
+    pub fn road_place(&self, index: usize) -> Option<RoadPlace> {
+        let state = self.state(index);
+        self.lanes.road_place(state.p_in_map, state.route_m, state.heading_rad)
+    }
+
+    /// When a wheel's outer side comes over the inner edge of a line, from the first frame to the last, in the order of
+    /// time: into another lane or off the road, with or without a turn signal.
+    pub fn crossings(&self) -> Vec<Crossing> {
+        crossings(&self.drive, &self.lanes, self.frames, self.fps)
     }
 
     /// The camera as it is in that frame: its mount with the body's pitch and roll about the road's plane.
@@ -157,7 +174,7 @@ impl Simulator {
             let offset = target.p_in_map - state.p_in_map;
             Vector2::new(cos * offset.x + sin * offset.y, cos * offset.y - sin * offset.x)
         });
-        let [lane_left_px, lane_right_px] = self.lanes_of(&state);
+        let [(left, lane_left_marking), (right, lane_right_marking)] = self.lanes_of(&state);
         TruthRecord {
             frame: index as u64,
             t_s: index as f64 / self.fps,
@@ -171,8 +188,14 @@ impl Simulator {
             feature_id: target.map(|target| target.id),
             feature_forward_m: in_vehicle.map(|p| p.x),
             feature_left_m: in_vehicle.map(|p| p.y),
-            lane_left_px,
-            lane_right_px,
+            picture_px: Some([self.camera.width(), self.camera.height()].map(|side| side as u32)),
+            lane_left_px: left.px,
+            lane_right_px: right.px,
+            lane_left_m: left.m,
+            lane_right_m: right.m,
+            lane_left_marking,
+            lane_right_marking,
+            turn_signal: self.planned.as_ref().and_then(|planned| planned.turn_signal(state.route_m)),
         }
     }
 
@@ -186,6 +209,12 @@ impl Simulator {
             roll_rad: self.mount.roll_rad + state.roll_rad,
             ..self.mount
         }
+    }
+
+    /// The other vehicles that can be seen in a frame.
+    fn vehicles(&self, state: &VehicleState, index: usize) -> Vec<Object> {
+        let route_at = |t_s: f64| self.drive.at(t_s).route_m;
+        self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, &self.relief)
     }
 
     /// The road's plane below the wheels.
@@ -208,20 +237,40 @@ impl Simulator {
         )
     }
 
-    fn lanes_of(&self, state: &VehicleState) -> [Vec<[f64; 2]>; 2] {
-        let Ok(camera) = self.camera.with_mount(self.mount_of(state)) else {
-            return [Vec::new(), Vec::new()];
-        };
+    /// The left and the right edge of the vehicle's lane as the picture shows them, with their markings.
+    fn lanes_of(&self, state: &VehicleState) -> [(EdgeSeen, Option<MarkingRecord>); 2] {
+        let Ok(camera) = self.camera.with_mount(self.mount_of(state)) else { return Default::default() };
         let map_from_vehicle = self.map_from_vehicle(state);
-        self.lanes.ahead(&self.renderer.ground, state.route_m, state.heading_rad).map(|edge| {
-            edge.into_iter()
-                .map(|p| Point3::new(p.x, p.y, self.relief.height_m(p)))
-                .filter_map(|p| camera.project(map_from_vehicle.inverse_transform_point(&p)))
-                .filter(|pixel| camera.contains(*pixel))
-                .map(|pixel| [pixel.u, pixel.v])
-                .collect()
+        let painted = |p: Point2<f64>| self.renderer.bears_lines(p.x as f32, p.y as f32);
+        let on_ground = |p: &Point2<f64>| Point3::new(p.x, p.y, self.relief.height_m(*p));
+        self.lanes.ahead(state.p_in_map, state.route_m, state.heading_rad, painted).map(|edge| {
+            let points: Vec<Point3<f64>> = edge.points.iter().map(on_ground).collect();
+            let seen = EdgeSeen::new(&points, &camera, &map_from_vehicle);
+            let marking = edge.marking.filter(|_| !seen.px.is_empty());
+            (seen, marking)
         })
     }
+}
+
+/// The drive along a line, and what the driver does on it.
+fn plan_drive(
+    driven: &DrivenLine,
+    route_m: f64,
+    config: &SimConfig,
+) -> Result<(Drive, Option<PlannedDriving>), SimError> {
+    let within = config.start_m..=route_m - config.end_gap_m;
+    let drive = |aside_m: &dyn Fn(f64) -> f64, stops: &[(f64, f64)]| {
+        let path = driven.path(aside_m).into_iter().filter(|point| within.contains(&point.route_m));
+        Drive::new(path.collect(), stops, config.cruise_speed_mps, &config.conditions, config.seed)
+    };
+    let plain = drive(&|_| 0.0, &[])?;
+    if config.driving.is_empty() {
+        return Ok((plain, None));
+    }
+    let lane_width_m = config.conditions.lanes.lane_width_m;
+    let planned = PlannedDriving::new(&config.driving, config.seed, lane_width_m, plain.clock());
+    let stops: Vec<(f64, f64)> = planned.stops().collect();
+    Ok((drive(&|route_m| planned.aside_m(route_m), &stops)?, Some(planned)))
 }
 
 /// The rectangle around the route within which roads are drawn.
@@ -246,67 +295,4 @@ fn targets(route: &Route, plane: &TangentPlane) -> Vec<Target> {
 }
 
 #[cfg(test)]
-mod tests {
-    use fingerpost_geometry::{Distortion, Intrinsics};
-    use fingerpost_map::{OsmData, read_route};
-
-    use super::*;
-    use crate::TrafficSide;
-
-    fn in_town(config: &SimConfig) -> Simulator {
-        let town = OsmData::from_bytes(include_bytes!("../assets/town.osm")).unwrap();
-        let graph = RoadGraph::from_osm(&town).unwrap();
-        let route = read_route(include_str!("../assets/town_route.geojson")).unwrap();
-        let intrinsics = Intrinsics { fx: 42.0, fy: 42.0, cx: 31.5, cy: 23.5 };
-        let camera = Camera::calibrated(64, 48, intrinsics, Distortion::None, Mount::level(1.5)).unwrap();
-        Simulator::new(&graph, &route, &camera, config).unwrap()
-    }
-
-    #[test]
-    fn all_wheels_stay_on_the_towns_roads() {
-        for traffic in [TrafficSide::Right, TrafficSide::Left, TrafficSide::Centre] {
-            let simulator = in_town(&SimConfig { traffic, ..SimConfig::default() });
-            let (mut worst_m, mut where_m) = (f32::NEG_INFINITY, 0.0);
-            for index in 0..simulator.frames() {
-                let state = simulator.state(index);
-                let map_from_vehicle = simulator.map_from_vehicle(&state);
-                // The outer faces of the tyres of a car 1.8 m wide.
-                for (x, y) in [(0.0, 0.9), (0.0, -0.9), (WHEELBASE_M, 0.9), (WHEELBASE_M, -0.9)] {
-                    let wheel = map_from_vehicle * Point3::new(x, y, 0.0);
-                    let edge_m = simulator.renderer.ground.at(wheel.x as f32, wheel.y as f32).edge_m;
-                    if edge_m > worst_m {
-                        (worst_m, where_m) = (edge_m, state.route_m);
-                    }
-                }
-            }
-            assert!(worst_m < 0.0, "{traffic:?}: {worst_m} m off the road at {where_m} m of the route");
-        }
-    }
-
-    #[test]
-    fn the_town_has_its_features_in_order() {
-        let simulator = in_town(&SimConfig::default());
-        let mut seen: Vec<i64> =
-            (0..simulator.frames()).filter_map(|i| simulator.truth(i).feature_id).collect();
-        seen.dedup();
-        let wanted: Vec<i64> = simulator.targets.iter().map(|target| target.id).collect();
-        assert_eq!(seen, wanted);
-        assert!(wanted.len() >= 8, "{} features", wanted.len());
-    }
-
-    #[test]
-    fn nothing_stands_on_or_near_the_roads() {
-        let town = OsmData::from_bytes(include_bytes!("../assets/town.osm")).unwrap();
-        let graph = RoadGraph::from_osm(&town).unwrap();
-        let (low, high) = (Point2::new(-200.0, -200.0), Point2::new(200.0, 200.0));
-        let roads = RoadNetwork::new(&graph, graph.plane(), low, high);
-        let relief = Relief::new(1, 0.0);
-        let scenery = Scenery::new(1, &crate::Conditions::SHADOWS, &roads, &relief, |_| true);
-        assert!(scenery.objects().len() > 100, "{} objects", scenery.objects().len());
-        for object in scenery.objects() {
-            let foot = Point2::new(f64::from(object.foot[0]), f64::from(object.foot[1]));
-            let free_m = 1.5 + f64::from(object.radius_m());
-            assert!(roads.within(foot, free_m).is_empty(), "{object:?}");
-        }
-    }
-}
+mod tests;

@@ -1,17 +1,20 @@
 //! Colours of the ground and of what stands on it, linear light.
 
 mod lane;
+mod strips;
 mod varied;
 
-pub(crate) use self::lane::{EDGE_LINE_M, Lines};
 use self::lane::{Lane, LocalPlace};
-use self::varied::{Covering, Varied};
+use self::strips::Strips;
+use self::varied::{Covering, Varied, covered};
+use crate::TrafficSide;
 use crate::conditions::Conditions;
 use crate::ground::GroundPoint;
 use crate::light::mixed;
 use crate::noise::{floor_int, mix, unit};
-use crate::object::{Hit, Object, Part};
+use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
+use crate::roadside::{BesideRoad, Roadside};
 use crate::texture::{Grain, Texture};
 
 /// Linear red, green, blue.
@@ -44,6 +47,17 @@ impl Footprint {
     }
 }
 
+/// The ground in a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Painted {
+    /// Share of the pixel that is road.
+    pub(crate) road: f32,
+    /// Its colour in full light.
+    pub(crate) colour: Colour,
+    /// Share of the road that lines cover.
+    pub(crate) paint: f32,
+}
+
 /// Textures and numbers of everything that is painted.
 #[derive(Debug, Clone)]
 pub(crate) struct Painter {
@@ -54,18 +68,23 @@ pub(crate) struct Painter {
     bare_verge: f32,
     wear: f32,
     varied: Option<Varied>,
+    strips: Option<Strips>,
     dust: f32,
+    worn: f32,
 }
 
 /// How far leaves move a shadow's rim, share of its depth.
 const FLECKS: f32 = 0.36;
+/// How suddenly paint ends at a fleck, and how much of the colour of the paint that is left goes with all of it worn.
+const FLECK_STEEPNESS: f32 = 3.5;
+const FADES: f32 = 0.5;
 /// Colour of dust that lies on the ground.
 const DUST: Colour = [0.42, 0.345, 0.25];
 
 impl Painter {
     /// Paint for these roads.
-    pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork) -> Self {
-        let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions.markings));
+    pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork, traffic: TrafficSide) -> Self {
+        let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions, traffic));
         Self {
             asphalt: Texture::new(seed, Grain::Asphalt),
             grass: Texture::new(seed, Grain::Grass),
@@ -74,13 +93,15 @@ impl Painter {
             bare_verge: conditions.bare_verge as f32,
             wear: conditions.road_wear as f32,
             varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),
+            strips: Strips::new(seed, conditions.strips as f32),
             dust: conditions.dust as f32,
+            worn: conditions.lanes.worn as f32,
         }
     }
 
-    /// Share of the pixel that is road, and its colour in full light.
+    /// The ground in a pixel.
     #[inline]
-    pub(crate) fn ground(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> (f32, Colour) {
+    pub(crate) fn ground(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> Painted {
         let road = if point.edge_m.abs() > footprint.along_m {
             // The edge is farther away than the pixel reaches in any direction.
             if point.edge_m < 0.0 { 1.0 } else { 0.0 }
@@ -88,9 +109,9 @@ impl Painter {
             (0.5 - point.edge_m / footprint.extent_m(point.edge_slope)).clamp(0.0, 1.0)
         };
         let fineness = footprint.fineness_m();
-        let mut colour = [0.0; 3];
+        let (mut colour, mut paint) = ([0.0; 3], 0.0);
         if road > 0.0 {
-            colour = self.road(x, y, point, footprint, fineness);
+            (colour, paint) = self.road(x, y, point, footprint, fineness);
         }
         if road < 1.0 {
             let mut verge = self.verge(x, y, point, fineness);
@@ -104,11 +125,18 @@ impl Painter {
         if self.dust > 0.0 {
             colour = self.dusted(colour, x, y, point, fineness);
         }
-        (road, colour)
+        Painted { road, colour, paint: paint * road }
     }
 
     #[inline]
-    fn road(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint, fineness: f32) -> Colour {
+    fn road(
+        &self,
+        x: f32,
+        y: f32,
+        point: &GroundPoint,
+        footprint: &Footprint,
+        fineness: f32,
+    ) -> (Colour, f32) {
         let lane = point.stroke.map(|index| &self.lanes[index as usize]);
         let covering = self.covering(lane, x, y);
         let look = covering.look();
@@ -129,16 +157,22 @@ impl Painter {
             base[1] * bright,
             base[2] * bright * (1.0 - 0.12 * warm),
         ];
+        let mut painted = 0.0;
         if let Some(lane) = lane.filter(|_| !loose) {
             if let Some(varied) = &self.varied {
                 colour = varied.repair(colour, covering, &lane.place(x, y), footprint, grain[0]);
             }
-            let paint = lane.paint(x, y, point, footprint) * (0.92 + 0.5 * grain[0].min(0.0));
-            for (i, white) in [0.74, 0.74, 0.70].into_iter().enumerate() {
-                colour[i] += (white - colour[i]) * paint.clamp(0.0, 1.0);
+            if let Some(strips) = &self.strips {
+                colour = strips.laid(colour, &lane.place(x, y), footprint, grain[0]);
             }
+            let (share, paint) = lane.paint(x, y, point, footprint);
+            let share = share * (0.92 + 0.5 * grain[0].min(0.0));
+            let share =
+                if self.worn > 0.0 { share * self.left_of_paint(x, y, point, fineness) } else { share };
+            painted = share.clamp(0.0, 1.0);
+            colour = mixed(colour, paint, painted);
         }
-        colour
+        (colour, painted)
     }
 
     #[inline]
@@ -168,6 +202,24 @@ impl Painter {
             (Some(varied), Some(lane)) => varied.covering(&lane.place(x, y)),
             _ => Covering::Map,
         }
+    }
+
+    /// Share of the paint that wear has left: flecks are gone, more of them in some stretches, and what is left is pale.
+    #[inline(never)]
+    fn left_of_paint(&self, x: f32, y: f32, point: &GroundPoint, fineness: f32) -> f32 {
+        let chips = self.soil.sample(1.3 * x, 1.3 * y, 1.3 * fineness)[0];
+        let flakes = self.soil.sample(0.37 * y, -0.37 * x, 0.37 * fineness)[1];
+        let stretches = 0.3 * point.tone;
+        // Half of the paint is gone from ground that is neither chipped nor spared at a wear of a half.
+        let left = 0.5 + FLECK_STEEPNESS * (0.55 - self.worn + 0.5 * chips + 0.5 * flakes + stretches);
+        left.clamp(0.0, 1.0) * (1.0 - FADES * self.worn)
+    }
+
+    /// Whether a stroke's covering bears paint at a place: no loose one does.
+    pub(crate) fn bears_paint(&self, stroke: u32, x: f32, y: f32) -> bool {
+        let lane = &self.lanes[stroke as usize];
+        let as_mapped = lane.surface == Surface::Loose;
+        !self.covering(Some(lane), x, y).look().map_or(as_mapped, |look| look.loose)
     }
 
     /// What takes the verge's place beside a road, and its share.
@@ -205,13 +257,37 @@ impl Painter {
         ((point.shadow - 0.5 + FLECKS * leaves) * steepness + 0.5).clamp(0.0, 1.0)
     }
 
+    /// Share of the sunlight that posts and rails take from a place.
+    #[inline(never)]
+    pub(crate) fn roadside_shadow(
+        &self,
+        roadside: &Roadside,
+        x: f32,
+        y: f32,
+        point: &GroundPoint,
+        footprint: &Footprint,
+    ) -> f32 {
+        let Some(stroke) = point.stroke else { return 0.0 };
+        let place = self.lanes[stroke as usize].place(x, y);
+        let LocalPlace { chain, along_m, left_m, half_width_m, direction } = place;
+        let beside = BesideRoad { chain, along_m, left_m, half_width_m, direction };
+        roadside.shadow(&beside, place.extents_m(footprint), covered)
+    }
+
     /// Fine unevenness of the ground at a place.
     pub(crate) fn grain(&self, x: f32, y: f32, fineness: f32) -> [f32; 2] {
         self.asphalt.sample(x, y, fineness)
     }
 
-    /// Colour of an object in full light.
-    pub(crate) fn object(&self, object: &Object, hit: &Hit, footprint_m: f32) -> Colour {
+    /// Colour of an object in full light, and the light of its own that it sends out for lamps of brightness 1.
+    pub(crate) fn object(&self, object: &Object, hit: &Hit, footprint_m: f32) -> (Colour, Colour) {
+        match object.shape {
+            Shape::Vehicle(shape) => shape.colour(hit, object.hash),
+            _ => (self.standing(object, hit, footprint_m), [0.0; 3]),
+        }
+    }
+
+    fn standing(&self, object: &Object, hit: &Hit, footprint_m: f32) -> Colour {
         let [along, up] = hit.surface_m;
         let shade = |i: u64| unit(mix(object.hash ^ i));
         match hit.part {
@@ -227,6 +303,7 @@ impl Painter {
                 [red, 0.5 * red + 0.02, 0.36 * red + 0.02].map(|c| c * tiles)
             }
             Part::Trunk => [0.11, 0.085, 0.06],
+            Part::Metal | Part::Body | Part::Glass => [0.36, 0.37, 0.38],
             Part::Crown => {
                 let leaves = self.grass.sample(0.35 * along, 0.35 * up, 0.35 * footprint_m);
                 let bright = (1.0 + 0.9 * leaves[0]).max(0.15);

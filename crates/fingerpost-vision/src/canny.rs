@@ -91,19 +91,9 @@ impl Canny {
     /// # Errors
     /// [`CannyError`] when a threshold is negative or no number, or the lower one above the upper one.
     pub fn new(params: CannyParams) -> Result<Self, CannyError> {
-        let CannyParams { low, high, norm } = params;
-        if !(low >= 0.0 && high >= low) {
-            return Err(CannyError::Thresholds { low, high });
-        }
-        let [low, high] = [low, high].map(|level| {
-            let level = level.min(STRONGEST);
-            match norm {
-                GradientNorm::L1 => level as u32,
-                GradientNorm::L2 => (level * level) as u32,
-            }
-        });
+        let [low, high] = thresholds(&params)?;
         Ok(Self {
-            norm,
+            norm: params.norm,
             low,
             high,
             columns: Columns::default(),
@@ -111,6 +101,16 @@ impl Canny {
             squares: Gradients::default(),
             hysteresis: Hysteresis::default(),
         })
+    }
+
+    /// Goes on with other thresholds, and the buffers that there are.
+    ///
+    /// # Errors
+    /// [`CannyError`] as for a new detector, which then stays as it was.
+    pub fn set_params(&mut self, params: CannyParams) -> Result<(), CannyError> {
+        [self.low, self.high] = thresholds(&params)?;
+        self.norm = params.norm;
+        Ok(())
     }
 
     /// Sets `edges` to 255 where `source` has an edge and to 0 elsewhere.
@@ -156,6 +156,21 @@ impl Canny {
         hysteresis.finish(path, edges);
         Ok(())
     }
+}
+
+/// The whole thresholds, lower and upper, in the units of the norm.
+fn thresholds(params: &CannyParams) -> Result<[u32; 2], CannyError> {
+    let &CannyParams { low, high, norm } = params;
+    if !(low >= 0.0 && high >= low) {
+        return Err(CannyError::Thresholds { low, high });
+    }
+    Ok([low, high].map(|level| {
+        let level = level.min(STRONGEST);
+        match norm {
+            GradientNorm::L1 => level as u32,
+            GradientNorm::L2 => (level * level) as u32,
+        }
+    }))
 }
 
 impl<M: Copy + Default> Gradients<M> {

@@ -202,6 +202,19 @@ pub fn grey(image: &RgbImage, grey: &mut Plane<u8>) -> Result<(), PictureError> 
     Ok(())
 }
 
+/// Fills `grey` with the luma of as many rows of `image` as it has, from `first_row` on.
+///
+/// # Errors
+/// [`PictureError::SizeMismatch`] when the widths differ or the rows do not lie inside the picture.
+pub fn grey_of_rows(image: &RgbImage, first_row: usize, grey: &mut Plane<u8>) -> Result<(), PictureError> {
+    let rows = image.height().saturating_sub(first_row).min(grey.height());
+    check_size("grey rows", (image.width(), rows), grey.size())?;
+    let from = first_row * image.width();
+    let pixels = &image.pixels()[from..from + rows * image.width()];
+    kernel::grey_of_all(CodePath::fastest(), pixels, grey.as_mut_slice());
+    Ok(())
+}
+
 /// Fills `hue` (half degrees, 0 to 179) and `saturation` (0 to 255) with those of `image`.
 ///
 /// # Errors

@@ -13,6 +13,7 @@
 //! | [`log_colour`], [`colour_clusters`] | log-chromaticity over blocks; distance to known colours | Finlayson et al. 2002 |
 //! | [`histogram`] | two-dimensional hue-saturation histograms | Swain & Ballard 1992 |
 //! | [`backprojection`] | probability of a surface from its histogram | Swain & Ballard 1992 |
+//! | [`frame_buffer`] | mean of the last frames | paper 3, III-A |
 //! | [`fusion`] | probability from two independent ones | Bayes 1763 |
 //! | [`span`] | masks as row spans; how much lies under a mask | paper 1, equation 1 |
 //! | [`smoothing`] | Gaussian and box blur of 8-bit pictures | |
@@ -47,6 +48,7 @@ mod elementary;
 pub mod error;
 pub mod farneback;
 pub mod filter;
+pub mod frame_buffer;
 pub mod fusion;
 pub mod geodesic;
 pub mod histogram;

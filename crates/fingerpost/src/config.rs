@@ -4,9 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::centreline::CentrelineConfig;
 use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
+use crate::lanes::LanesConfig;
 use crate::matching::MatchConfig;
 use crate::motion::MotionConfig;
 use crate::mount::MountConfig;
@@ -14,6 +16,7 @@ use crate::road_surface::RoadSurfaceConfig;
 use crate::route_progress::RouteProgressConfig;
 use crate::track::TrackConfig;
 use crate::vehicle::VehicleConfig;
+use crate::vehicle_signals::CanConfig;
 
 /// All settings; every key has a default, so that an empty file is a valid one.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,10 +24,14 @@ use crate::vehicle::VehicleConfig;
 pub struct Config {
     /// The vehicle.
     pub vehicle: VehicleConfig,
+    /// Signals of the vehicle's bus.
+    pub can: CanConfig,
     /// The part of the road seen from above.
     pub ground_view: GroundViewConfig,
     /// Road surface detection.
     pub road_surface: RoadSurfaceConfig,
+    /// The road's middle without markings.
+    pub centreline: CentrelineConfig,
     /// Ego-motion.
     pub motion: MotionConfig,
     /// Estimate of the camera's mount while driving.
@@ -40,6 +47,8 @@ pub struct Config {
     pub track: TrackConfig,
     /// Progress along the route.
     pub route_progress: RouteProgressConfig,
+    /// Lanes.
+    pub lanes: LanesConfig,
 }
 
 /// A setting that cannot be used.
@@ -338,6 +347,9 @@ impl Config {
             ("route_progress.gps_gate_m", self.route_progress.gps_gate_m, 1.0, 1e4, "1 to 10000 metres"),
         ];
         check_ranges(checks)?;
+        self.lanes.check()?;
+        self.can.check()?;
+        self.centreline.check()?;
         self.road_surface.onnx.check()
     }
 }

@@ -8,12 +8,14 @@
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
 pub mod calibration_check;
+pub mod centreline;
 pub mod config;
 pub mod driving_line;
 pub mod feature_masks;
 pub mod feature_model;
 pub mod ground_view;
 mod kerbs;
+pub mod lanes;
 pub mod matching;
 pub mod motion;
 pub mod mount;
@@ -22,6 +24,7 @@ pub mod road_surface;
 pub mod route_progress;
 pub mod track;
 pub mod vehicle;
+pub mod vehicle_signals;
 mod why;
 
 pub use config::{Config, ConfigError};

@@ -9,14 +9,18 @@ use nalgebra::Point2;
 use thiserror::Error;
 
 use crate::calibration_check::{self, CalibrationFault};
+use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
+use crate::lanes::departure::{DepartureEvidence, DepartureOutput, DepartureWarning};
+use crate::lanes::{Lane, LaneError, LaneEvidence, LaneFinder, LaneInput};
 use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{Moved, RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSamples, VehicleSignals, VehicleState};
 use crate::why::Why;
 
 /// What else is known when a frame is taken.
@@ -24,6 +28,10 @@ use crate::why::Why;
 pub struct Sensors {
     /// GPS position, where there is one.
     pub gps: Option<LatLon>,
+    /// Newest values of the vehicle's own signals; none without a bus.
+    pub signals: Option<VehicleSamples>,
+    /// Seconds since the frame before; none in the first one and where frames have no times.
+    pub dt_s: Option<f64>,
 }
 
 /// The stages, in the order of the data.
@@ -37,10 +45,14 @@ pub enum Stage {
     Mount,
     /// Ground view to road probability.
     Road,
+    /// Road probability to the road's middle.
+    Centreline,
     /// Masks, match and track.
     Match,
     /// Driving line in the vehicle frame.
     DrivingLine,
+    /// The lane by its markings.
+    Lanes,
 }
 
 /// What the method says after a frame.
@@ -50,12 +62,20 @@ pub struct FrameOutput {
     pub track: TrackOutput,
     /// Motion since the frame before.
     pub motion: Option<Motion>,
+    /// The vehicle's motion and its driver's intent, from its bus or from the camera.
+    pub vehicle: VehicleState,
+    /// The road's middle by its surface alone; none where its edges are not sound.
+    pub centreline: Option<Centreline>,
     /// Where the camera looks against the calibration; none for a camera known by points.
     pub mount: Option<MountEstimate>,
     /// Driving line through the followed feature: points in the vehicle frame, metres.
     pub driving_line: Vec<Point2<f64>>,
     /// Its signed curvature at each point, 1/m, positive to the left.
     pub driving_line_curvature_per_m: Vec<f64>,
+    /// The lane in which the vehicle is; none where lanes are not looked for.
+    pub lane: Option<Lane>,
+    /// How the vehicle moves towards the lane's edges; none for a camera known by points and where no lane is looked for.
+    pub departure: Option<DepartureOutput>,
     /// What was decided and what decided it.
     pub why: String,
 }
@@ -71,10 +91,18 @@ pub struct FrameEvidence<'a> {
     pub surface: &'a RoadSurface,
     /// How it was found.
     pub road: RoadEvidence,
+    /// How the road's middle was found.
+    pub centreline: &'a CentrelineEvidence,
     /// How the motion was found.
     pub motion: Option<&'a MotionEvidence>,
+    /// Where speed, yaw rate and turn signal came from; none without a bus.
+    pub signals: Option<SignalsEvidence>,
     /// How the tracker decided.
     pub track: &'a TrackEvidence,
+    /// How the lane was found.
+    pub lanes: Option<&'a LaneEvidence>,
+    /// How a departure from it was judged.
+    pub departure: Option<DepartureEvidence>,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
     pub masks: Option<PlacedMasks<'a>>,
 }
@@ -94,9 +122,15 @@ pub enum PipelineError {
     /// The road surface cannot be found.
     #[error(transparent)]
     Road(#[from] RoadError),
+    /// The road's middle cannot be found.
+    #[error(transparent)]
+    Centreline(#[from] CentrelineError),
     /// The motion cannot be found.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// The lane cannot be looked for.
+    #[error(transparent)]
+    Lane(#[from] LaneError),
     /// The route's features have no shape.
     #[error("route: {0}")]
     Route(#[from] GeometryError),
@@ -112,12 +146,16 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     detector: Box<dyn RoadDetector>,
+    centreline: CentrelineFinder,
     motion: Box<dyn MotionEstimator>,
     camera: Camera,
     attitude: AttitudeWatch,
     mount: MountFilter,
+    signals: VehicleSignals,
     matcher: Matcher,
     tracker: Tracker,
+    lanes: Option<LaneFinder>,
+    departure: DepartureWarning,
     map: Option<TangentPlane>,
     config: Config,
     ground: GroundPicture,
@@ -167,12 +205,16 @@ impl Pipeline {
         };
         Ok(Self {
             detector,
+            centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             motion: config.motion.estimator()?,
             camera: camera.clone(),
             attitude: AttitudeWatch::new(camera),
             mount: MountFilter::new(&config.mount),
+            signals: VehicleSignals::new(&config.can),
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker: Tracker::new(setting, route, start_m)?,
+            lanes: config.lanes.finder()?,
+            departure: DepartureWarning::default(),
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             config: config.clone(),
             ground: view.black_picture(),
@@ -208,6 +250,9 @@ impl Pipeline {
         if let Some(motion) = &motion {
             self.mount.observe(&attitude, motion);
         }
+        let Sensors { gps, signals, dt_s } = sensors;
+        let (vehicle, signals_evidence) =
+            self.signals.step(SignalsInput { samples: signals, motion: motion.as_ref(), dt_s });
         finished(Stage::Motion);
 
         let sample = config.road_surface.sample_region(view);
@@ -216,13 +261,18 @@ impl Pipeline {
         let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
+        let (centreline, centreline_evidence) = self.centreline.find(surface, motion.as_ref())?;
+        finished(Stage::Centreline);
+
         let laid = self.matcher.laid(surface, surface.known())?;
-        let gps_in_map = self.map.as_ref().zip(sensors.gps).map(|(map, gps)| map.map_from_wgs84(gps));
+        let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion: motion.as_ref(), turn };
         tracker.step(moved, &laid, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
         output.motion = motion;
+        output.vehicle = vehicle;
+        output.centreline = centreline;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then(|| self.mount.estimate());
         output.place_driving_line(tracker.stops());
         Why {
@@ -235,13 +285,31 @@ impl Pipeline {
         .write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
+        let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle };
+        let lanes =
+            self.lanes.as_mut().map(|finder| finder.find(&self.camera, &lane_input, &mut output.lane));
+        let lanes = lanes.transpose()?;
+        let on_road = output.lane.as_ref().filter(|_| output.mount.is_some()).map(Lane::on_road);
+        let (departure, departure_evidence) = on_road
+            .map(|lane| {
+                let (limits, vehicle) = (&config.lanes.departure, &config.vehicle);
+                self.departure.step(limits, vehicle, &lane, &output.vehicle, dt_s.unwrap_or(0.0))
+            })
+            .unzip();
+        output.departure = departure;
+        finished(Stage::Lanes);
+
         let evidence = FrameEvidence {
             ground,
             validity: validity.plane(),
             surface,
             road,
+            centreline: centreline_evidence,
             motion: motion_evidence,
+            signals: signals.map(|_| signals_evidence),
             track: track_evidence,
+            lanes,
+            departure: departure_evidence,
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))

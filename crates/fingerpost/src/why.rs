@@ -51,7 +51,9 @@ impl Display for Why<'_> {
         let name = |index: &usize| FeatureName(stops.get(*index));
         let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
         match (&evidence.decision, &track.followed) {
-            (Decision::NoRoute, _) => f.write_str("no route: ground view, road surface and motion alone"),
+            (Decision::NoRoute, _) => {
+                f.write_str("no route: nothing is looked for but the road, its lanes and the motion")
+            }
             (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
             (Decision::NotInReach { index, ahead_m }, _) => {
                 write!(f, "{} is believed {ahead_m:.0} m ahead, out of the view's reach", name(index))

@@ -93,7 +93,7 @@ impl Scene {
     fn step(&mut self, before_m: f64, picture: &RgbImage) -> State {
         let gps =
             Some(LatLon { lat_deg: NODE_LAT_DEG - before_m / METRES_PER_DEGREE, lon_deg: NODE_LON_DEG });
-        self.pipeline.step(picture, Sensors { gps }, &mut |_| {}).unwrap().0.track.state
+        self.pipeline.step(picture, Sensors { gps, ..Sensors::default() }, &mut |_| {}).unwrap().0.track.state
     }
 
     /// Drives on until `state` is reached; returns how far before the node that is.

@@ -12,7 +12,7 @@ use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, rando
 use indicatif::ProgressBar;
 
 use super::Setting;
-use crate::driver::{Driver, FrameResult, RunSetting};
+use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
 use crate::output;
 use crate::record::{FrameTime, broken_record};
 use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
@@ -76,6 +76,7 @@ impl Run {
             camera: &setting.camera,
             route: Some(route),
             start_m: Some(config.start_m),
+            sequence: Sequence::Drive,
         };
         let name = format!("{}_{}", named.conditions, named.seed);
         let pictures =

@@ -56,7 +56,7 @@ fn an_interrupt_leaves_a_finished_run_folder() {
 /// A limit on the size of files stops writing as a full disk does, at a place that the test chooses.
 #[test]
 fn a_disk_that_fills_up_keeps_the_frames_that_fit() {
-    const BLOCKS_OF_512_BYTES: usize = 24;
+    const BLOCKS_OF_512_BYTES: usize = 48;
     for threads in [1, 8] {
         let (drive, out) = (Drive::get(), TempDir::new().unwrap());
         let run = drive.run_line(&drive.path(), out.path());
@@ -66,6 +66,6 @@ fn a_disk_that_fills_up_keeps_the_frames_that_fit() {
         let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
         called.refused(1, &["frames.jsonl cannot be written", "results so far are in"]);
         let count = frames(out.path()).len();
-        assert!((5..60).contains(&count), "{count} frames in 12 kB");
+        assert!((5..60).contains(&count), "{count} frames in 24 kB");
     }
 }

@@ -7,10 +7,15 @@ mod bad_inputs;
 mod broken_frames;
 mod calibrating;
 mod campaigning;
+mod can;
+mod centreline;
 mod drive;
 mod evaluating;
+mod evaluating_lanes;
 mod evaluating_road;
 mod interrupts;
+mod lanes;
+mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
 mod program;

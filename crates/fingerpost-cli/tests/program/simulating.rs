@@ -60,3 +60,25 @@ fn a_distorting_lens_stands_in_the_calibration() {
     let camera = fs::read_to_string(out.path().join("camera.toml")).unwrap();
     assert!(camera.contains("brown-conrady") && camera.contains("-0.25"), "{camera}");
 }
+
+#[test]
+fn a_made_up_road_needs_no_map() {
+    let out = TempDir::new().unwrap();
+    let line =
+        "simulate --course country --length-m 150 --driving drifting --conditions lane_continuous --fps 2";
+    call_line(&format!("{line} --size 160x120 --out {}", out.path().display())).done();
+    let read = |name: &str| fs::read_to_string(out.path().join(name)).unwrap();
+    let truth: Vec<TruthRecord> = from_json_lines(&read("truth.jsonl")).unwrap();
+    assert!(truth.iter().all(|truth| truth.lane_left_px.len() > 20 && truth.lane_right_m.len() > 20));
+    assert!((15..=20).contains(&truth.len()), "{} frames of 150 m at up to 20 m/s", truth.len());
+    assert_eq!(read("crossings.jsonl").lines().count(), 0, "the first drift is farther on");
+    assert!(
+        (camera_from_toml(&read("camera.toml")).unwrap().width(), read("route.geojson").is_empty())
+            == (160, false)
+    );
+    for wrong in ["--course country --map town.osm", "--length-m 50", "--map town.osm"] {
+        let line = format!("simulate {wrong} --out {}", out.path().display());
+        let status = command().args(line.split_whitespace()).output().unwrap().status;
+        assert_eq!(status.code(), Some(2), "{wrong}");
+    }
+}

@@ -14,6 +14,7 @@ pub(crate) fn record(frame: u64, state: TrackState) -> FrameRecord {
         feature: None,
         motion: None,
         mount: None,
+        signals: None,
         surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod junctions;
+mod lanes;
 mod made_by_hand;
 mod motion;
 mod road;

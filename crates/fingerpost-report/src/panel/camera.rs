@@ -1,9 +1,11 @@
-//! The camera's picture with the driving line and the feature drawn into it.
+//! The camera's picture with the lane, the driving line and the feature drawn into it.
+
+mod lanes;
 
 use fingerpost::feature_masks::SubMaskKind;
 use fingerpost::matching::Participation;
 use fingerpost::track::Followed;
-use fingerpost_geometry::{Camera, Polyline};
+use fingerpost_geometry::{Camera, Pixel, Polyline};
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Point2};
 
@@ -12,7 +14,9 @@ use crate::palette;
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "Green ribbon: driving line at the vehicle's width. Circle: the feature's node with its \
-    distance and P(F). Lines: the feature's arms in the colours of their masks, dashed where they take no part.";
+    distance and P(F). Lines: the feature's arms in the colours of their masks, dashed where they take no part. \
+    Violet: the lane's edges, paler where nothing new is seen; strokes across them: paint that was read, red where it does \
+    not fit; thin and dashed: straight lines considered, white ones kept.";
 
 /// Step at which lines on the road are taken into the picture, metres; what lies between is straight to the eye.
 const STEP_M: f64 = 0.5;
@@ -24,6 +28,7 @@ pub(crate) fn draw(canvas: &mut Canvas, area: Rect, scene: &Scene<'_>) {
     canvas.picture(area, scene.picture.size(), |u, v| scene.picture.get(u, v).unwrap_or_default());
     let lens = Lens { camera: &scene.setting.camera, area };
     canvas.clipped(area, |canvas| {
+        lanes::draw(canvas, &lens, scene);
         arms(canvas, &lens, scene);
         driving_line(canvas, &lens, scene);
         node(canvas, &lens, scene);
@@ -98,15 +103,19 @@ struct Lens<'a> {
 impl Lens<'_> {
     /// Where a place on the road (vehicle frame, metres) lies on the canvas.
     fn at(&self, p_in_vehicle: Point2<f64>) -> Option<[f64; 2]> {
-        let pixel = self.camera.pixel_of_ground(p_in_vehicle)?;
-        let scale = self.area.width as f64 / self.camera.width() as f64;
-        let place = [
-            self.area.x as f64 + (pixel.u + 0.5) * scale - 0.5,
-            self.area.y as f64 + (pixel.v + 0.5) * scale - 0.5,
-        ];
+        let place = self.of_pixel(self.camera.pixel_of_ground(p_in_vehicle)?);
         // Places beside or below the lens are thrown far out of the picture, some to its other side.
         let reach = 8.0 * self.area.width as f64;
         place.iter().all(|c| c.abs() < reach).then_some(place)
+    }
+
+    /// Where a pixel of the camera's picture lies on the canvas.
+    fn of_pixel(&self, pixel: Pixel) -> [f64; 2] {
+        let scale = self.area.width as f64 / self.camera.width() as f64;
+        [
+            self.area.x as f64 + (pixel.u + 0.5) * scale - 0.5,
+            self.area.y as f64 + (pixel.v + 0.5) * scale - 0.5,
+        ]
     }
 
     /// The stretches of a line on the road that the lens sees.

@@ -10,12 +10,16 @@ use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "The road from above. White cross: where ego-motion expected the feature; yellow \
     circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, out to the \
-    edges found; cyan moved the feature, red were rejected, grey measured nothing. Green: driving line. Hatched: not seen.";
+    edges found; cyan moved the feature, red were rejected, grey measured nothing. Green: driving line. Orange: the road's middle by the edges of its surface, \
+    which are drawn thin. Hatched: not seen.";
 
 /// Corners of the ellipse of uncertainty.
 const ELLIPSE_CORNERS: usize = 48;
 /// Standard deviations that the ellipse shows.
 const ELLIPSE_SIGMAS: f64 = 2.0;
+
+/// Pieces in which the road's middle is drawn.
+const CENTRELINE_STEPS: usize = 24;
 
 /// Draws the ground view.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
@@ -28,6 +32,7 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         let line: Vec<[f64; 2]> =
             scene.output.driving_line.iter().map(|p| plot.at(shown_from_road * p)).collect();
         canvas.polyline(&line, 2.5, Paint::glaze(palette::sub_mask("driving_line"), 0.9));
+        centreline(canvas, plot, scene);
         for section in &scene.evidence.track.sections {
             cross_section(canvas, plot, section);
         }
@@ -50,6 +55,30 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
             heading(canvas, plot, pose);
         }
     });
+}
+
+/// The road's edges section by section, and its middle.
+fn centreline(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
+    for section in &scene.evidence.centreline.sections {
+        let [near_m, far_m] = section.forward_m;
+        for edge in section.edges.iter().flatten() {
+            let reach_m = 0.5 * (far_m - near_m) * edge.slope;
+            let ends = [(near_m, edge.left_m - reach_m), (far_m, edge.left_m + reach_m)];
+            canvas.polyline(
+                &ends.map(|(x, y)| plot.at(Point2::new(x, y))),
+                1.0,
+                Paint::solid(palette::CENTRELINE),
+            );
+        }
+    }
+    let sections = &scene.evidence.centreline.sections;
+    if let (Some(centreline), Some(last)) = (&scene.output.centreline, sections.last()) {
+        let place = |i: usize| f64::from(i as u8) / CENTRELINE_STEPS as f64 * last.forward_m[1];
+        let middle: Vec<[f64; 2]> = (0..=CENTRELINE_STEPS)
+            .map(|i| plot.at(Point2::new(place(i), centreline.left_m(place(i)))))
+            .collect();
+        canvas.polyline(&middle, 2.0, Paint::glaze(palette::CENTRELINE, 0.9));
+    }
 }
 
 /// The node and the direction in which the approach leads to it.

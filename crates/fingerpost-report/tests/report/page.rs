@@ -70,6 +70,7 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
         feature: None,
         motion: None,
         mount: None,
+        signals: None,
         surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),

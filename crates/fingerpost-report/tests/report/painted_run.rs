@@ -132,6 +132,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
             quality: motion.quality,
         }),
         mount: None,
+        signals: None,
         surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),

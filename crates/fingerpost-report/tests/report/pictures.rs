@@ -32,9 +32,13 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
     let output = FrameOutput {
         track: TrackOutput::default(),
         mount: None,
+        vehicle: Default::default(),
+        centreline: None,
         motion: None,
         driving_line_curvature_per_m: vec![0.0; line.len()],
         driving_line: line,
+        lane: None,
+        departure: None,
         why: "a test".to_owned(),
     };
     let evidence = FrameEvidence {
@@ -48,8 +52,12 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
             sample_probability: 0.0,
             ..RoadEvidence::default()
         },
+        centreline: &Default::default(),
         motion: None,
+        signals: None,
         track: &TrackEvidence::default(),
+        lanes: None,
+        departure: None,
         masks: None,
     };
     let picture = RgbImage::new(camera.width(), camera.height());

@@ -1,15 +1,37 @@
 //! The named days.
 
-use super::{Conditions, Markings};
+use super::{Conditions, LaneMarkings, Markings};
 use crate::SimError;
 
 /// Names of the presets, in the order of the documentation.
-const NAMES: [&str; 9] = ["clear", "unmarked", "shadows", "rough", "ideal", "wet", "mixed", "dusk", "dust"];
+const NAMES: [&str; 20] = [
+    "clear",
+    "unmarked",
+    "shadows",
+    "rough",
+    "ideal",
+    "wet",
+    "mixed",
+    "dusk",
+    "dust",
+    "lane_continuous",
+    "lane_broken",
+    "lane_double",
+    "lane_worn",
+    "lane_yellow",
+    "lane_none",
+    "lane_traffic",
+    "lane_night",
+    "lane_rain",
+    "lane_shadows",
+    "lane_patches",
+];
 
 impl Conditions {
     /// A marked road on a bright day: mild shadows, undulation and suspension.
     pub const CLEAR: Self = Self {
         markings: Markings::Lines,
+        lanes: LaneMarkings::WHITE,
         undulation_m: 0.03,
         // A tenth of a degree: a sedan at 30 km/h on a good road.
         suspension_rms_rad: 0.0022,
@@ -38,6 +60,15 @@ impl Conditions {
         haze_m: 330.0,
         lens_dirt: 0.0,
         headlights: 0.0,
+        headlight_fading: 3,
+        retroreflection: 0.0,
+        traffic: 0.0,
+        parked_per_100_m: 0.0,
+        lamps: 0.0,
+        rain: 0.0,
+        posts_per_100_m: 0.0,
+        guard_rails: 0.0,
+        strips: 0.0,
     };
 
     /// No markings, a ragged verge of grass and soil, few houses.
@@ -147,6 +178,17 @@ impl Conditions {
             "mixed" => Ok(Self::MIXED),
             "dusk" => Ok(Self::DUSK),
             "dust" => Ok(Self::DUST),
+            "lane_continuous" => Ok(Self::LANE_CONTINUOUS),
+            "lane_broken" => Ok(Self::LANE_BROKEN),
+            "lane_double" => Ok(Self::LANE_DOUBLE),
+            "lane_worn" => Ok(Self::LANE_WORN),
+            "lane_yellow" => Ok(Self::LANE_YELLOW),
+            "lane_none" => Ok(Self::LANE_NONE),
+            "lane_traffic" => Ok(Self::LANE_TRAFFIC),
+            "lane_night" => Ok(Self::LANE_NIGHT),
+            "lane_rain" => Ok(Self::LANE_RAIN),
+            "lane_shadows" => Ok(Self::LANE_SHADOWS),
+            "lane_patches" => Ok(Self::LANE_PATCHES),
             _ => Err(SimError::UnknownConditions { name: name.to_owned(), known: NAMES.join(", ") }),
         }
     }

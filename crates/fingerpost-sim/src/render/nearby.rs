@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::lamps::Lamp;
+use super::things::Things;
 use crate::object::{Hit, Object, Ray, dot};
 
 /// Objects farther off than this are left to the haze, metres.
@@ -10,7 +12,7 @@ const OBJECT_REACH_M: f32 = 160.0;
 /// An object near the camera, relative to it, metres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Neighbour {
-    object: u32,
+    pub(super) object: u32,
     /// Middle of the ball around it.
     middle: [f32; 3],
     /// Radius of that ball.
@@ -63,12 +65,17 @@ pub(super) struct Nearby(Vec<Neighbour>);
 pub(super) struct Candidates {
     pub(super) seen: Vec<Neighbour>,
     pub(super) mirrored: Vec<Neighbour>,
+    /// Lamps that dazzle in the tile, and those that wet ground mirrors in it.
+    pub(super) dazzling: Vec<Lamp>,
+    pub(super) streaking: Vec<Lamp>,
+    /// Moving objects whose shade the tile may show.
+    pub(super) shading: Vec<Neighbour>,
 }
 
 impl Nearby {
     /// The objects within reach of `origin` that are not behind it, looking `forward`.
-    pub(super) fn new(objects: &[Object], origin: [f32; 3], forward: [f32; 3]) -> Self {
-        let mut near: Vec<Neighbour> = objects
+    pub(super) fn new(things: &Things<'_>, origin: [f32; 3], forward: [f32; 3]) -> Self {
+        let mut near: Vec<Neighbour> = things
             .iter()
             .enumerate()
             .map(|(index, object)| Neighbour::new(index as u32, object, origin))
@@ -76,6 +83,19 @@ impl Nearby {
             .collect();
         near.sort_by(|a, b| a.from_m.total_cmp(&b.from_m).then(a.object.cmp(&b.object)));
         Self(near)
+    }
+
+    /// The `moving` objects with the shade around them, up to `reach_m` from their foot.
+    pub(super) fn shades(moving: &[Object], origin: [f32; 3], reach_m: f32) -> Self {
+        let numbered = (0..).zip(moving);
+        Self(
+            numbered
+                .map(|(number, object)| Neighbour {
+                    ball_m: reach_m,
+                    ..Neighbour::new(number, object, origin)
+                })
+                .collect(),
+        )
     }
 
     /// Objects whose ball a cone of rays (axis, cosine and sine of its half angle) may touch, nearest first.
@@ -100,7 +120,7 @@ impl Nearby {
 /// The first of the candidates that a ray meets, between two distances along it.
 #[inline]
 pub(super) fn first_hit<'a>(
-    objects: &'a [Object],
+    things: &Things<'a>,
     ray: &Ray,
     within: Range<f32>,
     candidates: &[Neighbour],
@@ -114,7 +134,7 @@ pub(super) fn first_hit<'a>(
         if near.is_missed(ray.direction) {
             continue;
         }
-        let object = &objects[near.object as usize];
+        let object = things.get(near.object);
         if let Some(hit) = object.hit(ray).filter(|hit| hit.t < limit && hit.t > within.start) {
             limit = hit.t;
             best = Some((object, hit));

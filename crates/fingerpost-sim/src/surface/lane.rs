@@ -1,34 +1,28 @@
-//! A road's own coordinates, and its white lines.
+//! A road's own coordinates, and its painted lines.
 
-use super::Footprint;
+use fingerpost_format::MarkingColour;
+
 use super::varied::covered;
-use crate::conditions::Markings;
+use super::{Colour, Footprint};
 use crate::ground::GroundPoint;
+use crate::markings::{Layout, Line};
 use crate::noise::floor_int;
 use crate::roads::{Stroke, Surface};
+use crate::{Conditions, TrafficSide};
 
-/// Width of a white line, metres.
-const LINE_M: f32 = 0.14;
-/// Distance of an edge line's middle from the road's edge, metres.
-pub(crate) const EDGE_LINE_M: f64 = 0.25;
-/// Length of a dash and of dash and gap together, metres.
-const DASH_M: [f32; 2] = [3.0, 9.0];
-/// Narrowest two-way road with a centre line, metres.
-const CENTRE_LINE_FROM_M: f64 = 5.0;
-/// Narrowest road with edge lines, metres.
-const EDGE_LINES_FROM_M: f64 = 5.4;
-/// Lines stop this far from another road's edge, metres.
-const MOUTH_M: f32 = 0.6;
+/// Paint in full light.
+const WHITE: Colour = [0.74, 0.74, 0.70];
+const YELLOW: Colour = [0.70, 0.46, 0.06];
 
 /// A stroke as the pixels need it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Lane {
     chain: u32,
     start: [f32; 2],
     direction: [f32; 2],
     along_m: f32,
     half_width_m: f32,
-    lines: Lines,
+    lines: Vec<Line>,
     pub(super) surface: Surface,
 }
 
@@ -52,42 +46,16 @@ impl LocalPlace {
     }
 }
 
-/// Which white lines a road has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Lines {
-    /// A dashed line in the middle.
-    pub(crate) centre: bool,
-    /// A line along each edge.
-    pub(crate) edges: bool,
-}
-
-impl Lines {
-    /// The lines of a stroke under these markings.
-    pub(crate) fn of(stroke: &Stroke, markings: Markings) -> Self {
-        let drawn = markings == Markings::Lines && stroke.surface == Surface::Paved;
-        let width_m = 2.0 * stroke.half_width_m;
-        Self {
-            centre: drawn && stroke.two_way && width_m >= CENTRE_LINE_FROM_M,
-            edges: drawn && width_m >= EDGE_LINES_FROM_M,
-        }
-    }
-
-    /// Whether lines are drawn at a place so far from another road's edge.
-    pub(crate) fn interrupted(other_m: f32) -> bool {
-        other_m < MOUTH_M
-    }
-}
-
 impl Lane {
-    /// The lane of a stroke under these markings.
-    pub(super) fn new(stroke: &Stroke, markings: Markings) -> Self {
+    /// The lane of a stroke.
+    pub(super) fn new(stroke: &Stroke, conditions: &Conditions, traffic: TrafficSide) -> Self {
         Self {
             chain: stroke.chain,
             start: [stroke.start.x as f32, stroke.start.y as f32],
             direction: [stroke.direction.x as f32, stroke.direction.y as f32],
             along_m: stroke.along_m as f32,
             half_width_m: stroke.half_width_m as f32,
-            lines: Lines::of(stroke, markings),
+            lines: Layout::of(stroke, conditions, traffic).lines().to_vec(),
             surface: stroke.surface,
         }
     }
@@ -105,33 +73,32 @@ impl Lane {
         }
     }
 
-    /// Share of the pixel that a white line covers.
+    /// Share of the pixel that paint covers, and the paint's colour.
     #[inline]
-    pub(super) fn paint(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> f32 {
-        if !(self.lines.centre || self.lines.edges) || Lines::interrupted(point.other_m) {
-            return 0.0;
+    pub(super) fn paint(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> (f32, Colour) {
+        let mut found = (0.0_f32, WHITE);
+        if self.lines.is_empty() || Layout::interrupted(point.other_m) {
+            return found;
         }
         let (dx, dy) = (x - self.start[0], y - self.start[1]);
         let left = self.direction[0] * dy - self.direction[1] * dx;
-        let edge = left.abs() - (self.half_width_m - EDGE_LINE_M as f32);
-        if left.abs().min(edge.abs()) > 0.5 * LINE_M + footprint.along_m {
-            return 0.0;
-        }
-        let across = footprint.extent_m([-self.direction[1], self.direction[0]]);
-        let mut paint = 0.0_f32;
-        if self.lines.edges {
-            paint = covered(edge, LINE_M, across);
-        }
-        if self.lines.centre {
-            let line = covered(left, LINE_M, across);
-            if line > 0.0 {
+        for line in &self.lines {
+            let from_middle = left - line.middle_m;
+            if from_middle.abs() > 0.5 * line.width_m + footprint.along_m {
+                continue;
+            }
+            let across = footprint.extent_m([-self.direction[1], self.direction[0]]);
+            let mut share = covered(from_middle, line.width_m, across);
+            if let Some([dash_m, period_m]) = line.dash_m.filter(|_| share > 0.0) {
                 let along = self.along_m + dx * self.direction[0] + dy * self.direction[1];
-                let in_period = along - DASH_M[1] * floor_int(along / DASH_M[1]) as f32;
-                let dash =
-                    covered(in_period - 0.5 * DASH_M[0], DASH_M[0], footprint.extent_m(self.direction));
-                paint = paint.max(line * dash.min(1.0));
+                let in_period = along - period_m * floor_int(along / period_m) as f32;
+                let dash = covered(in_period - 0.5 * dash_m, dash_m, footprint.extent_m(self.direction));
+                share *= dash.min(1.0);
+            }
+            if share > found.0 {
+                found = (share, if line.colour == MarkingColour::Yellow { YELLOW } else { WHITE });
             }
         }
-        paint
+        found
     }
 }

@@ -78,13 +78,17 @@ impl HoughLines {
     pub(super) fn find_on(&mut self, path: CodePath, edges: PlaneView<'_, u8>) -> &[HoughLine] {
         self.bits.fill_from(path, edges);
         self.collect_places();
+        self.lines.clear();
+        // No line has more votes than there are pixels.
+        if self.places[0].len() <= self.params.votes as usize {
+            return &self.lines;
+        }
         // Bins on either side of rho 0 so that no pixel falls beyond, and one more at either end that gets no vote.
         let diagonal_px = (edges.width() as f64).hypot(edges.height() as f64);
         let middle = (diagonal_px / self.params.rho_step_px).ceil() as usize + 1;
         let bins = 2 * middle + 1;
         self.vote(path, bins, middle);
         self.collect_maxima(path, bins);
-        self.lines.clear();
         self.lines.extend(self.found.iter().map(|&index| HoughLine {
             rho_px: ((index % bins) as f64 - middle as f64) * self.params.rho_step_px,
             theta_rad: (index / bins) as f64 * self.params.theta_step_rad,

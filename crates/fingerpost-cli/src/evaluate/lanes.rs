@@ -1,0 +1,175 @@
+//! `fingerpost evaluate lanes`: lane edges against marked ones.
+
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::{ArgGroup, Args};
+use fingerpost_eval::{
+    LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneEvaluation, LaneMean, TuSimpleScores, evaluate_lanes,
+    evaluate_tusimple, lane_picture_px, mean_of_lanes,
+};
+use fingerpost_format::{Summary, TuSimpleRecord, from_json_lines};
+use fingerpost_io::read_truth;
+use fingerpost_report::{SurfacePlot, surface_svg};
+use serde::Serialize;
+
+use self::table::{clip_table, mean_table, tusimple_line};
+use super::records;
+use crate::arguments::PictureSize;
+use crate::output;
+
+/// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest of 100, 120, 140 and 150 rows
+/// and thresholds of 10, 15 and 20 squared pixels, and the scores of the TuSimple benchmark.
+///
+/// An edge is true in a frame when the mean squared distance from its truth, along the region's rows that the truth
+/// reaches, is at most the threshold; it is false otherwise, and where the run has no edge in any of those rows, or no
+/// such frame. Edges found where the truth has none are counted by themselves.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("reference").required(true)))]
+pub(crate) struct LanesArgs {
+    /// Run folders, as written by `fingerpost run`.
+    #[arg(value_name = "RUN", required = true)]
+    runs: Vec<PathBuf>,
+    /// Truth of the same pictures, truth.jsonl; once for every RUN, in their order.
+    #[arg(long, value_name = "FILE", group = "reference")]
+    truth: Vec<PathBuf>,
+    /// Labels in the form of the TuSimple benchmark, a line for every frame of the one RUN, instead of --truth.
+    #[arg(long, value_name = "FILE", group = "reference", conflicts_with = "plot")]
+    tusimple: Option<PathBuf>,
+    /// Size of the pictures, where neither run nor truth says it.
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    picture_size: Option<PictureSize>,
+    /// Write the mean accuracies as a surface over regions of interest and thresholds, an SVG picture.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Print the numbers as JSON on standard output, and the table on standard error.
+    #[arg(long)]
+    json: bool,
+}
+
+impl LanesArgs {
+    fn picture_px(&self) -> Option<[u32; 2]> {
+        self.picture_size.map(|size| [size.width as u32, size.height as u32])
+    }
+}
+
+/// A run that was compared.
+#[derive(Debug, Serialize)]
+struct Clip {
+    run: PathBuf,
+    truth: PathBuf,
+    #[serde(flatten)]
+    evaluation: LaneEvaluation,
+}
+
+/// All numbers.
+#[derive(Debug, Serialize)]
+struct LaneNumbers {
+    clips: Vec<Clip>,
+    mean: LaneMean,
+}
+
+/// The numbers of a run against labels of the benchmark.
+#[derive(Debug, Serialize)]
+struct TuSimpleNumbers<'a> {
+    run: &'a Path,
+    tusimple: TuSimpleScores,
+}
+
+/// Compares.
+pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
+    if let Some(labels) = &args.tusimple {
+        return tusimple(args, labels);
+    }
+    if args.runs.len() != args.truth.len() {
+        bail!(
+            "there are {} runs and {} truths; give --truth once for every run, in their order",
+            args.runs.len(),
+            args.truth.len()
+        );
+    }
+    let given = args.picture_px();
+    let clips: Vec<Clip> = args
+        .runs
+        .iter()
+        .zip(&args.truth)
+        .map(|(run, truth)| clip(run, truth, given))
+        .collect::<Result<_>>()?;
+    let evaluations: Vec<LaneEvaluation> = clips.iter().map(|clip| clip.evaluation.clone()).collect();
+    let mean = mean_of_lanes(&evaluations).context("there is no run to compare; name one")?;
+    let mut text: String = clips
+        .iter()
+        .map(|clip| clip_table(&clip.run.display().to_string(), &clip.evaluation))
+        .collect::<Vec<_>>()
+        .join("\n");
+    if clips.len() > 1 {
+        text.push('\n');
+        text.push_str(&mean_table(&mean, clips.len()));
+    }
+    say(args, text.trim_end())?;
+    if let Some(path) = &args.plot {
+        fingerpost_io::write_file(path, surface_svg(&surface(&mean, clips.len())))?;
+        output::message(&format!("the surface is {}", path.display()));
+    }
+    if args.json { output::print_json(&LaneNumbers { clips, mean }) } else { Ok(()) }
+}
+
+fn tusimple(args: &LanesArgs, labels: &Path) -> Result<()> {
+    let [run] = &args.runs[..] else {
+        bail!("labels belong to one run, and {} are given; name one RUN", args.runs.len());
+    };
+    let text = fingerpost_io::read_text(labels)?;
+    let lines: Vec<TuSimpleRecord> = from_json_lines(&text).with_context(|| labels.display().to_string())?;
+    let picture_px = picture_px(run)?.or(args.picture_px());
+    let tusimple = evaluate_tusimple(&records(run)?, &lines, picture_px)
+        .with_context(|| format!("{} against {}", run.display(), labels.display()))?;
+    say(args, &tusimple_line(&tusimple))?;
+    if args.json { output::print_json(&TuSimpleNumbers { run, tusimple }) } else { Ok(()) }
+}
+
+fn clip(run: &Path, truth: &Path, given: Option<[u32; 2]>) -> Result<Clip> {
+    let records = records(run)?;
+    let marked = read_truth(truth)?;
+    let evaluation = lane_picture_px(picture_px(run)?, &marked, given)
+        .and_then(|picture_px| evaluate_lanes(&records, &marked, picture_px))
+        .with_context(|| format!("{} against {}", run.display(), truth.display()))?;
+    Ok(Clip { run: run.to_owned(), truth: truth.to_owned(), evaluation })
+}
+
+/// The size of a run's pictures; none where it ended before it could say.
+fn picture_px(run: &Path) -> Result<Option<[u32; 2]>> {
+    let path = run.join("summary.json");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let summary: Summary = serde_json::from_str(&fingerpost_io::read_text(&path)?)
+        .with_context(|| format!("{} is no summary of a run; run again", path.display()))?;
+    Ok(summary.picture_px)
+}
+
+/// The table: on standard output, unless data has that.
+fn say(args: &LanesArgs, text: &str) -> Result<()> {
+    if args.json {
+        output::message(text);
+        Ok(())
+    } else {
+        output::print_text(text)
+    }
+}
+
+/// Figure 21 of paper 3.
+fn surface(mean: &LaneMean, clips: usize) -> SurfacePlot {
+    let accuracies: Vec<f64> = mean.cells.iter().map(|cell| cell.accuracy_pct).collect();
+    let of = if clips == 1 { "one clip".to_owned() } else { format!("{clips} clips") };
+    SurfacePlot {
+        title: format!("Accuracy of the lane edges, mean of {of}"),
+        x_label: "deviation threshold, px²".to_owned(),
+        xs: LANE_THRESHOLDS_PX2.to_vec(),
+        y_label: "ROI, rows".to_owned(),
+        ys: LANE_ROI_ROWS.map(f64::from).to_vec(),
+        z_label: "accuracy, %".to_owned(),
+        percent: accuracies.chunks(LANE_THRESHOLDS_PX2.len()).map(<[f64]>::to_vec).collect(),
+    }
+}

@@ -1,0 +1,104 @@
+//! `fingerpost mark`: lane edges marked by hand on a local web page, and truth from marks.
+
+mod folder;
+mod footage;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use fingerpost_format::marks_from_json;
+use fingerpost_mark::{Desk, LaneMarks, MarkServer};
+
+use self::folder::{MarksFolder, write_truth};
+use self::footage::Footage;
+use crate::interrupt::Interrupt;
+use crate::output;
+
+/// Mark the edges of the vehicle's lane frame by frame, on a web page that is served to this machine alone.
+///
+/// Mark an edge in key frames; between them it is interpolated. The inner edge of a marking counts, the one nearer to the
+/// vehicle. Every edit is saved in marks.json; "Export" on the page writes truth.jsonl, as `evaluate lanes` reads it, and
+/// tusimple.json. With --marks and --export marks become truth without a page.
+#[derive(Debug, Args)]
+pub(crate) struct MarkArgs {
+    /// A folder of pictures, a drive folder of `simulate`, or a video file (needs ffmpeg).
+    #[arg(value_name = "INPUT")]
+    input: String,
+    /// Folder for marks.json and what is exported; marks that it holds are gone on with. INPUT's name with "-marks" by
+    /// default. Pictures of a video are kept there too.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["marks", "export"])]
+    out: Option<PathBuf>,
+    /// Port of the page on 127.0.0.1; 0 for any that is free.
+    #[arg(long, value_name = "N", default_value_t = 8420, conflicts_with_all = ["marks", "export"])]
+    port: u16,
+    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
+    #[arg(long, value_name = "N")]
+    fps: Option<f64>,
+    /// Marks to make truth of, marks.json.
+    #[arg(long, value_name = "FILE", requires = "export")]
+    marks: Option<PathBuf>,
+    /// Folder for truth.jsonl and tusimple.json made of --marks.
+    #[arg(long, value_name = "DIR", requires = "marks")]
+    export: Option<PathBuf>,
+}
+
+/// Marks, or makes truth of marks.
+pub(crate) fn mark(args: &MarkArgs) -> Result<()> {
+    match (&args.marks, &args.export) {
+        (Some(marks), Some(folder)) => export(args, marks, folder),
+        _ => serve(args),
+    }
+}
+
+fn export(args: &MarkArgs, path: &Path, folder: &Path) -> Result<()> {
+    let footage = Footage::look_through(&args.input, args.fps)?;
+    let marks = read_marks(path, &footage)?;
+    for file in write_truth(folder, &marks, &footage)? {
+        output::message(&format!("written: {file}"));
+    }
+    Ok(())
+}
+
+fn serve(args: &MarkArgs) -> Result<()> {
+    let out = args.out.clone().unwrap_or_else(|| default_folder(&args.input));
+    let server = MarkServer::open(args.port)?;
+    fingerpost_io::create_folder(&out)?;
+    let footage = Footage::open(&args.input, args.fps, &out)?;
+    let folder = MarksFolder::new(out, footage.clone());
+    let marks = if folder.marks_path().exists() {
+        read_marks(&folder.marks_path(), &footage)?
+    } else {
+        LaneMarks::new(footage.name(), footage.picture_px(), footage.frames())
+    };
+    output::message(&format!("marks are saved in {}", folder.marks_path().display()));
+    output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
+    let desk = Desk::new(marks, Box::new(footage), Box::new(folder));
+    let interrupt = Interrupt::listen()?;
+    server.serve(&desk, interrupt.flag());
+    Ok(())
+}
+
+/// Marks of this footage.
+fn read_marks(path: &Path, footage: &Footage) -> Result<LaneMarks> {
+    let text = fingerpost_io::read_text(path)?;
+    let file = marks_from_json(&text).with_context(|| path.display().to_string())?;
+    let ([width, height], [marked_width, marked_height]) = (footage.picture_px(), file.picture_px);
+    if (file.picture_px, file.frames) != (footage.picture_px(), footage.frames()) {
+        bail!(
+            "{} marks {} frames of {marked_width} x {marked_height} pixels and {} has {} of {width} x {height}; give the \
+             input that was marked",
+            path.display(),
+            file.frames,
+            footage.name(),
+            footage.frames()
+        );
+    }
+    Ok(LaneMarks::from_file(&file))
+}
+
+/// The input's name with a word behind it, in the folder at hand.
+fn default_folder(input: &str) -> PathBuf {
+    let stem = Path::new(input).file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(format!("{stem}-marks"))
+}

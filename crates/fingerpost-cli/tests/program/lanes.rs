@@ -1,0 +1,99 @@
+//! Lanes and warnings on simulated drives, by the camera alone.
+
+use std::fs;
+use std::path::Path;
+
+use fingerpost_format::{FrameRecord, LanesRecord, Side, TruthRecord, from_json_lines};
+use fingerpost_sim::Crossing;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::program::{call_line, frames};
+
+/// A simulated drive in `drive` and the run on it in `run`.
+fn driven(simulation: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path().display();
+    call_line(&format!("simulate {simulation} --size 640x480 --out {at}/drive")).done();
+    call_line(&format!("run {at}/drive --camera {at}/drive/camera.toml --out {at}/run")).done();
+    folder
+}
+
+fn records(folder: &TempDir) -> Vec<(FrameRecord, TruthRecord)> {
+    let truth = fs::read_to_string(folder.path().join("drive/truth.jsonl")).unwrap();
+    frames(&folder.path().join("run")).into_iter().zip(from_json_lines(&truth).unwrap()).collect()
+}
+
+fn mean_accuracy_pct(folder: &Path) -> f64 {
+    let at = folder.display();
+    let called = call_line(&format!("evaluate lanes {at}/run --truth {at}/drive/truth.jsonl --json")).done();
+    let numbers: Value = serde_json::from_str(&called.stdout).unwrap();
+    numbers["clips"][0]["mean_accuracy_pct"].as_f64().unwrap()
+}
+
+fn has_both_edges(lane: &LanesRecord) -> bool {
+    !lane.left_px.is_empty() && !lane.right_px.is_empty()
+}
+
+fn warned_side(record: &FrameRecord) -> Option<Side> {
+    record.lanes.as_ref()?.departure.as_ref()?.warning
+}
+
+#[test]
+fn broken_and_double_lines_are_found_where_they_are() {
+    for conditions in ["lane_broken", "lane_double"] {
+        let folder = driven(&format!(
+            "--course highway --conditions {conditions} --driving keeping --frames 60 --fps 15"
+        ));
+        let accuracy_pct = mean_accuracy_pct(folder.path());
+        assert!(accuracy_pct >= 97.0, "{conditions}: {accuracy_pct} %");
+    }
+}
+
+#[test]
+fn a_road_without_lines_has_no_lane() {
+    let folder = driven("--course highway --conditions lane_none --frames 60 --fps 15");
+    for (record, _) in records(&folder) {
+        let lane = record.lanes.unwrap_or_default();
+        assert!(lane.left_px.is_empty() && lane.right_px.is_empty(), "frame {}: {lane:?}", record.frame);
+    }
+}
+
+#[test]
+fn a_standing_vehicle_keeps_its_lane_and_is_not_warned() {
+    // It stands from 11.5 to 15.8 s.
+    let folder =
+        driven("--course country --conditions lane_continuous --driving stopping --frames 64 --fps 4");
+    let standing: Vec<FrameRecord> = records(&folder)
+        .into_iter()
+        .filter(|(_, truth)| truth.speed_mps.abs() < 1e-9)
+        .map(|(record, _)| record)
+        .collect();
+    assert!(standing.len() > 10, "{} frames", standing.len());
+    for record in standing {
+        let lane = record.lanes.as_ref();
+        assert!(lane.is_some_and(has_both_edges), "frame {}: {lane:?}", record.frame);
+        assert_eq!(warned_side(&record), None, "frame {}", record.frame);
+    }
+}
+
+/// Time between a line's crossing by the wheel and the warning of it, seconds.
+const MOST_DELAY_S: f64 = 0.3;
+
+#[test]
+fn a_drift_is_warned_of_when_a_wheel_crosses_the_line() {
+    // To the left and to the right on straight road, and to the left in a bend.
+    for (seed, frames_driven, side) in [(2, 78, Side::Left), (4, 78, Side::Right), (1, 100, Side::Left)] {
+        let folder = driven(&format!(
+            "--course country --conditions lane_continuous --driving drifting --seed {seed} --frames {frames_driven} --fps 10"
+        ));
+        let crossings = fs::read_to_string(folder.path().join("drive/crossings.jsonl")).unwrap();
+        let crossings: Vec<Crossing> = from_json_lines(&crossings).unwrap();
+        assert_eq!(crossings.iter().map(|crossing| crossing.side).collect::<Vec<_>>(), [side]);
+        let run = frames(&folder.path().join("run"));
+        let first = run.iter().find(|record| warned_side(record).is_some()).unwrap();
+        assert_eq!(warned_side(first), Some(side));
+        let delay_s = first.t_s - crossings[0].t_s;
+        assert!(delay_s.abs() <= MOST_DELAY_S, "{delay_s} s after the crossing");
+    }
+}

@@ -1,0 +1,128 @@
+//! Logs as `candump -L` of can-utils writes them, plain or compressed with gzip.
+//!
+//! A line is `(SECONDS) INTERFACE ID#DATA`, with `ID##FLAGS DATA` (flags one digit, no space) for CAN FD; `R` or `T` may
+//! follow for received or sent. Frames that carry no data (requests, errors) are left out.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Seek};
+use std::path::{Path, PathBuf};
+
+use flate2::bufread::MultiGzDecoder;
+use thiserror::Error;
+
+use super::frame::{CanFrame, CanId, LogFrame};
+use crate::file::FileError;
+
+/// First bytes of a file compressed with gzip.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// Bit of an identifier that marks a frame of the interface itself about an error.
+const ERROR_BIT: u32 = 0x2000_0000;
+/// Digits of a 29-bit identifier; an 11-bit one has three.
+const EXTENDED_DIGITS: usize = 8;
+
+/// A log that cannot be used.
+#[derive(Debug, Error)]
+pub enum CanLogError {
+    /// It cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// No line of it is one of a log.
+    #[error("{} is no CAN log: none of its {lines} lines is one of `candump -L`, such as (12.345) can0 123#11223344", .path.display())]
+    NoFrames {
+        /// The file.
+        path: PathBuf,
+        /// Its lines.
+        lines: u64,
+    },
+}
+
+/// The frames of a log, read line by line.
+pub struct CanLogFrames {
+    path: PathBuf,
+    reader: Box<dyn BufRead>,
+    line: Vec<u8>,
+    /// Lines so far.
+    pub lines: u64,
+    /// Lines so far that are none of a log's, such as one that was cut off.
+    pub unreadable_lines: u64,
+}
+
+/// Opens a log.
+///
+/// # Errors
+/// [`CanLogError::File`] when it cannot be read.
+pub fn read_can_log(path: &Path) -> Result<CanLogFrames, CanLogError> {
+    let mut file = BufReader::new(File::open(path).map_err(FileError::reading(path))?);
+    let compressed = file.fill_buf().map_err(FileError::reading(path))?.starts_with(&GZIP);
+    file.rewind().map_err(FileError::reading(path))?;
+    let reader: Box<dyn BufRead> =
+        if compressed { Box::new(BufReader::new(MultiGzDecoder::new(file))) } else { Box::new(file) };
+    Ok(CanLogFrames { path: path.to_owned(), reader, line: Vec::new(), lines: 0, unreadable_lines: 0 })
+}
+
+impl CanLogFrames {
+    /// The next data frame; none at the log's end.
+    ///
+    /// # Errors
+    /// [`CanLogError`] when the file cannot be read on, or has ended and no line of it was one of a log.
+    pub fn next_frame(&mut self) -> Result<Option<LogFrame<'_>>, CanLogError> {
+        loop {
+            self.line.clear();
+            let read: io::Result<usize> = self.reader.read_until(b'\n', &mut self.line);
+            if read.map_err(FileError::reading(&self.path))? == 0 {
+                let nothing = self.lines > 0 && self.unreadable_lines == self.lines;
+                return if nothing || self.lines == 0 {
+                    Err(CanLogError::NoFrames { path: self.path.clone(), lines: self.lines })
+                } else {
+                    Ok(None)
+                };
+            }
+            self.lines += 1;
+            match str::from_utf8(&self.line).ok().and_then(parse_candump_line) {
+                Some(Some(_)) => break,
+                Some(None) => {}
+                None => self.unreadable_lines += 1,
+            }
+        }
+        // Read once more, because a frame that lends the line's text cannot leave a loop that fills the line again.
+        Ok(str::from_utf8(&self.line).ok().and_then(parse_candump_line).flatten())
+    }
+}
+
+/// The frame of a line; `Some(None)` for one without data, none for a line that is no log's.
+pub fn parse_candump_line(line: &str) -> Option<Option<LogFrame<'_>>> {
+    let mut words = line.split_ascii_whitespace();
+    let t_s: f64 = words.next()?.strip_prefix('(')?.strip_suffix(')')?.parse().ok()?;
+    let interface = words.next()?;
+    let (id, rest) = words.next()?.split_once('#')?;
+    if !t_s.is_finite() || !matches!((words.next(), words.next()), (None | Some("R" | "T"), None)) {
+        return None;
+    }
+    let number = u32::from_str_radix(id, 16).ok()?;
+    let is_request = rest.starts_with('R');
+    if is_request || (id.len() == EXTENDED_DIGITS && number & ERROR_BIT != 0) {
+        return Some(None);
+    }
+    let id = match id.len() {
+        EXTENDED_DIGITS => CanId::Extended(number),
+        3 => CanId::Standard(u16::try_from(number).ok()?),
+        _ => return None,
+    };
+    let digits = match rest.strip_prefix('#') {
+        // CAN FD: the first digit holds flags.
+        Some(flagged) => flagged.get(1..)?,
+        // A length code above 8 may follow a full frame.
+        None => rest.split_once('_').map_or(rest, |(digits, _)| digits),
+    };
+    Some(Some(LogFrame { t_s, interface, frame: frame(id, digits)? }))
+}
+
+fn frame(id: CanId, digits: &str) -> Option<CanFrame> {
+    let (pairs, []) = digits.as_bytes().as_chunks::<2>() else { return None };
+    let mut data = [0; 64];
+    for (byte, [high, low]) in data.get_mut(..pairs.len())?.iter_mut().zip(pairs) {
+        let digit = |letter: u8| char::from(letter).to_digit(16).map(|digit| digit as u8);
+        *byte = digit(*high)? << 4 | digit(*low)?;
+    }
+    CanFrame::new(id, &data[..pairs.len()])
+}

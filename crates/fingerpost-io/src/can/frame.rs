@@ -1,0 +1,47 @@
+//! A frame of the bus.
+
+/// Most bytes in a frame: CAN FD's.
+const MAX_LENGTH: usize = 64;
+
+/// What a frame is about; also its rank on the bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum CanId {
+    /// 11 bits.
+    Standard(u16),
+    /// 29 bits.
+    Extended(u32),
+}
+
+/// A data frame, CAN 2.0 or CAN FD.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CanFrame {
+    /// What it is about.
+    pub id: CanId,
+    data: [u8; MAX_LENGTH],
+    length: usize,
+}
+
+impl CanFrame {
+    /// A frame with these bytes; none where they are more than a frame can hold, 64.
+    pub fn new(id: CanId, bytes: &[u8]) -> Option<Self> {
+        let mut data = [0; MAX_LENGTH];
+        data.get_mut(..bytes.len())?.copy_from_slice(bytes);
+        Some(Self { id, data, length: bytes.len() })
+    }
+
+    /// The bytes.
+    pub fn data(&self) -> &[u8] {
+        &self.data[..self.length]
+    }
+}
+
+/// A frame of a log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogFrame<'a> {
+    /// When it came, seconds of the log's clock.
+    pub t_s: f64,
+    /// The interface on which it came, such as `can0`.
+    pub interface: &'a str,
+    /// The frame.
+    pub frame: CanFrame,
+}

@@ -1,0 +1,77 @@
+//! What a signal's bits mean.
+
+use std::ops::RangeInclusive;
+
+use super::bits::BitField;
+use super::frame::{CanFrame, CanId};
+
+/// How a signal's bits are to be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Without sign.
+    Unsigned,
+    /// Two's complement.
+    Signed,
+    /// IEEE 754, 32 bits.
+    Float32,
+    /// IEEE 754, 64 bits.
+    Float64,
+}
+
+/// A frame holds a multiplexed signal only while its multiplexer has one of some values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Condition {
+    /// The multiplexer's bits.
+    pub(super) multiplexer: BitField,
+    /// Its values that select the signal.
+    pub(super) selects: Vec<RangeInclusive<u64>>,
+}
+
+/// Where a signal stands in its message and what its bits mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalLayout {
+    /// `MESSAGE.SIGNAL`.
+    pub name: String,
+    /// The message.
+    pub message: CanId,
+    /// Unit as the DBC file has it, for people.
+    pub unit: String,
+    /// What single values of the bits are called.
+    pub value_names: Vec<(i64, String)>,
+    pub(super) bits: BitField,
+    pub(super) reading: Reading,
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+    pub(super) conditions: Vec<Condition>,
+}
+
+impl SignalLayout {
+    /// The signal's value in a frame, scaled as the DBC file says; none where the frame is another message, is too short or
+    /// holds other multiplexed signals.
+    pub fn decode(&self, frame: &CanFrame) -> Option<f64> {
+        if frame.id != self.message {
+            return None;
+        }
+        let data = frame.data();
+        let selected = self.conditions.iter().all(|condition| {
+            let value = condition.multiplexer.unsigned(data);
+            value.is_some_and(|value| condition.selects.iter().any(|range| range.contains(&value)))
+        });
+        if !selected {
+            return None;
+        }
+        let raw = match self.reading {
+            Reading::Unsigned => self.bits.unsigned(data)? as f64,
+            Reading::Signed => self.bits.signed(data)? as f64,
+            Reading::Float32 => f64::from(f32::from_bits(self.bits.unsigned(data)? as u32)),
+            Reading::Float64 => f64::from_bits(self.bits.unsigned(data)?),
+        };
+        Some(raw * self.factor + self.offset)
+    }
+
+    /// The scaled value that is called `name` in the file's value table.
+    pub fn value_named(&self, name: &str) -> Option<f64> {
+        let (raw, _) = self.value_names.iter().find(|(_, known)| known.eq_ignore_ascii_case(name))?;
+        Some(*raw as f64 * self.factor + self.offset)
+    }
+}

@@ -1,0 +1,62 @@
+//! The samples of chosen signals in a log.
+
+use std::path::Path;
+
+use super::candump::{CanLogError, read_can_log};
+use super::layout::SignalLayout;
+
+/// A signal's value at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignalSample {
+    /// When its frame came, seconds of the log's clock.
+    pub t_s: f64,
+    /// Value, scaled as the DBC file says.
+    pub value: f64,
+}
+
+/// What a log says of some signals.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SignalLog {
+    /// When the first frame of all came, seconds of the log's clock.
+    pub first_s: f64,
+    /// When the last one came.
+    pub last_s: f64,
+    /// The samples of each signal, in the order of the signals that were asked for and of time.
+    pub samples: Vec<Vec<SignalSample>>,
+    /// Data frames of all messages.
+    pub frames: u64,
+    /// Lines that are none of a log's.
+    pub unreadable_lines: u64,
+}
+
+impl SignalLog {
+    /// Reads a whole log for these signals, of one interface where it is named.
+    ///
+    /// # Errors
+    /// [`CanLogError`] when it cannot be read or is no log.
+    pub fn read(path: &Path, interface: Option<&str>, signals: &[SignalLayout]) -> Result<Self, CanLogError> {
+        let mut log = Self { samples: vec![Vec::new(); signals.len()], ..Self::default() };
+        let mut lines = read_can_log(path)?;
+        while let Some(frame) = lines.next_frame()? {
+            if log.frames == 0 {
+                log.first_s = frame.t_s;
+            }
+            log.last_s = frame.t_s;
+            log.frames += 1;
+            if interface.is_some_and(|wanted| wanted != frame.interface) {
+                continue;
+            }
+            for (signal, samples) in signals.iter().zip(&mut log.samples) {
+                if let Some(value) = signal.decode(&frame.frame) {
+                    samples.push(SignalSample { t_s: frame.t_s, value });
+                }
+            }
+        }
+        for samples in &mut log.samples {
+            // Two interfaces in one log may be a little out of step.
+            samples.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+        }
+        log.unreadable_lines = lines.unreadable_lines;
+        Ok(log)
+    }
+}

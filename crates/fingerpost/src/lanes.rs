@@ -1,0 +1,127 @@
+//! Lanes: the edges of the lane in which the vehicle is, by their markings.
+//!
+//! Paper 3 ("Drivable-Region and Lane-Detection System for Autonomous Vehicle Navigation"): low level (grey, frame buffer,
+//! region of interest), mid level (Canny, gradient orientation, dilation, labels, thinning) and high level (sections, Hough
+//! lines, selection, spline). Beyond the paper: an edge counts as one only where it bounds a bar of paint; its places are
+//! read from the picture to fractions of a pixel (`paint`); and the lane is followed as a curve on the road, which
+//! fills the gaps of broken lines and carries it through frames that show nothing.
+
+mod config;
+pub mod departure;
+mod edges;
+mod finder;
+pub mod geometry;
+mod lane_filter;
+mod marking;
+mod paint;
+mod region;
+mod road_view;
+mod sections;
+mod shape;
+mod tracing;
+
+use fingerpost_geometry::Pixel;
+use fingerpost_vision::picture::RgbImage;
+
+use self::geometry::{EdgeOnRoad, LaneOnRoad};
+use crate::vehicle_signals::VehicleState;
+
+pub use config::{LaneMethod, LanesConfig};
+pub use edges::LaneError;
+pub use finder::LaneFinder;
+pub use marking::{Marking, MarkingColour, MarkingKind};
+pub use region::LaneRegion;
+pub use sections::{LineCandidate, LineVerdict};
+pub use tracing::{Traced, TracedPoint};
+
+/// A side of the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Side {
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+}
+
+impl Side {
+    /// Both, left first.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+}
+
+/// What a frame brings for the lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneInput<'a> {
+    /// The camera's picture.
+    pub frame: &'a RgbImage,
+    /// Seconds since the frame before; none in the first one.
+    pub dt_s: Option<f64>,
+    /// Speed, yaw rate and turn signal, where they are known.
+    pub vehicle: &'a VehicleState,
+}
+
+/// An edge of the lane.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LaneEdge {
+    /// The inner edge of its marking, near to far, pixels.
+    pub points_px: Vec<Pixel>,
+    /// Where it passes the rear axle, metres to the left.
+    pub offset_m: f64,
+    /// Standard deviation of that, metres.
+    pub offset_sigma_m: f64,
+    /// Its direction against the vehicle's, radians, positive left.
+    pub heading_rad: f64,
+    /// Its curvature, 1/m, positive left.
+    pub curvature_per_m: f64,
+    /// Its marking.
+    pub marking: Marking,
+    /// Frames for which nothing new has been seen of it.
+    pub kept_frames: u32,
+}
+
+/// The lane in which the vehicle is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Lane {
+    /// Left and right; kept where they are not given out, with their memory.
+    edges: [LaneEdge; 2],
+    shown: [bool; 2],
+}
+
+impl Lane {
+    /// The edge on a side, where there is one.
+    pub fn edge(&self, side: Side) -> Option<&LaneEdge> {
+        Some(&self.edges[side.index()]).filter(|_| self.shown[side.index()])
+    }
+
+    /// Its edges as lines on the road.
+    pub fn on_road(&self) -> LaneOnRoad {
+        let line = |side: Side| {
+            self.edge(side).map(|edge| EdgeOnRoad {
+                offset_m: edge.offset_m,
+                heading_rad: edge.heading_rad,
+                curvature_per_m: edge.curvature_per_m,
+                kept_frames: edge.kept_frames,
+            })
+        };
+        LaneOnRoad { left: line(Side::Left), right: line(Side::Right) }
+    }
+
+    /// Distance between the edges at the rear axle, metres.
+    pub fn width_m(&self) -> Option<f64> {
+        Some(self.edge(Side::Left)?.offset_m - self.edge(Side::Right)?.offset_m)
+    }
+}
+
+/// How the lane was found.
+#[derive(Debug, Default)]
+pub struct LaneEvidence {
+    /// Rows searched, and the sections.
+    pub region: LaneRegion,
+    /// Every line that the sections showed, and what became of it.
+    pub candidates: Vec<LineCandidate>,
+    /// Every place at which paint was looked for.
+    pub traced: Vec<TracedPoint>,
+    /// The camera's pitch against its mount by the lane's edges, radians.
+    pub pitch_rad: f64,
+    /// Whether each edge, left and right, is followed, given out or not.
+    pub followed: [bool; 2],
+}

@@ -1,0 +1,351 @@
+//! Low and mid level: from a frame to thin lines that may be edges of markings (paper 3, III-A and III-B).
+//!
+//! Grey by the weights of CCIR 601, the mean of the last frames, Canny's edges; of these only what points to a stretch of the
+//! horizon to which a lane can lead, and is brighter on the side away from the vehicle. Then dilation, labels, least area
+//! and thinning.
+
+use fingerpost_geometry::Pixel;
+use fingerpost_vision::canny::{Canny, CannyError, CannyParams, GradientNorm};
+use fingerpost_vision::colour::grey_of_rows;
+use fingerpost_vision::components::{ConnectedComponents, Connectivity};
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::frame_buffer::FrameBuffer;
+use fingerpost_vision::morphology::{Dilation, ElementError, StructuringElement, Thinning};
+use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::smoothing::{GaussianBlur, SmoothingError};
+use nalgebra::Point2;
+use thiserror::Error;
+
+use super::region::LaneRegion;
+use super::road_view::RoadView;
+use super::{LanesConfig, Side};
+
+/// Window of the blur before the edges, pixels.
+const BLUR_PX: usize = 5;
+/// Window of the dilation, pixels: joins what Canny left apart.
+const DILATION_PX: usize = 3;
+/// The area threshold is for pictures this wide.
+const AREA_WIDTH_PX: f64 = 640.0;
+/// How far the horizon may be from where the calibration has it, share of the picture's height: 1.5 degrees of pitch in a
+/// lens of 45 degrees.
+const HORIZON_SHARE: f32 = 0.035;
+/// How far an edge's own direction may be off, radians: a 3 x 3 gradient between pixels.
+const DIRECTION_RAD: f32 = 0.14;
+/// A place so far ahead is at the horizon, metres.
+const HORIZON_M: f64 = 2000.0;
+/// Rows between those for which limits are computed; in between they are interpolated.
+const LIMIT_ROWS: usize = 8;
+/// Columns that are passed over at once where none of them is an edge.
+const BLOCK_PX: usize = 32;
+/// A gradient commoner than this share of the pixels is the road's texture.
+const TEXTURE_SHARE: f64 = 0.9;
+/// How much an edge must be stronger than that texture.
+const TEXTURE_FACTOR: f64 = 1.5;
+/// Upper thresholds are steps of this factor, so that few detectors are needed.
+const THRESHOLD_STEP: f64 = 1.25;
+
+/// A lane finder that cannot be set up.
+#[derive(Debug, Error)]
+pub enum LaneError {
+    /// Thresholds of the edge detector.
+    #[error("lanes: {0}")]
+    Canny(#[from] CannyError),
+    /// The blur.
+    #[error("lanes: {0}")]
+    Smoothing(#[from] SmoothingError),
+    /// The dilation.
+    #[error("lanes: {0}")]
+    Element(#[from] ElementError),
+    /// The Hough transform.
+    #[error("lanes: {0}")]
+    Hough(#[from] fingerpost_vision::hough::HoughError),
+    /// Pictures do not fit together.
+    #[error("lanes: {0}")]
+    Picture(#[from] PictureError),
+}
+
+/// Columns between which an edge of a row may lie and to which it may lead.
+#[derive(Debug, Clone, Copy, Default)]
+struct RowLimits {
+    row: f32,
+    /// Leftmost and rightmost column.
+    from: f32,
+    to: f32,
+    /// The column straight ahead: left of it edges belong to the left side.
+    ahead: f32,
+    /// The stretch of the horizon to which a lane can lead.
+    horizon_from: f32,
+    horizon_to: f32,
+    horizon_row: f32,
+}
+
+/// Edges of the region, with the buffers that they need.
+#[derive(Debug)]
+pub(super) struct LaneEdges {
+    buffer: FrameBuffer,
+    blur: GaussianBlur,
+    canny: Canny,
+    canny_high: f64,
+    dilation: Dilation,
+    components: ConnectedComponents,
+    thinning: Thinning,
+    top_row: usize,
+    grey: Plane<u8>,
+    mean: Plane<u8>,
+    smooth: Plane<u8>,
+    edges: Plane<u8>,
+    oriented: Plane<u8>,
+    dilated: Plane<u8>,
+    labelled: Plane<u8>,
+    thin: Plane<u8>,
+    limits: Vec<RowLimits>,
+}
+
+impl LaneEdges {
+    pub(super) fn new(config: &LanesConfig) -> Result<Self, LaneError> {
+        Ok(Self {
+            buffer: FrameBuffer::new(config.buffer_frames),
+            blur: GaussianBlur::new(BLUR_PX, 0.0)?,
+            canny: Canny::new(params(config, config.canny_high))?,
+            canny_high: config.canny_high,
+            dilation: Dilation::new(StructuringElement::rectangle(DILATION_PX, DILATION_PX)?),
+            components: ConnectedComponents::new(Connectivity::Eight),
+            thinning: Thinning::new(),
+            top_row: usize::MAX,
+            grey: Plane::default(),
+            mean: Plane::default(),
+            smooth: Plane::default(),
+            edges: Plane::default(),
+            oriented: Plane::default(),
+            dilated: Plane::default(),
+            labelled: Plane::default(),
+            thin: Plane::default(),
+            limits: Vec::new(),
+        })
+    }
+
+    /// Forgets the frames before.
+    pub(super) fn clear(&mut self) {
+        self.buffer.clear();
+    }
+
+    /// The picture of thin lines, rows of the region from its top on.
+    pub(super) fn thin(&self) -> &Plane<u8> {
+        &self.thin
+    }
+
+    /// Finds the lines of a frame. `curvature_per_m` is that of the vehicle's way by its yaw rate, positive left.
+    pub(super) fn find(
+        &mut self,
+        config: &LanesConfig,
+        region: &LaneRegion,
+        view: &RoadView<'_>,
+        curvature_per_m: f64,
+        frame: &RgbImage,
+    ) -> Result<(), LaneError> {
+        let (width, rows) = (frame.width(), region.base_row - region.top_row);
+        if self.grey.size() != (width, rows) || self.top_row != region.top_row {
+            self.top_row = region.top_row;
+            self.buffer.clear();
+            for plane in [
+                &mut self.grey,
+                &mut self.mean,
+                &mut self.smooth,
+                &mut self.edges,
+                &mut self.oriented,
+                &mut self.dilated,
+                &mut self.labelled,
+                &mut self.thin,
+            ] {
+                plane.reset(width, rows, 0);
+            }
+        }
+        grey_of_rows(frame, region.top_row, &mut self.grey)?;
+        self.buffer.add(self.grey.view(), &mut self.mean)?;
+        self.blur.apply(self.mean.view(), &mut self.smooth)?;
+        self.adapt(config)?;
+        self.canny.apply(self.smooth.view(), &mut self.edges)?;
+        self.lay_limits(config, region, view, curvature_per_m, width);
+        self.keep_oriented();
+        self.dilation.apply(self.oriented.view(), &mut self.dilated)?;
+        self.components.find(self.dilated.view());
+        let least = config.min_area_px * width as f64 / AREA_WIDTH_PX;
+        self.components.write_mask(&mut self.labelled, |component| component.area_px as f64 >= least)?;
+        self.thinning.apply(self.labelled.view(), &mut self.thin)?;
+        Ok(())
+    }
+
+    /// Raises the edge detector's thresholds above the texture of the road.
+    fn adapt(&mut self, config: &LanesConfig) -> Result<(), LaneError> {
+        let mut counts = [0_u32; 256];
+        let mut total = 0;
+        // A sixteenth of the pixels: differences over two columns, in the Sobel gradient's units.
+        for y in (1..self.smooth.height().saturating_sub(1)).step_by(4) {
+            for around in self.smooth.row(y).windows(3).step_by(4) {
+                counts[usize::from(around[0].abs_diff(around[2]))] += 1;
+                total += 1;
+            }
+        }
+        let most = (TEXTURE_SHARE * f64::from(total)) as u32;
+        let mut seen = 0;
+        let common = counts.iter().position(|&count| {
+            seen += count;
+            seen >= most
+        });
+        let texture = 4.0 * TEXTURE_FACTOR * common.unwrap_or(0) as f64;
+        let steps = (texture / config.canny_high).max(1.0).log(THRESHOLD_STEP).floor();
+        let high = config.canny_high * THRESHOLD_STEP.powf(steps);
+        if (high - self.canny_high).abs() > 1e-9 {
+            self.canny.set_params(params(config, high))?;
+            self.canny_high = high;
+        }
+        Ok(())
+    }
+
+    fn lay_limits(
+        &mut self,
+        config: &LanesConfig,
+        region: &LaneRegion,
+        view: &RoadView<'_>,
+        curvature_per_m: f64,
+        width: usize,
+    ) {
+        self.limits.clear();
+        let most_rad = config.max_heading_deg.to_radians();
+        let middle = (width - 1) as f64 / 2.0;
+        let mut row = region.top_row;
+        loop {
+            if let Some(place) = view.ground_of_pixel(Pixel::new(middle, row as f64)) {
+                // The way bends with the yaw rate, and the lane's direction at a distance with it.
+                let bent = curvature_per_m * place.x;
+                let beside = |left_m: f64| view.pixel_of_ground(Point2::new(place.x, left_m));
+                let at_horizon = |heading: f64| {
+                    view.pixel_of_ground(Point2::new(HORIZON_M * heading.cos(), HORIZON_M * heading.sin()))
+                };
+                let way_m = 0.5 * curvature_per_m * place.x * place.x;
+                // A lane may be entered at the far end of the largest heading.
+                let reach_m = config.max_offset_m + 0.1 * place.x;
+                let columns = [beside(way_m + reach_m), beside(way_m - reach_m), beside(way_m)];
+                let horizon = [at_horizon(bent + most_rad), at_horizon(bent - most_rad), at_horizon(bent)];
+                if let ([Some(from), Some(to), Some(ahead)], [Some(left), Some(right), Some(far)]) =
+                    (columns, horizon)
+                {
+                    self.limits.push(RowLimits {
+                        row: (row - region.top_row) as f32,
+                        from: from.u as f32,
+                        to: to.u as f32,
+                        ahead: ahead.u as f32,
+                        horizon_from: left.u as f32,
+                        horizon_to: right.u as f32,
+                        horizon_row: far.v as f32 - region.top_row as f32,
+                    });
+                }
+            }
+            if row + 1 >= region.base_row {
+                break;
+            }
+            row = (row + LIMIT_ROWS).min(region.base_row - 1);
+        }
+    }
+
+    /// Copies the edges that may be a marking's inner edge.
+    fn keep_oriented(&mut self) {
+        let (width, height) = self.edges.size();
+        let slack_rows = HORIZON_SHARE * (self.top_row + height) as f32;
+        let mut next = 0;
+        for y in 0..height {
+            let kept = self.oriented.row_mut(y);
+            kept.fill(0);
+            if y == 0 || y + 1 == height || width < 3 {
+                continue;
+            }
+            while next + 1 < self.limits.len() && self.limits[next + 1].row <= y as f32 {
+                next += 1;
+            }
+            let Some(&low) = self.limits.get(next).filter(|limit| limit.row <= y as f32) else { continue };
+            let high = self.limits.get(next + 1).copied().unwrap_or(low);
+            let limit = low.towards(&high, y as f32);
+            let from = limit.from.clamp(1.0, (width - 1) as f32) as usize;
+            let to = limit.to.clamp(1.0, (width - 1) as f32) as usize;
+            if from >= to {
+                continue;
+            }
+            let rows = [self.smooth.row(y - 1), self.smooth.row(y), self.smooth.row(y + 1)];
+            for (block, columns) in self.edges.row(y)[from..to].chunks(BLOCK_PX).enumerate() {
+                // Most blocks hold no edge.
+                if columns.iter().fold(0, |any, &edge| any | edge) == 0 {
+                    continue;
+                }
+                for (offset, _) in columns.iter().enumerate().filter(|&(_, &edge)| edge != 0) {
+                    let x = from + block * BLOCK_PX + offset;
+                    if limit.accepts(x as f32, y as f32, sobel_at(rows, x), slack_rows) {
+                        kept[x] = 255;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl RowLimits {
+    /// The limits of a row between this and a later one.
+    fn towards(&self, later: &Self, row: f32) -> Self {
+        let span = later.row - self.row;
+        let t = if span > 0.0 { ((row - self.row) / span).min(1.0) } else { 0.0 };
+        let mix = |a: f32, b: f32| a + t * (b - a);
+        Self {
+            row,
+            from: mix(self.from, later.from),
+            to: mix(self.to, later.to),
+            ahead: mix(self.ahead, later.ahead),
+            horizon_from: mix(self.horizon_from, later.horizon_from),
+            horizon_to: mix(self.horizon_to, later.horizon_to),
+            horizon_row: mix(self.horizon_row, later.horizon_row),
+        }
+    }
+
+    /// Whether an edge with this gradient is brighter on the outside and leads to the horizon's stretch.
+    fn accepts(&self, x: f32, y: f32, [gx, gy]: [f32; 2], slack_rows: f32) -> bool {
+        // Brighter to the left on the left of the vehicle, to the right on its right.
+        let outward = if x < self.ahead { -gx } else { gx };
+        if outward <= 0.0 {
+            return false;
+        }
+        let slope = gy / gx;
+        let up = y - self.horizon_row;
+        let at_horizon = x + slope * up;
+        let slack = slope.abs() * slack_rows + up * (1.0 + slope * slope) * DIRECTION_RAD;
+        at_horizon > self.horizon_from - slack && at_horizon < self.horizon_to + slack
+    }
+}
+
+/// The Sobel gradient of the middle of three rows, to the right and down.
+fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
+    let at = |row: usize, x: usize| i32::from(rows[row][x]);
+    let right = at(0, x + 1) + 2 * at(1, x + 1) + at(2, x + 1);
+    let left = at(0, x - 1) + 2 * at(1, x - 1) + at(2, x - 1);
+    let below = at(2, x - 1) + 2 * at(2, x) + at(2, x + 1);
+    let above = at(0, x - 1) + 2 * at(0, x) + at(0, x + 1);
+    [(right - left) as f32, (below - above) as f32]
+}
+
+fn params(config: &LanesConfig, high: f64) -> CannyParams {
+    CannyParams { low: config.canny_low_share * high, high, norm: GradientNorm::L1 }
+}
+
+impl Side {
+    /// +1 where columns further outside are further right.
+    pub(super) const fn outward(self) -> f64 {
+        match self {
+            Self::Left => -1.0,
+            Self::Right => 1.0,
+        }
+    }
+
+    pub(super) const fn index(self) -> usize {
+        match self {
+            Self::Left => 0,
+            Self::Right => 1,
+        }
+    }
+}
