@@ -28,22 +28,6 @@ const MAX_SIGMA_M: f64 = 0.15;
 /// Slowest approach that has a time to crossing, m/s: below it the time is minutes and says nothing.
 const MIN_CLOSING_MPS: f64 = 0.02;
 
-/// Place of a side's numbers, left first.
-const fn index(side: Side) -> usize {
-    match side {
-        Side::Left => 0,
-        Side::Right => 1,
-    }
-}
-
-/// 1 to the left, -1 to the right.
-const fn sign(side: Side) -> f64 {
-    match side {
-        Side::Left => 1.0,
-        Side::Right => -1.0,
-    }
-}
-
 /// What is said of a departure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DepartureOutput {
@@ -100,14 +84,14 @@ impl DepartureWarning {
         let clearance = Side::BOTH.map(|side| {
             let ahead_m = config.front_axle_m;
             let edge = self.filter.edge_at(side, ahead_m, speed_mps)?;
-            Some((sign(side) * edge.left_m - 0.5 * vehicle.width_m, edge.sigma_m))
+            Some((-side.outward() * edge.left_m - 0.5 * vehicle.width_m, edge.sigma_m))
         });
         let clearance_m = clearance.map(|known| known.map(|(clearance_m, _)| clearance_m));
-        let closing_mps = Side::BOTH.map(|side| sign(side) * lateral_mps);
+        let closing_mps = Side::BOTH.map(|side| -side.outward() * lateral_mps);
         // The next frame would be as much too late as this one is too early: half a frame is split.
         let at_edge = Side::BOTH.into_iter().find(|&side| {
-            let closing_mps = closing_mps[index(side)];
-            clearance[index(side)].is_some_and(|(clearance_m, sigma_m)| {
+            let closing_mps = closing_mps[side.index()];
+            clearance[side.index()].is_some_and(|(clearance_m, sigma_m)| {
                 closing_mps >= config.min_drift_mps
                     && sigma_m <= MAX_SIGMA_M
                     && clearance_m <= closing_mps * (config.lead_s + 0.5 * dt_s)
@@ -120,15 +104,15 @@ impl DepartureWarning {
             self.hush.has_warned();
         }
         self.warning = self.warning.filter(|&side| {
-            let back = clearance_m[index(side)].is_none_or(|m| m > config.hysteresis_m);
+            let back = clearance_m[side.index()].is_none_or(|m| m > config.hysteresis_m);
             !back && !self.hush.has_warned_long_enough()
         });
         self.hush.end_frame(config, clearance_m, lateral_mps, dt_s);
 
         let time_to_crossing_s = Side::BOTH
             .into_iter()
-            .filter(|&side| closing_mps[index(side)] >= MIN_CLOSING_MPS)
-            .find_map(|side| Some(clearance_m[index(side)]?.max(0.0) / closing_mps[index(side)]));
+            .filter(|&side| closing_mps[side.index()] >= MIN_CLOSING_MPS)
+            .find_map(|side| Some(clearance_m[side.index()]?.max(0.0) / closing_mps[side.index()]));
         let output = DepartureOutput {
             warning: self.warning,
             lateral_speed_mps: Some(lateral_mps),

@@ -332,20 +332,3 @@ fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
 fn params(config: &LanesConfig, high: f64) -> CannyParams {
     CannyParams { low: config.canny_low_share * high, high, norm: GradientNorm::L1 }
 }
-
-impl Side {
-    /// +1 where columns further outside are further right.
-    pub(super) const fn outward(self) -> f64 {
-        match self {
-            Self::Left => -1.0,
-            Self::Right => 1.0,
-        }
-    }
-
-    pub(super) const fn index(self) -> usize {
-        match self {
-            Self::Left => 0,
-            Self::Right => 1,
-        }
-    }
-}

@@ -62,6 +62,7 @@ impl Followed {
     fn forget(&mut self) {
         self.active = false;
         self.shown = false;
+        self.quality = Quality::default();
         self.look = PaintLook::default();
         (self.seen_frames, self.kept_frames, self.rival_frames) = (0, 0, 0);
         self.notes.clear();
@@ -340,7 +341,7 @@ impl LaneFinder {
         self.filter = trial.filter;
         let width_m = self.filter.offset_m(Side::Left) - self.filter.offset_m(Side::Right);
         if !(self.config.min_width_m..=self.config.max_width_m).contains(&width_m) {
-            self.followed[other(side).index()].forget();
+            self.followed[side.other().index()].forget();
         }
         let followed = &mut self.followed[side.index()];
         followed.forget();
@@ -361,7 +362,7 @@ impl LaneFinder {
             (view.ground_of_pixel(candidate.lower_px)?, view.ground_of_pixel(candidate.upper_px)?);
         let mut guess = self.filter.clone();
         let heading = (far.y - near.y) / (far.x - near.x).max(1e-3);
-        let other = &self.followed[other(side).index()];
+        let other = &self.followed[side.other().index()];
         let other_known = other.active && other.kept_frames < MISSED_FRAMES;
         if !other_known {
             guess.place_direction(heading);
@@ -448,10 +449,3 @@ const PAINT_SHARE: f64 = 0.2;
 const MOST_HELD_S: f64 = 0.5;
 /// Slower vehicles count as standing, m/s.
 const SLOWEST_MPS: f64 = 0.3;
-
-fn other(side: Side) -> Side {
-    match side {
-        Side::Left => Side::Right,
-        Side::Right => Side::Left,
-    }
-}

@@ -10,7 +10,7 @@ use nalgebra::{Matrix5, RowVector5, Vector5};
 
 use super::super::Side;
 use super::super::geometry::{EdgeOnRoad, LaneOnRoad};
-use super::{DepartureConfig, index};
+use super::DepartureConfig;
 
 /// Places of the numbers in the state behind the two offsets.
 const LATERAL: usize = 2;
@@ -120,7 +120,7 @@ impl LateralFilter {
         for (side, edge) in Side::BOTH.into_iter().zip([lane.left, lane.right]) {
             let Some(edge) = edge.filter(|edge| edge.kept_frames == 0 && is_finite(edge)) else { continue };
             let moved = self.take_offset(config, side, edge.offset_m, dt_s);
-            seen.innovation_m[index(side)] = moved.innovation_m;
+            seen.innovation_m[side.index()] = moved.innovation_m;
             seen.lane_changed |= moved.other_edge;
             if let Some(mps) = vehicle.speed_mps.filter(|mps| *mps >= MIN_SPEED_MPS) {
                 self.take_direction(config, &edge, mps, dt_s);
@@ -146,11 +146,11 @@ impl LateralFilter {
 
     /// Where an edge is at some distance ahead; none while it is not known.
     pub(super) fn edge_at(&self, side: Side, ahead_m: f64, speed_mps: Option<f64>) -> Option<EdgeAhead> {
-        self.known[index(side)]?;
+        self.known[side.index()]?;
         // The vehicle moves across because it points across: the edge leans the other way.
         let lean = speed_mps.map_or(0.0, |mps| -1.0 / mps.max(MIN_SPEED_MPS));
         let mut of_state = RowVector5::zeros();
-        of_state[index(side)] = 1.0;
+        of_state[side.index()] = 1.0;
         of_state[LATERAL] = ahead_m * lean;
         let left_m = (of_state * self.state)[0] + 0.5 * self.curvature_per_m * ahead_m * ahead_m;
         let variance = (of_state * self.covariance * of_state.transpose())[0];
@@ -168,7 +168,7 @@ impl LateralFilter {
         }
         let mut motion = Matrix5::identity();
         for side in Side::BOTH {
-            motion[(index(side), LATERAL)] = -dt_s;
+            motion[(side.index(), LATERAL)] = -dt_s;
         }
         let mut steering_mps = STEERING_MPS;
         let mut turned_mps = 0.0;
@@ -189,7 +189,7 @@ impl LateralFilter {
     }
 
     fn take_offset(&mut self, config: &DepartureConfig, side: Side, offset_m: f64, dt_s: f64) -> Moved {
-        let place = index(side);
+        let place = side.index();
         let variance = config.offset_sigma_m * config.offset_sigma_m;
         let Some(watch) = self.known[place] else {
             self.start_edge(place, offset_m, variance);

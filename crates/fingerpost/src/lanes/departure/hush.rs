@@ -1,7 +1,7 @@
 //! When a wheel at the edge of its lane is no cause for a warning.
 
 use super::super::Side;
-use super::{DepartureConfig, index};
+use super::DepartureConfig;
 use crate::vehicle_signals::{TurnSignal, VehicleState};
 
 /// How long a warning stays at the most, seconds: who has not reacted by then will not.
@@ -79,7 +79,7 @@ impl Hush {
 
     /// Why a wheel at the edge on that side is passed over.
     pub(super) fn silence(&self, config: &DepartureConfig, side: Side) -> Option<Silence> {
-        if self.since_signal_s[index(side)] <= config.signal_hold_s {
+        if self.since_signal_s[side.index()] <= config.signal_hold_s {
             Some(Silence::TurnSignal)
         } else if self.slow {
             Some(Silence::Slow)
