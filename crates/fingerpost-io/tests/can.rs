@@ -78,7 +78,11 @@ fn lines_of_candump() {
         "(1.5) can0 123#1",
         "(1.5) can0 123#1G",
         "(1.5) can0 1234#11",
-        "(1.5) can0 FFF#+1",
+        "(1.5) can0 7FF#+1",
+        "(1.5) can0 +12#11",
+        "(1.5) can0 -12#11",
+        "(1.5) can0 800#11",
+        "(1.5) can0 80000123#11",
         "(nan) can0 123#11",
         "1.5 can0 123#11",
         "(1.5) can0 123#11 R more",
@@ -125,6 +129,16 @@ fn samples_of_a_plain_and_a_compressed_log() {
 }
 
 #[test]
+fn a_line_without_end_takes_no_memory_and_no_frame_with_it() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("log");
+    let endless = "(1.0) can0 024#".repeat(100_000);
+    fs::write(&path, format!("{endless}\n(100.5) can0 024#0203000000000000\n{endless}")).unwrap();
+    let log = SignalLog::read(&path, None, &signals(&["KINEMATICS.YAW_RATE"])).unwrap();
+    assert_eq!((log.frames, log.unreadable_lines, log.samples[0].len()), (1, 2, 1));
+}
+
+#[test]
 fn what_is_no_log_and_no_database_is_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("notes.txt");
@@ -159,15 +173,25 @@ fn a_database_that_contradicts_itself_gives_no_signal() {
     fs::write(
         &path,
         "VERSION \"Z\u{fc}rich\"\nBO_ 1 A: 8 X\n SG_ WIDE : 0|65@1+ (1,0) [0|0] \"\" X\n SG_ ALONE m1 : 0|8@1+ (1,0) [0|0] \"\" X\n \
-         SG_ FAR : 18446744073709551615|8@1+ (1,0) [0|0] \"\" X\n SG_ EMPTY : 0|0@1+ (1,0) [0|0] \"\" X\n\
+         SG_ FAR : 18446744073709551615|8@1+ (1,0) [0|0] \"\" X\n SG_ EMPTY : 0|0@1+ (1,0) [0|0] \"\" X\n \
+         SG_ HALF : 0|16@1- (1,0) [0|0] \"\" X\n\
          BO_ 2 B: 8 X\n SG_ P m1M : 0|8@1+ (1,0) [0|0] \"\" X\n SG_ Q m1M : 8|8@1+ (1,0) [0|0] \"\" X\n\
-         SG_MUL_VAL_ 2 P Q 1-1;\nSG_MUL_VAL_ 2 Q P 1-1;\n",
+         BO_ 65536291 WIDE_ID: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" X\n\
+         BO_ 4095 TWELVE_BITS: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" X\n\
+         BO_ 2147483939 EXTENDED: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" X\n\
+         SIG_VALTYPE_ 1 HALF : 1;\nSG_MUL_VAL_ 2 P Q 1-1;\nSG_MUL_VAL_ 2 Q P 1-1;\n",
     )
     .unwrap();
     let broken = CanDatabase::read(&path).unwrap();
     for name in ["A.WIDE", "A.FAR", "A.EMPTY"] {
         assert!(matches!(broken.signal(name), Err(UnknownSignal::Size { .. })), "{name}");
     }
+    for (name, identifier) in [("WIDE_ID.S", 65_536_291), ("TWELVE_BITS.S", 4095)] {
+        let expected = UnknownSignal::Identifier { name: name.to_owned(), identifier };
+        assert_eq!(broken.signal(name).unwrap_err(), expected);
+    }
+    assert_eq!(broken.signal("EXTENDED.S").unwrap().message, CanId::Extended(291));
+    assert!(matches!(broken.signal("A.HALF"), Err(UnknownSignal::Float { size: 16, .. })));
     for name in ["A.ALONE", "B.P"] {
         assert!(matches!(broken.signal(name), Err(UnknownSignal::Multiplexer { .. })), "{name}");
     }

@@ -4,7 +4,7 @@
 //! follow for received or sent. Frames that carry no data (requests, errors) are left out.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
@@ -17,8 +17,11 @@ use crate::file::FileError;
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// Bit of an identifier that marks a frame of the interface itself about an error.
 const ERROR_BIT: u32 = 0x2000_0000;
-/// Digits of a 29-bit identifier; an 11-bit one has three.
+/// Digits of a 29-bit identifier and of an 11-bit one.
 const EXTENDED_DIGITS: usize = 8;
+const STANDARD_DIGITS: usize = 3;
+/// Bytes of a line at the most; one of CAN FD has 200. What goes on for longer is no log, and need not fit into memory.
+const MOST_LINE_BYTES: u64 = 4096;
 
 /// A log that cannot be used.
 #[derive(Debug, Error)]
@@ -68,7 +71,7 @@ impl CanLogFrames {
     pub fn next_frame(&mut self) -> Result<Option<LogFrame<'_>>, CanLogError> {
         loop {
             self.line.clear();
-            let read: io::Result<usize> = self.reader.read_until(b'\n', &mut self.line);
+            let read = read_line(&mut *self.reader, &mut self.line);
             if read.map_err(FileError::reading(&self.path))? == 0 {
                 let nothing = self.lines > 0 && self.unreadable_lines == self.lines;
                 return if nothing || self.lines == 0 {
@@ -89,6 +92,16 @@ impl CanLogFrames {
     }
 }
 
+/// Reads up to the end of a line; of one that is too long the rest is passed over, and `line` is left empty.
+fn read_line(reader: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<usize> {
+    let mut read = (&mut *reader).take(MOST_LINE_BYTES).read_until(b'\n', line)?;
+    if read as u64 == MOST_LINE_BYTES && !line.ends_with(b"\n") {
+        line.clear();
+        read += reader.skip_until(b'\n')?;
+    }
+    Ok(read)
+}
+
 /// The frame of a line; `Some(None)` for one without data, none for a line that is no log's.
 pub fn parse_candump_line(line: &str) -> Option<Option<LogFrame<'_>>> {
     let mut words = line.split_ascii_whitespace();
@@ -98,6 +111,10 @@ pub fn parse_candump_line(line: &str) -> Option<Option<LogFrame<'_>>> {
     if !t_s.is_finite() || !matches!((words.next(), words.next()), (None | Some("R" | "T"), None)) {
         return None;
     }
+    // A number of Rust's may begin with a sign.
+    if !id.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
     let number = u32::from_str_radix(id, 16).ok()?;
     let is_request = rest.starts_with('R');
     if is_request || (id.len() == EXTENDED_DIGITS && number & ERROR_BIT != 0) {
@@ -105,9 +122,12 @@ pub fn parse_candump_line(line: &str) -> Option<Option<LogFrame<'_>>> {
     }
     let id = match id.len() {
         EXTENDED_DIGITS => CanId::Extended(number),
-        3 => CanId::Standard(u16::try_from(number).ok()?),
+        STANDARD_DIGITS => CanId::Standard(u16::try_from(number).ok()?),
         _ => return None,
     };
+    if !id.is_possible() {
+        return None;
+    }
     let digits = match rest.strip_prefix('#') {
         // CAN FD: the first digit holds flags.
         Some(flagged) => flagged.get(1..)?,

@@ -1,5 +1,6 @@
 //! DBC files: the layouts of all signals by their names.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use can_dbc::{Dbc, Message, MessageId, MultiplexIndicator, Signal, SignalExtendedValueType, ValueType};
@@ -12,6 +13,8 @@ use crate::file::{FileError, read_bytes};
 
 /// Multiplexers that stand behind one another at the most; a file whose multiplexers select each other in a ring must end.
 const MAX_MULTIPLEXERS: usize = 8;
+/// Bit of a message's number in a DBC file that marks an identifier of 29 bits.
+const EXTENDED_MARK: u64 = 1 << 31;
 /// Names that a message about an unknown one lists.
 const NEAR_NAMES: usize = 5;
 
@@ -50,6 +53,27 @@ pub enum UnknownSignal {
         /// Its number of bits.
         size: u64,
     },
+    /// Its bits are said to be a floating-point number, and are not as many as one has.
+    #[error(
+        "the DBC file says that signal {name:?} is an IEEE number and gives it {size} bits; correct the file"
+    )]
+    Float {
+        /// What was asked for.
+        name: String,
+        /// Its number of bits.
+        size: usize,
+    },
+    /// No frame can have the identifier of its message.
+    #[error(
+        "the DBC file gives the message of signal {name:?} the identifier {identifier}, which has more than 11 bits; a 29-bit \
+         one is written with 2147483648 added: correct the file"
+    )]
+    Identifier {
+        /// What was asked for.
+        name: String,
+        /// The identifier as the file has it.
+        identifier: u64,
+    },
     /// What selects it is not in the file.
     #[error(
         "signal {name:?} is multiplexed, and the DBC file does not say by which signal of its message; correct the file"
@@ -64,6 +88,9 @@ pub enum UnknownSignal {
 #[derive(Debug, Clone)]
 pub struct CanDatabase {
     dbc: Dbc,
+    /// Identifiers too wide for messages that are not marked as extended, by the messages' names: the reader cuts them to 16
+    /// bits, and the signals would be looked for in another message's frames.
+    wide: BTreeMap<String, u64>,
 }
 
 impl CanDatabase {
@@ -82,7 +109,7 @@ impl CanDatabase {
         if dbc.messages.is_empty() {
             return Err(contents("it describes no message".to_owned()));
         }
-        Ok(Self { dbc })
+        Ok(Self { wide: wide_identifiers(&text), dbc })
     }
 
     /// The layout of the signal `MESSAGE.SIGNAL`.
@@ -98,8 +125,15 @@ impl CanDatabase {
         let Some((message, signal)) = found else {
             return Err(UnknownSignal::Name { name: name.to_owned(), near: self.near(name) });
         };
+        if let Some(&identifier) = self.wide.get(&message.name) {
+            return Err(UnknownSignal::Identifier { name: name.to_owned(), identifier });
+        }
         let bits = bit_field(signal)
             .ok_or_else(|| UnknownSignal::Size { name: name.to_owned(), size: signal.size })?;
+        let reading = self.reading(message, signal);
+        if reading.bits().is_some_and(|size| size != bits.size) {
+            return Err(UnknownSignal::Float { name: name.to_owned(), size: bits.size });
+        }
         let conditions = self
             .conditions(message, signal)
             .ok_or_else(|| UnknownSignal::Multiplexer { name: name.to_owned() })?;
@@ -110,7 +144,7 @@ impl CanDatabase {
             unit: signal.unit.clone(),
             value_names: values.iter().map(|value| (value.id, value.description.clone())).collect(),
             bits,
-            reading: self.reading(message, signal),
+            reading,
             factor: signal.factor,
             offset: signal.offset,
             conditions,
@@ -189,6 +223,18 @@ fn bit_field(signal: &Signal) -> Option<BitField> {
         can_dbc::ByteOrder::BigEndian => ByteOrder::BigEndian,
     };
     Some(BitField { start, size, order })
+}
+
+/// The messages of a DBC file's text whose identifiers have more than 11 bits and no mark of an extended one.
+fn wide_identifiers(text: &str) -> BTreeMap<String, u64> {
+    let message = |line: &str| {
+        let mut words =
+            line.trim_start().strip_prefix("BO_")?.split([' ', '\t', ':']).filter(|word| !word.is_empty());
+        let identifier: u64 = words.next()?.parse().ok()?;
+        Some((words.next()?.to_owned(), identifier))
+    };
+    let is_wide = |identifier: u64| identifier & EXTENDED_MARK == 0 && identifier >= 1 << 11;
+    text.lines().filter_map(message).filter(|(_, identifier)| is_wide(*identifier)).collect()
 }
 
 const fn can_id(id: MessageId) -> CanId {

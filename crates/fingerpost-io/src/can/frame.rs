@@ -12,6 +12,16 @@ pub enum CanId {
     Extended(u32),
 }
 
+impl CanId {
+    /// Whether it has no more bits than it can have.
+    pub(super) const fn is_possible(self) -> bool {
+        match self {
+            Self::Standard(id) => id < 1 << 11,
+            Self::Extended(id) => id < 1 << 29,
+        }
+    }
+}
+
 /// A data frame, CAN 2.0 or CAN FD.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CanFrame {

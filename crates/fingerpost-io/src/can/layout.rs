@@ -18,6 +18,17 @@ pub(super) enum Reading {
     Float64,
 }
 
+impl Reading {
+    /// The number of bits that it must have; none where any will do.
+    pub(super) const fn bits(self) -> Option<usize> {
+        match self {
+            Self::Unsigned | Self::Signed => None,
+            Self::Float32 => Some(32),
+            Self::Float64 => Some(64),
+        }
+    }
+}
+
 /// A frame holds a multiplexed signal only while its multiplexer has one of some values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Condition {
