@@ -27,7 +27,9 @@ pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use lines::{LinesError, from_json_lines, to_json_line};
-pub use marks::{EdgeMark, MARKS_VERSION, MarksError, MarksFile, marks_from_json, marks_to_json};
+pub use marks::{
+    EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
+};
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use truth::TruthRecord;

@@ -15,6 +15,10 @@ use thiserror::Error;
 /// The version that is written and read.
 pub const MARKS_VERSION: u32 = 1;
 
+/// How far outside the picture a point may lie, in widths and heights of it: edges leave it at its sides. A point farther off
+/// is a slip, and a curve through it would have more rows than memory has room for.
+const REACH: f64 = 10.0;
+
 /// Marks of a drive.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MarksFile {
@@ -82,6 +86,14 @@ pub enum MarksError {
         /// The frame.
         frame: u64,
     },
+    /// A point that no edge of these pictures has.
+    #[error("a point of frame {frame} of its {side} edge lies far outside the pictures; mend or remove it")]
+    Outside {
+        /// `left` or `right`.
+        side: &'static str,
+        /// The frame.
+        frame: u64,
+    },
     /// Marks that cannot be written.
     #[error("the marks cannot be written as JSON ({cause})")]
     Write {
@@ -99,9 +111,15 @@ pub fn marks_from_json(text: &str) -> Result<MarksFile, MarksError> {
     if marks.version != MARKS_VERSION {
         return Err(MarksError::Version { found: marks.version });
     }
-    check("left", &marks.left, marks.frames)?;
-    check("right", &marks.right, marks.frames)?;
+    check("left", &marks.left, &marks)?;
+    check("right", &marks.right, &marks)?;
     Ok(marks)
+}
+
+/// Whether a point `[u, v]` can be one of an edge in pictures of that size: on them, or not far outside.
+pub fn is_near_picture(point: [f64; 2], picture_px: [u32; 2]) -> bool {
+    let near = |at: f64, size: u32| (-REACH..=1.0 + REACH).contains(&(at / f64::from(size.max(1))));
+    near(point[0], picture_px[0]) && near(point[1], picture_px[1])
 }
 
 /// The text of a file, a key frame a line.
@@ -125,7 +143,8 @@ pub fn marks_to_json(marks: &MarksFile) -> Result<String, MarksError> {
     ))
 }
 
-fn check(side: &'static str, edge: &[EdgeMark], frames: u64) -> Result<(), MarksError> {
+fn check(side: &'static str, edge: &[EdgeMark], marks: &MarksFile) -> Result<(), MarksError> {
+    let MarksFile { frames, picture_px, .. } = *marks;
     let mut next = 0;
     for EdgeMark { frame, points_px } in edge {
         if *frame < next || *frame >= frames {
@@ -135,6 +154,9 @@ fn check(side: &'static str, edge: &[EdgeMark], frames: u64) -> Result<(), Marks
         let finite = points_px.iter().flatten().all(|coordinate| coordinate.is_finite());
         if !finite || points_px.windows(2).any(|pair| pair[1][1] >= pair[0][1]) {
             return Err(MarksError::Points { side, frame: *frame });
+        }
+        if !points_px.iter().all(|point| is_near_picture(*point, picture_px)) {
+            return Err(MarksError::Outside { side, frame: *frame });
         }
     }
     Ok(())
@@ -176,6 +198,8 @@ mod tests {
         assert!(refused(|marks| marks.left[1].frame = 21).contains("frame 21 of its left edge"));
         assert!(refused(|marks| marks.left[1].frame = 0).contains("frame 0 of its left edge"));
         assert!(refused(|marks| marks.left[0].points_px[1][1] = 539.0).contains("from near to far"));
+        assert!(refused(|marks| marks.left[0].points_px[1][1] = -1e9).contains("far outside the pictures"));
+        assert!(refused(|marks| marks.left[0].points_px[0][0] = 1e300).contains("frame 0 of its left edge"));
         assert!(marks_from_json("[]").unwrap_err().to_string().contains("no lane marks"));
     }
 }

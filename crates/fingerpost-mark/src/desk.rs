@@ -15,6 +15,9 @@ use crate::session::{Edit, Session};
 /// Whatever keeps a picture from being shown or marks from being kept, said to the person at the page.
 pub type Cause = Box<dyn Error + Send + Sync>;
 
+/// What is said of points that no edge of the pictures has.
+const FAR_OUTSIDE: &str = "a point lies far outside the picture";
+
 /// A picture as browsers show it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -153,7 +156,7 @@ impl Desk {
             ("POST", ["api", "edit"]) => self.edit(request.body),
             ("POST", ["api", "undo"]) => self.step(Session::undo),
             ("POST", ["api", "redo"]) => self.step(Session::redo),
-            ("POST", ["api", "curve"]) => curve(request.body),
+            ("POST", ["api", "curve"]) => self.curve(request.body),
             ("POST", ["api", "export"]) => self.export(),
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }
@@ -190,8 +193,27 @@ impl Desk {
         if frame >= frames {
             return Answer::refused(404, &format!("there is no frame {frame}; there are {frames}, from 0"));
         }
+        if !work.session.marks().can_hold(points_px.as_deref().unwrap_or_default()) {
+            return Answer::refused(400, FAR_OUTSIDE);
+        }
         work.session.edit(&Edit { side, frame, points: points_px });
         work.kept(frame)
+    }
+
+    /// The curve through points that are being dragged.
+    fn curve(&self, body: &[u8]) -> Answer {
+        let points_px = match serde_json::from_slice(body) {
+            Ok(PagePoints { points_px }) => points_px,
+            Err(cause) => return Answer::refused(400, &format!("these are no points ({cause})")),
+        };
+        if !self.work().session.marks().can_hold(&points_px) {
+            return Answer::refused(400, FAR_OUTSIDE);
+        }
+        let curve_px = EdgeCurve::new(&points_px).map_or_else(Vec::new, |curve| {
+            let (far_row, near_row) = curve.rows();
+            traced(far_row, near_row, |row| curve.column(row))
+        });
+        Answer::json(200, &json!({ "curve_px": curve_px }))
     }
 
     fn step(&self, step: impl Fn(&mut Session) -> Option<u64>) -> Answer {
@@ -261,18 +283,4 @@ struct Edges {
 
 fn edges(marks: &LaneMarks, frame: u64) -> Edges {
     Edges { left: marks.at(Side::Left, frame), right: marks.at(Side::Right, frame) }
-}
-
-/// The curve through points that are being dragged.
-fn curve(body: &[u8]) -> Answer {
-    match serde_json::from_slice::<PagePoints>(body) {
-        Ok(PagePoints { points_px }) => {
-            let curve_px = EdgeCurve::new(&points_px).map_or_else(Vec::new, |curve| {
-                let (far_row, near_row) = curve.rows();
-                traced(far_row, near_row, |row| curve.column(row))
-            });
-            Answer::json(200, &json!({ "curve_px": curve_px }))
-        }
-        Err(cause) => Answer::refused(400, &format!("these are no points ({cause})")),
-    }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fingerpost_format::{EdgeMark, MARKS_VERSION, MarksFile, Side};
+use fingerpost_format::{EdgeMark, MARKS_VERSION, MarksFile, Side, is_near_picture};
 use serde::Serialize;
 
 use crate::edge_curve::{EdgeCurve, tidy, traced};
@@ -112,11 +112,17 @@ impl LaneMarks {
         self.edge(side).get(&frame).map(Vec::as_slice)
     }
 
+    /// Whether points can be those of an edge: all are numbers and lie in the picture or not far outside.
+    pub fn can_hold(&self, points: &[[f64; 2]]) -> bool {
+        points.iter().all(|point| is_near_picture(*point, self.picture_px))
+    }
+
     /// Makes a frame a key frame with these points (an empty list: no edge), or no key frame any more.
     ///
-    /// Points are put in order, and to a hundredth of a pixel; frames behind the last are passed over.
+    /// Points are put in order, and to a hundredth of a pixel. A frame behind the last, and points of which one
+    /// [cannot be one](Self::can_hold), change nothing.
     pub fn set(&mut self, side: Side, frame: u64, points: Option<&[[f64; 2]]>) {
-        if frame >= self.frames {
+        if frame >= self.frames || !self.can_hold(points.unwrap_or_default()) {
             return;
         }
         let edge = match side {
@@ -226,6 +232,8 @@ mod tests {
         let mut marks = marks();
         assert_eq!(LaneMarks::from_file(&marks.to_file()), marks);
         marks.set(Side::Left, 41, Some(&[[1.0, 1.0]]));
+        marks.set(Side::Left, 12, Some(&[[1.0, 1.0], [1.0, f64::NAN]]));
+        marks.set(Side::Left, 13, Some(&[[1.0, 1.0], [1.0, -1e300]]));
         marks.set(Side::Left, 20, None);
         assert_eq!(marks.key_frames(Side::Left).collect::<Vec<_>>(), [(10, true), (30, false)]);
         assert_eq!(marks.points(Side::Left, 20), None);

@@ -119,6 +119,10 @@ fn what_is_no_request_is_refused() {
     assert_eq!(status("POST", "/api/edit", &json!({ "side": "middle" })), 400);
     assert_eq!(status("POST", "/api/curve", &json!([])), 400);
     assert_eq!(edit(&desk, "left", 3, &json!([])).0, 404);
+    // A curve over so many rows would need more memory than there is.
+    let endless = json!([[0.0, 0.0], [8.0, 1e300]]);
+    assert_eq!(status("POST", "/api/curve", &json!({ "points_px": endless })), 400);
+    assert_eq!(edit(&desk, "left", 0, &endless).0, 400);
     assert!(shelf.0.lock().unwrap().0.is_none());
 }
 
