@@ -9,7 +9,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
-use fingerpost_io::{DriveFolder, FrameFormat, JsonLinesFile, read_camera};
+use fingerpost_io::{CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
 use fingerpost_map::write_route;
 use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera};
 use rayon::prelude::*;
@@ -71,9 +71,6 @@ enum Traffic {
     Right,
     Centre,
 }
-
-/// File of the moments in which a wheel crosses a line.
-const CROSSINGS_FILE: &str = "crossings.jsonl";
 
 /// A lens of the default camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

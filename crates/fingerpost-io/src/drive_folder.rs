@@ -16,6 +16,8 @@ use crate::{
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
 };
 
+/// Name of the file of the moments in which a wheel crosses a line.
+pub const CROSSINGS_FILE: &str = "crossings.jsonl";
 /// Name of the file of truth.
 const TRUTH_FILE: &str = "truth.jsonl";
 /// Folder of the road-surface masks.
@@ -90,7 +92,7 @@ impl DriveFolder {
                 remove_numbered_pictures(&folder)?;
             }
         }
-        for name in [TIMES_FILE, "camera.toml", "route.geojson"] {
+        for name in [TIMES_FILE, CROSSINGS_FILE, "camera.toml", "route.geojson"] {
             remove_if_there(&path.join(name))?;
         }
         let truth = JsonLinesFile::create(&truth_path)?;

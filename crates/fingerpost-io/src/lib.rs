@@ -24,7 +24,9 @@ pub use can::{
 };
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
-pub use drive_folder::{DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
+pub use drive_folder::{
+    CROSSINGS_FILE, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth,
+};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_text, replace_file, write_file};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};

@@ -14,8 +14,8 @@ use std::{
 use fingerpost_format::{FrameRecord, Summary, TruthRecord, from_json_lines};
 use fingerpost_geometry::{Mount, View};
 use fingerpost_io::{
-    AppendError, CameraReadError, DriveFolder, FileError, FrameFormat, FrameSource, JsonLinesFile, LineSink,
-    RunFolder, SourceOptions, read_camera, read_picture, read_text, read_truth,
+    AppendError, CROSSINGS_FILE, CameraReadError, DriveFolder, FileError, FrameFormat, FrameSource,
+    JsonLinesFile, LineSink, RunFolder, SourceOptions, read_camera, read_picture, read_text, read_truth,
 };
 use fingerpost_vision::picture::{Plane, RgbImage};
 
@@ -196,6 +196,8 @@ fn a_drive_can_be_read_as_an_input_and_as_truth() {
     let truth = |index: u64| TruthRecord { frame: index, t_s: index as f64 * 0.05, ..TruthRecord::default() };
     for (format, count) in [(FrameFormat::Jpeg, 3), (FrameFormat::Png, 2)] {
         let mut drive = DriveFolder::create(parent.path(), format).unwrap();
+        // Only some drives have such a file; that of the drive before is none of this one's.
+        assert!(!parent.path().join(CROSSINGS_FILE).exists());
         let camera_path = drive.write_camera("[image]\n").unwrap();
         assert_eq!(read_text(&camera_path).unwrap(), "[image]\n");
         drive.write_route("{}").unwrap();
@@ -217,6 +219,7 @@ fn a_drive_can_be_read_as_an_input_and_as_truth() {
             ["camera.toml", "frames", "road_masks", "route.geojson", "times.txt", "truth.jsonl"]
         );
         assert_eq!(names(&parent.path().join("road_masks")).len() as u64, count);
+        fs::write(parent.path().join(CROSSINGS_FILE), "of this drive").unwrap();
     }
 }
 

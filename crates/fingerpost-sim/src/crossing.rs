@@ -8,8 +8,8 @@ use crate::truth::{LaneEdges, LinesPassed};
 
 /// Half of a car's width over its tyres, metres.
 pub(crate) const HALF_WIDTH_M: f64 = 0.9;
-/// Steps of the search, seconds.
-const STEP_S: f64 = 0.01;
+/// Steps of the search in a second.
+const STEPS_PER_S: f64 = 100.0;
 
 /// A wheel's outer side has come over the inner edge of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -24,11 +24,11 @@ pub struct Crossing {
 
 /// All crossings of a drive in the time of so many frames, in the order of time.
 pub(crate) fn crossings(drive: &Drive, lanes: &LaneEdges, frames: usize, fps: f64) -> Vec<Crossing> {
-    let steps = (frames.saturating_sub(1) as f64 / fps / STEP_S).floor() as usize;
+    let steps = (frames.saturating_sub(1) as f64 / fps * STEPS_PER_S).floor() as usize;
     let passed = |state: &VehicleState| lanes.lines_passed(state.p_in_map, state.route_m, state.heading_rad);
     let mut found = Vec::new();
     let mut before: Option<LinesPassed> = None;
-    for t_s in (0..=steps).map(|step| step as f64 * STEP_S) {
+    for t_s in (0..=steps).map(|step| step as f64 / STEPS_PER_S) {
         let now = passed(&drive.at(t_s));
         if let (Some(before), Some(now)) =
             (before, now.filter(|now| before.is_some_and(|b| b.layout == now.layout)))
