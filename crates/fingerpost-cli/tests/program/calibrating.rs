@@ -147,3 +147,18 @@ fn four_points_make_a_camera_and_with_a_lens_a_mount() {
     call_line(&line("60,200,6,1;260,210,6,-1;140,120,9,1;150,160,9,-1")).refused(1, &["nothing was written"]);
     assert!(!out.exists());
 }
+
+#[test]
+fn a_calibration_tells_how_far_it_sees() {
+    let camera = Drive::get().camera();
+    let line = format!("calibrate reach --camera {}", camera.display());
+    let told = call_line(&format!("{line} --json")).done();
+    let told: serde_json::Value = serde_json::from_str(&told.stdout).unwrap();
+    let ranges: Vec<f64> =
+        told["rows"].as_array().unwrap().iter().map(|row| row["range_m"].as_f64().unwrap()).collect();
+    assert!(ranges.len() > 5 && ranges.windows(2).all(|pair| pair[0] < pair[1]), "{ranges:?}");
+    assert_eq!(told["reactions"].as_array().unwrap().len(), 5);
+    let table = call_line(&line).done().stdout;
+    assert!(table.contains("120 km/h") && table.contains("hands-free telephone"), "{table}");
+    call_line("calibrate reach --camera none.toml").refused(1, &["none.toml", "check the path"]);
+}
