@@ -25,6 +25,9 @@ pub(super) struct CameraMotion {
     pub(super) travel_sigma_rad: [f64; 2],
     /// Mean weight of the pairs: the share that agrees.
     pub(super) agreeing: f64,
+    /// Pairs that tell the direction: they agree, and moved away from it by more than the rotation explains. What is far
+    /// agrees with every direction.
+    pub(super) telling: usize,
 }
 
 /// Memory of the fit.
@@ -42,6 +45,8 @@ const LEAST_GRADIENT: f64 = 1e-12;
 const LEAST_PAIRS: usize = 20;
 /// Weights are halved where a residual is this many standard deviations.
 const WEIGHT_SIGMAS: f64 = 2.0;
+/// A pair that moved by more standard deviations of a residual than this is near enough to tell the direction of travel.
+const TELLING_SIGMAS: f64 = 10.0;
 /// Median absolute deviation to standard deviation of a Gaussian.
 const MAD_TO_SIGMA: f64 = 1.4826;
 /// Least standard deviation of a residual, radians: a twentieth of a pixel of most cameras.
@@ -65,7 +70,7 @@ impl MotionFit {
         }
         let (mut rotation, mut travel) = (UnitQuaternion::identity(), ahead);
         let mut covariance = Matrix5::zeros();
-        let mut agreeing = 0.0;
+        let (mut agreeing, mut sigma) = (0.0, SIGMA_FLOOR_RAD);
         for _ in 0..ITERATIONS {
             let turn = rotation.to_rotation_matrix();
             let sides = sides(&travel);
@@ -75,7 +80,7 @@ impl MotionFit {
             self.sorted.extend(self.rows.iter().map(|(residual, _)| residual.abs()));
             let middle = self.sorted.len() / 2;
             let (_, median, _) = self.sorted.select_nth_unstable_by(middle, f64::total_cmp);
-            let sigma = (MAD_TO_SIGMA * *median).max(SIGMA_FLOOR_RAD);
+            sigma = (MAD_TO_SIGMA * *median).max(SIGMA_FLOOR_RAD);
             let mut information = Matrix5::zeros();
             let mut gradient = Vector5::zeros();
             agreeing = 0.0;
@@ -101,13 +106,22 @@ impl MotionFit {
                 break;
             }
         }
-        let sigma = |i: usize| covariance[(i, i)].max(0.0).sqrt();
+        let turn = rotation.to_rotation_matrix();
+        let tells = |(pair, (residual, _)): &(&RayPair, &(f64, Vector5<f64>))| {
+            let turned = turn * pair.previous;
+            residual.abs() < WEIGHT_SIGMAS * sigma
+                && turned.angle(&pair.current) > TELLING_SIGMAS * sigma
+                && travel.dot(&pair.current) < travel.dot(&turned)
+        };
+        let telling = pairs.iter().zip(&self.rows).filter(tells).count();
+        let sigma_of = |i: usize| covariance[(i, i)].max(0.0).sqrt();
         Some(CameraMotion {
             current_from_previous: rotation,
             travel,
-            rotation_sigma_rad: Vector3::new(sigma(0), sigma(1), sigma(2)),
-            travel_sigma_rad: [sigma(3), sigma(4)],
+            rotation_sigma_rad: Vector3::new(sigma_of(0), sigma_of(1), sigma_of(2)),
+            travel_sigma_rad: [sigma_of(3), sigma_of(4)],
             agreeing,
+            telling,
         })
     }
 }

@@ -37,6 +37,8 @@ pub struct MountFilter {
     yaw: SlowAngle,
     roll: SlowAngle,
     observations: usize,
+    /// Pitch and yaw of the first of them.
+    first_rad: [[f64; LEAST_OBSERVATIONS]; 2],
     state: MountState,
     fault: Option<MountFault>,
     watches: [AngleWatch; 3],
@@ -69,6 +71,7 @@ impl MountFilter {
             yaw: SlowAngle::new(0.0, variance),
             roll: SlowAngle::new(0.0, variance),
             observations: 0,
+            first_rad: [[0.0; LEAST_OBSERVATIONS]; 2],
             state: MountState::NotYetValid,
             fault: None,
             watches: [MountAngle::Pitch, MountAngle::Yaw, MountAngle::Roll]
@@ -96,9 +99,38 @@ impl MountFilter {
         if let Some(seen) = observation.roll {
             self.roll.take(floored(seen));
         }
-        self.observations += usize::from(observation.pitch.is_some() && observation.yaw.is_some());
+        if let (Some(pitch), Some(yaw)) = (observation.pitch, observation.yaw) {
+            self.count([pitch.angle_rad, yaw.angle_rad]);
+        }
         self.judge(differences, observation.roll_change, is_turning);
         self.estimate()
+    }
+
+    /// Counts an observation of pitch and yaw. A false first one shuts the true ones out, because each seems surer than it
+    /// is: when there are enough of them the estimate begins at their median instead.
+    fn count(&mut self, angles_rad: [f64; 2]) {
+        let index = self.observations;
+        self.observations += 1;
+        for (first, angle_rad) in self.first_rad.iter_mut().zip(angles_rad) {
+            if let Some(first) = first.get_mut(index) {
+                *first = angle_rad;
+            }
+        }
+        if self.observations != LEAST_OBSERVATIONS {
+            return;
+        }
+        let [pitch_rad, yaw_rad] = self.first_rad.map(|mut first| {
+            first.sort_unstable_by(f64::total_cmp);
+            first[LEAST_OBSERVATIONS / 2]
+        });
+        let variance = OBSERVED_FLOOR_RAD.powi(2);
+        if (pitch_rad - self.pitch.mean[0]).abs() > OBSERVED_FLOOR_RAD {
+            let suspension_variance = self.pitch.covariance[(1, 1)];
+            self.pitch = PitchAndSuspension::new(pitch_rad, variance, suspension_variance);
+        }
+        if wrap_angle(yaw_rad - self.yaw.mean_rad).abs() > OBSERVED_FLOOR_RAD {
+            self.yaw = SlowAngle::new(yaw_rad, variance);
+        }
     }
 
     /// The estimate after the last frame.

@@ -16,6 +16,9 @@ use super::{AttitudeObservation, ObservedAngle};
 const MOST_TRAVEL_SIGMA_RAD: f64 = 0.6 * DEGREE;
 /// Share of the pairs that must agree with the motion.
 const LEAST_AGREEING: f64 = 0.25;
+/// Pairs that must tell the direction, four for each of its two unknowns: where near texture is lost, a few false pairs fit
+/// some direction, and all that is far agrees with it.
+const LEAST_TELLING: usize = 8;
 /// A vehicle that turns faster in a frame does not move the way its camera looks.
 pub(super) const TURNING_RAD: f64 = 0.5 * DEGREE;
 /// Directions further from straight ahead are those of a vehicle that rolls back, or no directions at all.
@@ -73,6 +76,7 @@ impl Sighting {
         let turned = -(vehicle_from_camera * motion.current_from_previous.scaled_axis());
         let moves = motion.travel_sigma_rad.iter().all(|&sigma| sigma < MOST_TRAVEL_SIGMA_RAD)
             && motion.agreeing > LEAST_AGREEING
+            && motion.telling >= LEAST_TELLING
             && motion.travel.angle(&ahead) < MOST_FROM_AHEAD_RAD;
         Self { motion, pitch_change_rad: turned.y, roll_change_rad: turned.x, turn_rad: turned.z, moves }
     }
