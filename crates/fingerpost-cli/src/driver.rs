@@ -145,7 +145,9 @@ impl Driver {
             self.begin_anew()?;
         }
         let mut clock = FrameClock::start();
-        let sensors = Sensors { dt_s: self.last_t_s.map(|last_s| time.t_s - last_s), ..sensors };
+        // Times that step back say nothing of how long a frame lasted.
+        let dt_s = self.last_t_s.map(|last_s| time.t_s - last_s).filter(|dt_s| *dt_s >= 0.0);
+        let sensors = Sensors { dt_s, ..sensors };
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
         let (output, evidence) = match done {
             Ok(done) => done,
@@ -173,6 +175,7 @@ impl Driver {
         let setting =
             RunSetting { config: &config, camera, route: None, start_m: None, sequence: self.sequence };
         self.pipeline = setting.pipeline()?;
+        self.last_t_s = None;
         Ok(())
     }
 
