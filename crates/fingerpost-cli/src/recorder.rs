@@ -225,9 +225,13 @@ fn mount_faults(records: &[FrameRecord]) -> Vec<MountFaultRecord> {
 /// What the end of a run reads of a record. All of it is in the file, and a long run has many: what is kept of a frame
 /// decides how the memory grows.
 fn essence(mut record: FrameRecord) -> FrameRecord {
-    if record.state != TrackState::Lost {
-        // Sentences are listed for losses alone.
+    let departure = record.lanes.as_ref().and_then(|lanes| lanes.departure.as_ref());
+    if record.state != TrackState::Lost && departure.is_none_or(|departure| departure.warning.is_none()) {
+        // Sentences are listed for losses and departures alone.
         record.why = String::new();
+    }
+    if let Some(lanes) = &mut record.lanes {
+        (lanes.left_px, lanes.right_px) = (Vec::new(), Vec::new());
     }
     if let Some(sought) = &mut record.sought {
         sought.sub.clear();
@@ -238,10 +242,37 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
         feature.sub.retain(|_, p| weakest.is_some_and(|weakest| p.total_cmp(&weakest).is_eq()));
     }
     FrameRecord {
+        signals: None,
         surface: None,
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         stage_ms: BTreeMap::new(),
         ..record
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost_format::{DepartureRecord, LanesRecord, Side};
+
+    use super::*;
+
+    #[test]
+    fn what_is_kept_of_a_frame_is_small_and_tells_departures() {
+        let kept = |warning| {
+            let lanes = LanesRecord {
+                left_px: vec![[1.0, 2.0]; 40],
+                width_m: Some(3.4),
+                departure: Some(DepartureRecord { warning, ..DepartureRecord::default() }),
+                ..LanesRecord::default()
+            };
+            let time = FrameTime { frame: 3, t_s: 0.3 };
+            let record = broken_record(time, None, TrackState::NoRoute, String::new());
+            essence(FrameRecord { lanes: Some(lanes), ..record })
+        };
+        let (quiet, warned) = (kept(None), kept(Some(Side::Left)));
+        assert!(quiet.why.is_empty() && !warned.why.is_empty());
+        let lanes = quiet.lanes.unwrap_or_default();
+        assert!(lanes.left_px.is_empty() && lanes.width_m.is_some() && lanes.departure.is_some());
     }
 }

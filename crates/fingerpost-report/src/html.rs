@@ -3,6 +3,7 @@
 mod chart;
 mod curves;
 mod key_frames;
+mod lane;
 mod map;
 mod tables;
 
@@ -70,6 +71,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
                 @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
                 h2 { "Over time" }
                 (curves::curves(input))
+                @if let Some(lane) = lane::lane(input.records) { h2 { "Lane" } (lane) }
                 h2 { "Losses" }
                 (tables::losses(input))
                 @if !input.summary.stage_ms.is_empty() {

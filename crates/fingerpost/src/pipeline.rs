@@ -275,14 +275,6 @@ impl Pipeline {
         output.centreline = centreline;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then(|| self.mount.estimate());
         output.place_driving_line(tracker.stops());
-        Why {
-            track: &output.track,
-            evidence: track_evidence,
-            stops: tracker.stops(),
-            config: &config.track,
-            mount: output.mount.as_ref(),
-        }
-        .write_to(&mut output.why);
         finished(Stage::DrivingLine);
 
         let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle };
@@ -297,6 +289,16 @@ impl Pipeline {
             })
             .unzip();
         output.departure = departure;
+        Why {
+            track: &output.track,
+            evidence: track_evidence,
+            stops: tracker.stops(),
+            config: &config.track,
+            mount: output.mount.as_ref(),
+            lane: output.lane.as_ref().zip(lanes),
+            departure: output.departure.as_ref(),
+        }
+        .write_to(&mut output.why);
         finished(Stage::Lanes);
 
         let evidence = FrameEvidence {

@@ -1,10 +1,12 @@
-//! The sentence that says what was decided in a frame and what decided it.
+//! The sentence that says what was decided in a frame and what decided it: of the route's feature, then of the lane.
 
 use std::fmt::{self, Display, Formatter, Write};
 
 use fingerpost_map::FeatureKind;
 
 use crate::feature_masks::SubMaskKind;
+use crate::lanes::departure::{DepartureOutput, Silence};
+use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::matching::{Match, Participation};
 use crate::mount::{MountAngle, MountEstimate, MountFault};
 use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
@@ -31,6 +33,10 @@ pub(crate) struct Why<'a> {
     pub(crate) config: &'a TrackConfig,
     /// The camera's mount, where it is estimated.
     pub(crate) mount: Option<&'a MountEstimate>,
+    /// The lane and how it was found, where it is looked for.
+    pub(crate) lane: Option<(&'a Lane, &'a LaneEvidence)>,
+    /// How the vehicle moves towards the lane's edges, where that is known.
+    pub(crate) departure: Option<&'a DepartureOutput>,
 }
 
 impl Why<'_> {
@@ -44,10 +50,20 @@ impl Why<'_> {
 
 impl Display for Why<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { track, evidence, stops, config, mount } = *self;
-        if let Some(fault) = mount.and_then(|mount| mount.fault.as_ref()) {
+        if let Some(fault) = self.mount.and_then(|mount| mount.fault.as_ref()) {
             write!(f, "{}; ", MountFaultWords(fault))?;
         }
+        self.write_feature(f)?;
+        let Some((lane, evidence)) = self.lane else { return Ok(()) };
+        let kept_frames = Side::BOTH.map(|side| lane.edge(side).map(|edge| edge.kept_frames));
+        write!(f, "; {}", LaneWords { kept_frames, followed: evidence.followed })?;
+        self.departure.map_or(Ok(()), |departure| write!(f, "{}", DepartureWords(departure)))
+    }
+}
+
+impl Why<'_> {
+    fn write_feature(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { track, evidence, stops, config, .. } = *self;
         let name = |index: &usize| FeatureName(stops.get(*index));
         let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
         match (&evidence.decision, &track.followed) {
@@ -194,5 +210,93 @@ impl Display for MatchWords<'_> {
             separator = ",";
         }
         Ok(())
+    }
+}
+
+/// The lane's edges, left and right, as a sentence has them.
+struct LaneWords {
+    /// For how many frames each has been kept without being seen; none where it is not given out.
+    kept_frames: [Option<u32>; 2],
+    /// Whether each is followed, given out or not.
+    followed: [bool; 2],
+}
+
+impl Display for LaneWords {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match (self.kept_frames, self.followed) {
+            ([Some(0), Some(0)], _) => return f.write_str("both edges of the lane are seen"),
+            ([None, None], [false, false]) => return f.write_str("no edge of a lane is seen"),
+            _ => {}
+        }
+        let edges = self.kept_frames.into_iter().zip(self.followed);
+        for (subject, (kept_frames, followed)) in
+            ["the lane's left edge ", ", its right edge "].into_iter().zip(edges)
+        {
+            f.write_str(subject)?;
+            match kept_frames {
+                Some(0) => f.write_str("is seen")?,
+                Some(1) => f.write_str("is not seen and kept")?,
+                Some(frames) => write!(f, "has not been seen for {frames} frames and is kept")?,
+                None if followed => f.write_str("is not sure yet")?,
+                None => f.write_str("is not seen")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How the lane is left, as the end of a sentence has it; nothing while it is not.
+struct DepartureWords<'a>(&'a DepartureOutput);
+
+impl Display for DepartureWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let because = match (self.0.warning, self.0.silence) {
+            (Some(Side::Left), _) => {
+                return f.write_str("; warning: the vehicle leaves the lane to the left");
+            }
+            (Some(Side::Right), _) => {
+                return f.write_str("; warning: the vehicle leaves the lane to the right");
+            }
+            (None, None) => return Ok(()),
+            (None, Some(Silence::TurnSignal)) => "the driver signals",
+            (None, Some(Silence::Slow)) => "the vehicle is slow",
+            (None, Some(Silence::LaneChange)) => "the lane is being changed",
+            (None, Some(Silence::CoolDown)) => "there has just been a warning",
+        };
+        write!(f, "; a wheel is at an edge, no warning because {because}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lanes_edges_are_seen_kept_or_none() {
+        let words = |kept_frames, followed| LaneWords { kept_frames, followed }.to_string();
+        assert_eq!(words([Some(0), Some(0)], [true, true]), "both edges of the lane are seen");
+        assert_eq!(words([None, None], [false, false]), "no edge of a lane is seen");
+        assert_eq!(
+            words([Some(0), Some(4)], [true, true]),
+            "the lane's left edge is seen, its right edge has not been seen for 4 frames and is kept"
+        );
+        assert_eq!(
+            words([None, None], [true, false]),
+            "the lane's left edge is not sure yet, its right edge is not seen"
+        );
+    }
+
+    #[test]
+    fn a_departure_is_warned_of_or_its_silence_explained() {
+        let words = |warning, silence| {
+            let departure = DepartureOutput { warning, silence, ..DepartureOutput::default() };
+            DepartureWords(&departure).to_string()
+        };
+        assert_eq!(words(None, None), "");
+        assert_eq!(words(Some(Side::Right), None), "; warning: the vehicle leaves the lane to the right");
+        assert_eq!(
+            words(None, Some(Silence::TurnSignal)),
+            "; a wheel is at an edge, no warning because the driver signals"
+        );
     }
 }

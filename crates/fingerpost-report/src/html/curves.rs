@@ -190,7 +190,10 @@ fn weakest(record: &FrameRecord) -> Option<&str> {
     sub.iter().min_by(|a, b| a.1.total_cmp(b.1)).map(|(label, _)| label.as_str())
 }
 
-fn series(records: &[FrameRecord], value: impl Fn(&FrameRecord) -> Option<f64>) -> Vec<(f64, Option<f64>)> {
+pub(super) fn series(
+    records: &[FrameRecord],
+    value: impl Fn(&FrameRecord) -> Option<f64>,
+) -> Vec<(f64, Option<f64>)> {
     records.iter().map(|record| (record.t_s, value(record))).collect()
 }
 
@@ -213,7 +216,10 @@ fn by_feature(
 }
 
 /// Stretches of equal label and colour over time.
-fn bands(records: &[FrameRecord], band: impl Fn(&FrameRecord) -> Option<(String, String)>) -> Vec<Band> {
+pub(super) fn bands(
+    records: &[FrameRecord],
+    band: impl Fn(&FrameRecord) -> Option<(String, String)>,
+) -> Vec<Band> {
     let shortest = records.len().div_ceil(MAX_POINTS);
     stretches(records.iter().map(band), shortest)
         .into_iter()

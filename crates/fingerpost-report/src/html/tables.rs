@@ -122,7 +122,8 @@ pub(crate) fn losses(input: &ReportInput<'_>) -> Markup {
     }
 }
 
-fn list<'a>(records: &[&'a FrameRecord], text: impl Fn(&'a FrameRecord) -> &'a str) -> Markup {
+/// Frames with a sentence each.
+pub(super) fn list<'a>(records: &[&'a FrameRecord], text: impl Fn(&'a FrameRecord) -> &'a str) -> Markup {
     html! {
         ul {
             @for record in records.iter().take(MAX_LISTED) {

@@ -1,5 +1,6 @@
 //! The numbers of a frame in words, one fact a line.
 
+use fingerpost::lanes::{Lane, LaneEdge, MarkingColour, MarkingKind, Side};
 use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
 use fingerpost::road_surface::SampleUse;
@@ -53,6 +54,7 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     if tightest > 0.0 {
         facts.push(("line", format!("tightest radius ahead {:.1} m", 1.0 / tightest)));
     }
+    facts.extend(output.lane.as_ref().and_then(lane_words).map(|words| ("lane", words)));
     if let Some(motion) = &output.motion {
         let step = &motion.previous_from_current;
         facts.push(("moved", format!("{}; quality {:.2}", words(step), motion.quality)));
@@ -119,6 +121,29 @@ fn verge_words(matched: &Match) -> Option<String> {
         .collect();
     let overall = matched.contrast().map_or("not seen where it tells".to_owned(), |c| signed(c, 2));
     (!arms.is_empty()).then(|| format!("contrast {overall}: {}", arms.join(", ")))
+}
+
+/// The lane's edges beside the vehicle, in words; none where there is neither.
+fn lane_words(lane: &Lane) -> Option<String> {
+    let edge = |side: Side| lane.edge(side).map(edge_words);
+    let width = lane.width_m().map(|m| format!("{m:.2} m wide"));
+    let words: Vec<String> = [edge(Side::Left), edge(Side::Right), width].into_iter().flatten().collect();
+    (!words.is_empty()).then(|| words.join("; "))
+}
+
+fn edge_words(edge: &LaneEdge) -> String {
+    let kind = match edge.marking.kind {
+        MarkingKind::Continuous => ", continuous",
+        MarkingKind::Broken => ", broken",
+        MarkingKind::Double => ", double",
+        MarkingKind::Unknown => "",
+    };
+    let colour = match edge.marking.colour {
+        MarkingColour::White => ", white",
+        MarkingColour::Yellow => ", yellow",
+        MarkingColour::Unknown => "",
+    };
+    format!("{} m left{kind}{colour}", signed(edge.offset_m, 2))
 }
 
 /// A pose in the vehicle frame in words.

@@ -1,7 +1,10 @@
 //! The report page: whole, well-formed, escaped, small.
 
 use crate::painted_run::{camera, painted_run};
-use fingerpost_format::{FrameRecord, Summary, TrackState, TruthRecord};
+use fingerpost_format::{
+    DepartureRecord, FrameRecord, LaneEdgeRecord, LanesRecord, MarkingRecord, Side, Summary, TrackState,
+    TruthRecord,
+};
 use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, report_html};
 
 const THRESHOLDS: Thresholds = Thresholds { detect: 0.75, confirm: 0.65 };
@@ -105,6 +108,54 @@ fn losses_are_listed_with_their_reasons_once_each() {
     assert!(page.contains("and 20 more"), "60 losses, 40 listed");
     assert!(page.contains("cannot be decoded: &lt;end&gt; of file"));
     assert!(!page.contains("OpenStreetMap"), "no map, no attribution");
+}
+
+#[test]
+fn the_lane_has_curves_and_its_warnings_a_list() {
+    let edge = |offset_m| LaneEdgeRecord {
+        offset_m,
+        heading_rad: 0.0,
+        curvature_per_m: 0.0,
+        marking: MarkingRecord::default(),
+        kept_frames: 0,
+    };
+    let frame = |frame: u64| {
+        let warned = (20..30).contains(&frame) || (70..75).contains(&frame);
+        let departure = DepartureRecord {
+            warning: warned.then_some(Side::Right),
+            lateral_speed_mps: Some(-0.4),
+            time_to_crossing_s: None,
+            silent_because: (frame > 90).then(|| "turn_signal".to_owned()),
+        };
+        let lanes = LanesRecord {
+            left: (frame > 5).then(|| edge(1.7)),
+            right: Some(edge(-1.6)),
+            width_m: Some(3.3),
+            departure: Some(departure),
+            ..LanesRecord::default()
+        };
+        FrameRecord { lanes: Some(lanes), ..record(frame, TrackState::NoRoute, format!("reason {frame}.")) }
+    };
+    let page = |records: &[FrameRecord]| {
+        report_html(&ReportInput {
+            title: "lane",
+            records,
+            summary: &Summary::default(),
+            truth: None,
+            route: None,
+            thresholds: THRESHOLDS,
+            config_toml: "",
+            key_frames: &KeyFrames::default(),
+        })
+    };
+    let records: Vec<FrameRecord> = (0..100).map(frame).collect();
+    let shown = page(&records);
+    assert_eq!(svgs(&shown), 4, "P(F), edges, width, speed across");
+    assert_eq!(shown.matches("<title>warning: right</title>").count(), 2);
+    assert_eq!(shown.matches("<title>no warning: turn signal</title>").count(), 1);
+    assert!(shown.contains("reason 20.") && shown.contains("reason 70.") && !shown.contains("reason 21."));
+    let without = page(&[record(0, TrackState::NoRoute, String::new())]);
+    assert!(!without.contains("Lane</h2>"), "nothing of a lane where there is none");
 }
 
 #[test]
