@@ -46,7 +46,7 @@ pub struct LanesRecord {
     pub left_px: Vec<[f64; 2]>,
     /// Right edge, likewise.
     pub right_px: Vec<[f64; 2]>,
-    /// The left edge on the road; none where there is none, or without a calibrated camera.
+    /// The left edge on the road; none where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left: Option<LaneEdgeRecord>,
     /// The right edge, likewise.
@@ -55,7 +55,7 @@ pub struct LanesRecord {
     /// Distance between the edges at the vehicle, metres; none where an edge is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_m: Option<f64>,
-    /// How the lane is being left; none without a calibrated camera.
+    /// How the lane is being left; none for a camera that is known by points alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub departure: Option<DepartureRecord>,
 }
@@ -94,7 +94,7 @@ pub struct DepartureRecord {
     pub lateral_speed_mps: Option<f64>,
     /// Time until a wheel reaches the edge ahead of it, seconds; none while it moves towards neither.
     pub time_to_crossing_s: Option<f64>,
-    /// Why no warning is given although an edge is near: `turn_signal`, `slow`, `lane_change`, `cool_down`.
+    /// Why no warning is given although a wheel is at an edge: `turn_signal`, `slow`, `lane_change`, `cool_down`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub silent_because: Option<String>,
 }
