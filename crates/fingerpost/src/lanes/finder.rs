@@ -28,6 +28,8 @@ const SEEN_ROWS: usize = 4;
 /// The vehicle's middle must be so far across an edge before it becomes the other side's, metres.
 const CROSSED_M: f64 = 0.1;
 
+/// Frames in a row that must show a line inside an edge before it is the edge: a patch's border shows for a frame or two.
+const INSIDE_FRAMES: u32 = 3;
 /// How well the place of a line inside another is known when it is first seen, metres.
 const INNER_SIGMA_M: f64 = 0.03;
 /// How long a motion is held that is not known anew, seconds.
@@ -44,6 +46,7 @@ struct Followed {
     kept_frames: u32,
     shown: bool,
     rival_frames: u32,
+    inside_frames: u32,
     quality: Quality,
     /// What its paint looks like.
     look: PaintLook,
@@ -56,7 +59,7 @@ impl Followed {
         self.shown = false;
         self.quality = Quality::default();
         self.look = PaintLook::default();
-        (self.seen_frames, self.kept_frames, self.rival_frames) = (0, 0, 0);
+        (self.seen_frames, self.kept_frames, self.rival_frames, self.inside_frames) = (0, 0, 0, 0);
         self.notes.clear();
     }
 }
@@ -218,17 +221,27 @@ impl LaneFinder {
             self.shape.note(camera, &self.filter, side, self.tracer.points());
         }
         for &side in sides {
-            self.step_inside(camera, input, side);
+            let inside_m = self.inner_line_m(camera, input, side);
+            let followed = &mut self.followed[side.index()];
+            followed.inside_frames = if inside_m.is_some() { followed.inside_frames + 1 } else { 0 };
+            if let Some(inside_m) = inside_m.filter(|_| followed.inside_frames >= INSIDE_FRAMES) {
+                self.step_inside(camera, input, side, inside_m);
+            }
         }
     }
 
+    /// How far inside an edge that has just been read the inner line of a double marking runs, metres.
+    fn inner_line_m(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side) -> Option<f64> {
+        let step = self.followed[side.index()].look.step;
+        self.tracer.inner_line_m(camera, &self.filter, input.frame, side, step)
+    }
+
     /// Goes over to the inner line of a double marking.
-    fn step_inside(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side) {
-        let look = self.followed[side.index()].look;
-        let inside_m = self.tracer.inner_line_m(camera, &self.filter, input.frame, side, look.step);
-        let Some(inside_m) = inside_m else { return };
-        let look = PaintLook { second_m: Some(inside_m), ..look };
-        self.followed[side.index()].look = look;
+    fn step_inside(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side, inside_m: f64) {
+        let followed = &mut self.followed[side.index()];
+        followed.inside_frames = 0;
+        let look = PaintLook { second_m: Some(inside_m), ..followed.look };
+        followed.look = look;
         let offset_m = self.filter.offset_m(side) + side.outward() * inside_m;
         self.filter.place_edge(side, offset_m, INNER_SIGMA_M);
         self.tracer.read(camera, &self.filter, input.frame, side, Reach::Follow(look));

@@ -8,7 +8,7 @@ use crate::lanes::lane_filter::LaneFilter;
 use crate::lanes::road_view::RoadView;
 use crate::lanes::sections::{LineCandidate, LineVerdict};
 use crate::lanes::tracing::{PaintAlong, PaintLook, Quality, Reach};
-use crate::lanes::{LaneInput, Side};
+use crate::lanes::{LaneInput, LanesConfig, Side};
 
 /// Candidates of a side that are tried in a frame while no edge is followed there.
 const TRIALS: usize = 3;
@@ -120,7 +120,9 @@ impl LaneFinder {
         self.tracer.evidence(&[side], &mut self.evidence.traced);
         self.note_quality(side, trial.quality);
         self.shape.note(camera, &self.filter, side, self.tracer.points());
-        self.step_inside(camera, input, side);
+        if let Some(inside_m) = self.inner_line_m(camera, input, side) {
+            self.step_inside(camera, input, side, inside_m);
+        }
         true
     }
 
@@ -136,27 +138,28 @@ impl LaneFinder {
         if !other_known {
             guess.place_direction(heading);
         }
-        let along = guess.left_at(side, near.x) - guess.offset_m(side);
-        guess.place_edge(side, near.y - along, SEED_SIGMA_M);
-        let mut straight = guess.clone();
+        let bend_m = guess.left_at(side, near.x) - guess.offset_m(side);
+        guess.place_edge(side, near.y - bend_m, SEED_SIGMA_M);
+        let mut along = guess.clone();
         self.tracer.read(camera, &guess, input.frame, side, Reach::Seed);
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
-        self.tracer.fit(camera, &mut straight, &[side], [look; 2]);
+        self.tracer.fit(camera, &mut along, &[side], [look; 2]);
         // Once more where the first fit says, for what the straight guess had missed.
         let mut settled = guess;
-        self.tracer.read(camera, &straight, input.frame, side, Reach::Follow(look));
+        self.tracer.read(camera, &along, input.frame, side, Reach::Follow(look));
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
         self.tracer.fit(camera, &mut settled, &[side], [look; 2]);
         let quality = self.tracer.quality(camera, &settled, side);
-        let sound = quality.used >= NEW_ROWS
-            && quality.painted_m >= NEW_PAINTED_M
-            && quality.near_m >= NEW_NEAR_M
-            && quality.residual_sigmas <= MOST_RESIDUAL_SIGMAS
-            && quality.width_spread <= MOST_WIDTH_SPREAD
-            && (quality.outliers as f64) <= MOST_OUTLIERS * quality.used as f64
-            && settled.heading_rad().abs() <= 1.5 * self.config.max_heading_deg.to_radians();
+        let taken = is_sound(&self.config, &settled, &quality) && self.makes_lane(&settled, &quality, side);
+        taken.then_some(Trial { filter: settled, quality, look })
+    }
+
+    /// Whether a new edge is beside the vehicle and makes a lane with the other one, or is the one of both that is right.
+    fn makes_lane(&self, settled: &LaneFilter, quality: &Quality, side: Side) -> bool {
+        let other = &self.followed[side.other().index()];
+        let other_known = other.active && other.kept_frames < MISSED_FRAMES;
         let width_m = settled.offset_m(Side::Left) - settled.offset_m(Side::Right);
         // Of two edges that make no lane the one that is seen far better is right.
         let stronger = quality.used > STRONGER * other.quality.used;
@@ -164,8 +167,19 @@ impl LaneFinder {
             || stronger
             || (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
         let inside = -side.outward() * settled.offset_m(side) <= 1.1 * self.config.max_offset_m;
-        (sound && fits && inside).then_some(Trial { filter: settled, quality, look })
+        fits && inside
     }
+}
+
+/// Whether what was read along a new edge is a marking's paint.
+fn is_sound(config: &LanesConfig, settled: &LaneFilter, quality: &Quality) -> bool {
+    quality.used >= NEW_ROWS
+        && quality.painted_m >= NEW_PAINTED_M
+        && quality.near_m >= NEW_NEAR_M
+        && quality.residual_sigmas <= MOST_RESIDUAL_SIGMAS
+        && quality.width_spread <= MOST_WIDTH_SPREAD
+        && (quality.outliers as f64) <= MOST_OUTLIERS * quality.used as f64
+        && settled.heading_rad().abs() <= 1.5 * config.max_heading_deg.to_radians()
 }
 
 /// How far outside the vehicle's middle a candidate's straight continuation passes, metres.
