@@ -57,13 +57,13 @@ fn mean_accuracy_pct(clip: &str, camera: &str) -> f64 {
 #[test]
 fn a_whole_and_a_broken_white_line() {
     let accuracy_pct = mean_accuracy_pct("p1_solidWhiteRight", "p1_solidWhiteRight.camera.toml");
-    assert!(accuracy_pct >= 98.0, "{accuracy_pct} %");
+    assert!(accuracy_pct >= 99.5, "{accuracy_pct} %");
 }
 
 #[test]
 fn a_yellow_and_a_broken_line_in_a_bend() {
     let accuracy_pct = mean_accuracy_pct("p5h_project_video_cut", "p5h.camera.toml");
-    assert!(accuracy_pct >= 93.0, "{accuracy_pct} %");
+    assert!(accuracy_pct >= 94.0, "{accuracy_pct} %");
 }
 
 #[test]
@@ -78,7 +78,8 @@ fn lanes_of_stills(pictures: &[PathBuf], camera: &str) -> Vec<Option<LanesRecord
     let (stills, run) = (folder.path().join("stills"), folder.path().join("run"));
     fs::create_dir(&stills).unwrap();
     for (index, picture) in pictures.iter().enumerate() {
-        fs::copy(picture, stills.join(format!("{index:06}.png"))).unwrap();
+        let extension = picture.extension().unwrap().display();
+        fs::copy(picture, stills.join(format!("{index:06}.{extension}"))).unwrap();
     }
     let camera_file = folder.path().join("camera.toml");
     fs::write(&camera_file, camera).unwrap();
@@ -100,6 +101,20 @@ fn single_pictures_of_motorways() {
         let (left, right) = found.unwrap_or_default();
         assert!(left && (right || picture == 1), "picture {picture}: {lane:?}");
     }
+}
+
+/// A faint streak of salt runs inside the lane, along a broken line that shows one clear dash.
+#[test]
+fn a_streak_of_salt_inside_the_lane_is_no_edge() {
+    let camera = "[image]\nwidth = 1280\nheight = 720\n\
+        [intrinsics]\nfx = 1000\nfy = 1000\ncx = 639.5\ncy = 359.5\n\
+        [mount]\nheight_m = 1.4\npitch_deg = 3.0\nx_m = 1.6\n";
+    let lanes = lanes_of_stills(&[data("bdd/caeb782d-4a20b7c4.jpg")], camera);
+    let left_px = &lanes[0].as_ref().unwrap().left_px;
+    // The dash's inner edge, read off the picture; the streak is 60 pixels further right.
+    let near = left_px.iter().min_by(|a, b| (a[1] - 575.0).abs().total_cmp(&(b[1] - 575.0).abs())).unwrap();
+    let dash_u = 418.0 - 0.77 * (near[1] - 575.0);
+    assert!((near[0] - dash_u).abs() < 12.0, "{near:?} is not at {dash_u}");
 }
 
 #[test]

@@ -16,9 +16,9 @@ use fingerpost_vision::smoothing::{GaussianBlur, SmoothingError};
 use nalgebra::Point2;
 use thiserror::Error;
 
+use super::LanesConfig;
 use super::region::LaneRegion;
 use super::road_view::RoadView;
-use super::{LanesConfig, Side};
 
 /// Window of the blur before the edges, pixels.
 const BLUR_PX: usize = 5;

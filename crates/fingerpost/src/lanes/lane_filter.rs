@@ -18,7 +18,7 @@ const PITCH: usize = 4;
 
 /// How far a lane's offset, heading, curvature and the camera's pitch may be off before anything is seen: metres, radians,
 /// 1/m, radians.
-const PRIOR_SIGMA: [f64; STATES] = [1.5, 1.5, 0.12, 2e-3, 0.02];
+const PRIOR_SIGMA: [f64; STATES] = [1.5, 1.5, 0.12, 2e-3, 0.018];
 /// How much the vehicle drifts in a second beyond what its motion says, metres, and without a known motion.
 const DRIFT_WALK_M: f64 = 0.03;
 const UNKNOWN_DRIFT_WALK_M: f64 = 0.2;
@@ -30,7 +30,7 @@ const UNKNOWN_HEADING_WALK_RAD: f64 = 0.03;
 /// How much the curvature changes in a second, 1/m: a motorway's transition curve at speed.
 const CURVATURE_WALK_PER_M: f64 = 8e-4;
 /// How much the suspension swings the pitch in a second, radians.
-const PITCH_WALK_RAD: f64 = 0.006;
+const PITCH_WALK_RAD: f64 = 0.0045;
 /// Time in which the pitch swings back to its mean, and in which that mean is learned, seconds.
 const PITCH_RETURN_S: f64 = 0.6;
 const PITCH_MEAN_S: f64 = 4.0;

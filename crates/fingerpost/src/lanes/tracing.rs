@@ -122,6 +122,22 @@ impl Reading {
     }
 }
 
+/// Paint that a candidate bounds.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct PaintAlong {
+    /// Sum of the steps of the rows that show some, levels.
+    pub(super) sum: f64,
+    /// Those rows.
+    pub(super) rows: usize,
+}
+
+impl PaintAlong {
+    /// How much brighter than the road it is, levels.
+    pub(super) fn step(self) -> f64 {
+        self.sum / self.rows.max(1) as f64
+    }
+}
+
 /// How well an edge was read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Quality {
@@ -223,14 +239,14 @@ impl Tracer {
         }
     }
 
-    /// How much paint a candidate bounds in its own section: the sum of the steps of the rows that show some, levels.
+    /// How much paint a candidate bounds in its own section.
     pub(super) fn paint_along(
         &mut self,
         view: &RoadView<'_>,
         frame: &RgbImage,
         candidate: &LineCandidate,
-    ) -> f64 {
-        let mut sum = 0.0;
+    ) -> PaintAlong {
+        let mut along = PaintAlong::default();
         for index in 0..CANDIDATE_ROWS {
             let share = (index as f64 + 0.5) / CANDIDATE_ROWS as f64;
             let rows = candidate.upper_px.v - candidate.lower_px.v;
@@ -248,11 +264,14 @@ impl Tracer {
                 reach_px: LEAST_REACH_PX,
                 px_per_m,
             };
-            if (0.0..frame.height() as f64).contains(&row) {
-                sum += self.paint.find(frame.row(row as usize), &search).map_or(0.0, |paint| paint.step);
+            if (0.0..frame.height() as f64).contains(&row)
+                && let Some(paint) = self.paint.find(frame.row(row as usize), &search)
+            {
+                along.sum += paint.step;
+                along.rows += 1;
             }
         }
-        sum
+        along
     }
 
     /// How far inside a side's edge another line runs, metres; none where no such line is seen. The inner line of a double

@@ -1,0 +1,191 @@
+//! Looking for an edge where none is followed: lines of the sections that bound paint are tried, a lane is fitted through
+//! each, and what shows too little of a marking is not taken.
+
+use fingerpost_geometry::Camera;
+
+use super::{LaneFinder, MISSED_FRAMES, NEW_ROWS};
+use crate::lanes::lane_filter::LaneFilter;
+use crate::lanes::road_view::RoadView;
+use crate::lanes::sections::{LineCandidate, LineVerdict};
+use crate::lanes::tracing::{PaintAlong, PaintLook, Quality, Reach};
+use crate::lanes::{LaneInput, LanesConfig, Side};
+
+/// Candidates of a side that are tried in a frame while no edge is followed there.
+const TRIALS: usize = 3;
+/// How far a candidate's first guess may be off, metres.
+const SEED_SIGMA_M: f64 = 0.15;
+/// What a new edge must show: paint over a length, in rows, near the fit, of an even width.
+const NEW_PAINTED_M: f64 = 2.5;
+const NEW_NEAR_M: f64 = 1.2;
+const MOST_RESIDUAL_SIGMAS: f64 = 1.5;
+const MOST_WIDTH_SPREAD: f64 = 0.45;
+/// Rows with paint off the fit against those on it, at most.
+const MOST_OUTLIERS: f64 = 0.6;
+/// An edge that makes no lane with the other replaces it where it shows more than so many times its rows.
+const STRONGER: usize = 2;
+/// Frames in which a line elsewhere must be the better one before it replaces the edge that is followed.
+const RIVAL_FRAMES: u32 = 5;
+/// How far off a rival is, metres.
+const RIVAL_M: f64 = 0.5;
+/// Distance ahead at which candidates are compared, metres.
+const BESIDE_AHEAD_M: f64 = 6.0;
+/// Share of the most paint that a candidate must bound.
+const PAINT_SHARE: f64 = 0.2;
+/// Share from which a candidate's paint is clear, and share of the strongest step in clear ones below which it is faint.
+const CLEAR_SHARE: f64 = 0.5;
+const FAINT_SHARE: f64 = 0.33;
+
+/// A candidate that bounds paint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Painted {
+    index: usize,
+    paint: PaintAlong,
+    /// How far beside the vehicle it passes, metres.
+    beside_m: f64,
+}
+
+/// A lane that a candidate leads to.
+struct Trial {
+    filter: LaneFilter,
+    quality: Quality,
+    look: PaintLook,
+}
+
+impl LaneFinder {
+    /// Looks for an edge where none is followed, or where a better one shows.
+    pub(super) fn acquire(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side) {
+        let followed = &self.followed[side.index()];
+        if followed.active && followed.kept_frames < MISSED_FRAMES {
+            let rival = self.lines.candidates().iter().position(|c| {
+                c.side == side && c.section == 0 && c.verdict == LineVerdict::Kept && self.is_rival(camera, c)
+            });
+            let followed = &mut self.followed[side.index()];
+            followed.rival_frames = if rival.is_some() { followed.rival_frames + 1 } else { 0 };
+            if let Some(index) = rival.filter(|_| followed.rival_frames >= RIVAL_FRAMES) {
+                followed.rival_frames = 0;
+                self.try_candidate(camera, input, side, index);
+            }
+            return;
+        }
+        // Those that bound paint, the innermost first; what is faint beside the others is dirt before it is a line.
+        let view = RoadView::new(camera, self.filter.pitch_rad());
+        self.painted.clear();
+        for (index, candidate) in self.lines.candidates().iter().enumerate() {
+            let possible = !matches!(candidate.verdict, LineVerdict::Direction | LineVerdict::Distance);
+            if candidate.side == side && possible {
+                let paint = self.tracer.paint_along(&view, input.frame, candidate);
+                let beside_m = beside_m(&view, candidate);
+                self.painted.extend(beside_m.map(|beside_m| Painted { index, paint, beside_m }));
+            }
+        }
+        let most = self.painted.iter().map(|candidate| candidate.paint.sum).fold(0.0, f64::max);
+        self.painted.retain(|candidate| candidate.paint.sum > PAINT_SHARE * most);
+        let clear = self.painted.iter().filter(|candidate| candidate.paint.sum >= CLEAR_SHARE * most);
+        let strong_step = clear.map(|candidate| candidate.paint.step()).fold(0.0, f64::max);
+        let faint = |candidate: &Painted| candidate.paint.step() < FAINT_SHARE * strong_step;
+        self.painted.sort_unstable_by(|a, b| {
+            let inner = a.beside_m.total_cmp(&b.beside_m).then(a.index.cmp(&b.index));
+            faint(a).cmp(&faint(b)).then(inner)
+        });
+        for trial in 0..TRIALS.min(self.painted.len()) {
+            if self.try_candidate(camera, input, side, self.painted[trial].index) {
+                return;
+            }
+        }
+    }
+
+    fn is_rival(&self, camera: &Camera, candidate: &LineCandidate) -> bool {
+        let view = RoadView::new(camera, self.filter.pitch_rad());
+        view.ground_of_pixel(candidate.lower_px)
+            .is_some_and(|place| (place.y - self.filter.left_at(candidate.side, place.x)).abs() > RIVAL_M)
+    }
+
+    /// Fits a lane through a candidate and keeps it where it is one of paint.
+    fn try_candidate(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side, index: usize) -> bool {
+        let candidate = self.lines.candidates()[index];
+        let Some(trial) = self.trial(camera, input, &candidate) else {
+            self.lines.candidates_mut()[index].verdict = LineVerdict::NoPaint;
+            return false;
+        };
+        self.filter = trial.filter;
+        let width_m = self.filter.offset_m(Side::Left) - self.filter.offset_m(Side::Right);
+        if !(self.config.min_width_m..=self.config.max_width_m).contains(&width_m) {
+            self.followed[side.other().index()].forget();
+        }
+        let followed = &mut self.followed[side.index()];
+        followed.forget();
+        followed.active = true;
+        followed.look = trial.look;
+        self.lines.candidates_mut()[index].verdict = LineVerdict::Kept;
+        self.tracer.evidence(&[side], &mut self.evidence.traced);
+        self.note_quality(side, trial.quality);
+        self.shape.note(camera, &self.filter, side, self.tracer.points());
+        if let Some(inside_m) = self.inner_line_m(camera, input, side) {
+            self.step_inside(camera, input, side, inside_m);
+        }
+        true
+    }
+
+    fn trial(&mut self, camera: &Camera, input: &LaneInput<'_>, candidate: &LineCandidate) -> Option<Trial> {
+        let side = candidate.side;
+        let view = RoadView::new(camera, self.filter.pitch_rad());
+        let (near, far) =
+            (view.ground_of_pixel(candidate.lower_px)?, view.ground_of_pixel(candidate.upper_px)?);
+        let mut guess = self.filter.clone();
+        let heading = (far.y - near.y) / (far.x - near.x).max(1e-3);
+        let other = &self.followed[side.other().index()];
+        let other_known = other.active && other.kept_frames < MISSED_FRAMES;
+        if !other_known {
+            guess.place_direction(heading);
+        }
+        let bend_m = guess.left_at(side, near.x) - guess.offset_m(side);
+        guess.place_edge(side, near.y - bend_m, SEED_SIGMA_M);
+        let mut along = guess.clone();
+        self.tracer.read(camera, &guess, input.frame, side, Reach::Seed);
+        let mut look = self.tracer.look(side, PaintLook::default());
+        self.tracer.drop_unlike(side, &mut look);
+        self.tracer.fit(camera, &mut along, &[side], [look; 2]);
+        // Once more where the first fit says, for what the straight guess had missed.
+        let mut settled = guess;
+        self.tracer.read(camera, &along, input.frame, side, Reach::Follow(look));
+        let mut look = self.tracer.look(side, PaintLook::default());
+        self.tracer.drop_unlike(side, &mut look);
+        self.tracer.fit(camera, &mut settled, &[side], [look; 2]);
+        let quality = self.tracer.quality(camera, &settled, side);
+        let taken = is_sound(&self.config, &settled, &quality) && self.makes_lane(&settled, &quality, side);
+        taken.then_some(Trial { filter: settled, quality, look })
+    }
+
+    /// Whether a new edge is beside the vehicle and makes a lane with the other one, or is the one of both that is right.
+    fn makes_lane(&self, settled: &LaneFilter, quality: &Quality, side: Side) -> bool {
+        let other = &self.followed[side.other().index()];
+        let other_known = other.active && other.kept_frames < MISSED_FRAMES;
+        let width_m = settled.offset_m(Side::Left) - settled.offset_m(Side::Right);
+        // Of two edges that make no lane the one that is seen far better is right.
+        let stronger = quality.used > STRONGER * other.quality.used;
+        let fits = !other_known
+            || stronger
+            || (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
+        let inside = -side.outward() * settled.offset_m(side) <= 1.1 * self.config.max_offset_m;
+        fits && inside
+    }
+}
+
+/// Whether what was read along a new edge is a marking's paint.
+fn is_sound(config: &LanesConfig, settled: &LaneFilter, quality: &Quality) -> bool {
+    quality.used >= NEW_ROWS
+        && quality.painted_m >= NEW_PAINTED_M
+        && quality.near_m >= NEW_NEAR_M
+        && quality.residual_sigmas <= MOST_RESIDUAL_SIGMAS
+        && quality.width_spread <= MOST_WIDTH_SPREAD
+        && (quality.outliers as f64) <= MOST_OUTLIERS * quality.used as f64
+        && settled.heading_rad().abs() <= 1.5 * config.max_heading_deg.to_radians()
+}
+
+/// How far outside the vehicle's middle a candidate's straight continuation passes, metres.
+fn beside_m(view: &RoadView<'_>, candidate: &LineCandidate) -> Option<f64> {
+    let near = view.ground_of_pixel(candidate.lower_px)?;
+    let far = view.ground_of_pixel(candidate.upper_px)?;
+    let slope = (far.y - near.y) / (far.x - near.x).max(1e-3);
+    Some(-candidate.side.outward() * (near.y + (BESIDE_AHEAD_M - near.x) * slope))
+}
