@@ -26,8 +26,9 @@ const STEERING_MPS: f64 = 0.2;
 const STEERED_MPS: f64 = 0.05;
 /// How fast the camera's yaw wanders, radians per square root of a second: a mount moves over minutes.
 const BIAS_RAD: f64 = 0.0005;
-/// How fast the road's own yaw rate changes, radians a second per square root of a second: bends begin over seconds.
-const BEND_RPS: f64 = 0.0015;
+/// How fast the road's own yaw rate changes, radians a second per square root of a second: a motorway's bend begins within
+/// two seconds, and as many radians a second as it has then are soon metres a second across the lane.
+const BEND_RPS: f64 = 0.015;
 /// How far a camera's yaw may be off at first, radians: what a calibration leaves, a third of a degree.
 const FIRST_BIAS_RAD: f64 = 0.006;
 /// Speed across the lane at first, m/s: an ordinary lane change.
@@ -40,8 +41,6 @@ const CURVATURE_SIGMA_PER_M: f64 = 5e-4;
 const YAW_RATE_SIGMA_RPS: f64 = 0.008;
 /// For how long a curvature's error stays alike, seconds.
 const CURVATURE_CORRELATION_S: f64 = 1.0;
-/// Time within which a bend that has begun is taken in, seconds.
-const BEND_BEGINS_S: f64 = 0.2;
 /// For how long an edge's error in place stays alike, seconds; so long do frames say the same again.
 const OFFSET_CORRELATION_S: f64 = 0.6;
 /// The same for its direction.
@@ -221,11 +220,6 @@ impl LateralFilter {
         let of_bend = RowVector5::new(0.0, 0.0, 0.0, 0.0, 1.0);
         let innovation = edge.curvature_per_m * mps - self.state[BEND];
         let sigma_rps = CURVATURE_SIGMA_PER_M * mps + YAW_RATE_SIGMA_RPS;
-        // So far off is no error: a bend has begun or ended.
-        if innovation.abs() > OFF_SIGMAS * sigma_rps {
-            let share = (dt_s / BEND_BEGINS_S).min(1.0);
-            self.covariance[(BEND, BEND)] += share * innovation * innovation;
-        }
         self.update(&of_bend, innovation, sigma_rps * sigma_rps, alike(CURVATURE_CORRELATION_S, dt_s));
     }
 
