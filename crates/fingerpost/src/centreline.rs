@@ -101,6 +101,8 @@ pub enum NoCentreline {
     NoEdges,
     /// Too few sections agree.
     TooFewSections,
+    /// They agree, but do not yet say where the road's middle passes the vehicle.
+    Unsure,
     /// It is switched off.
     Off,
 }

@@ -6,6 +6,8 @@
 //! squares to those about the vehicle, half of a width to its left and to its right. With one width for all of them a single
 //! edge says where the middle is as soon as both have been seen.
 
+use std::f64::consts::LN_2;
+
 use nalgebra::{Matrix4, Point2, Vector4};
 
 use super::{Centreline, CentrelineConfig, NoCentreline, SectionEvidence, SectionUse};
@@ -25,6 +27,8 @@ const FIRST_SIGMA: [f64; 4] = [10.0, 0.3, 0.03, 5.0];
 const FIRST_WIDTH_M: f64 = 7.0;
 /// How far the width may be from that of before, metres, in a frame.
 const WIDTH_SIGMA_M: f64 = 1.0;
+/// How far off the direction of a section's edge is, one standard deviation, as a slope.
+const SLOPE_SIGMA: f64 = 0.1;
 /// How far an edge may be from the curve, metres, beside what the curve itself may be off.
 const MAX_RESIDUAL_M: f64 = 0.35;
 /// How the three and the width wander on a metre of road beyond what the curve says.
@@ -40,10 +44,15 @@ const FORGOTTEN_M: f64 = 6.0;
 /// How far behind the rear axle edges are kept, metres, and how far apart the places are from which they are.
 const KEPT_BEHIND_M: f64 = 8.0;
 const KEPT_EVERY_M: f64 = 1.0;
+/// Quality from which a motion is believed, and metres of wander in a frame without one.
+const MIN_MOTION_QUALITY: f64 = 0.05;
+const BLIND_STEP_M: f64 = 0.1;
+/// How far the vehicle turns until an edge is let go, radians: beyond, no curve of this kind holds both.
+const KEPT_TURN_RAD: f64 = 0.5;
 /// How far from the vehicle an edge says half as much of the curve, metres.
 const REACH_M: f64 = 10.0;
 /// How far off the offset may be to be told, metres.
-const MAX_SIGMA_M: f64 = 1.0;
+const MAX_SIGMA_M: f64 = 0.5;
 /// Rounds in which edges off the curve are left out.
 const ROUNDS: usize = 3;
 
@@ -53,7 +62,10 @@ pub(super) struct EdgePoint {
     place: Point2<f64>,
     /// 1 of the left edge, -1 of the right one.
     side: f64,
+    slope: f64,
     sigma_m: f64,
+    /// How far the vehicle has turned since, radians.
+    turned_rad: f64,
     /// Section of this frame.
     section: usize,
 }
@@ -66,6 +78,8 @@ pub(super) struct Course {
     covariance: Matrix4<f64>,
     /// Whether edges have told them.
     known: bool,
+    /// Whether the motion since the frame before is known; if not, the curve of before is all that is left of it.
+    moved: bool,
     /// Edges of frames before.
     kept: Vec<EdgePoint>,
     /// Edges of this frame.
@@ -82,6 +96,7 @@ impl Default for Course {
             curve: Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M),
             covariance: first_covariance(),
             known: false,
+            moved: false,
             kept: Vec::with_capacity(MOST_KEPT),
             fresh: Vec::new(),
             widths: Vec::new(),
@@ -97,20 +112,32 @@ impl Course {
         [self.middle_m(forward_m), self.curve[1] + self.curve[2] * forward_m]
     }
 
-    /// Moves all with the vehicle; without a motion nothing is known any more.
+    /// Moves all with the vehicle. Without a motion edges cannot be kept; the curve is taken to go on as before, as that of
+    /// a fast road does.
     pub(super) fn move_on(&mut self, motion: Option<&Motion>) {
-        let Some(motion) = motion.filter(|_| self.unseen_m < FORGOTTEN_M) else {
+        if self.unseen_m >= FORGOTTEN_M {
             self.forget();
             return;
+        }
+        let Some(motion) = motion.filter(|motion| motion.quality >= MIN_MOTION_QUALITY) else {
+            self.kept.clear();
+            self.moved = false;
+            let wander = Vector4::from(WANDER_PER_M);
+            self.covariance += Matrix4::from_diagonal(&wander.component_mul(&wander)) * BLIND_STEP_M;
+            self.unseen_m += BLIND_STEP_M;
+            self.unkept_m = KEPT_EVERY_M;
+            return;
         };
+        self.moved = true;
         let current_from_previous = motion.previous_from_current.inverse();
         let pose = &motion.previous_from_current;
         let (ahead_m, turn_rad) = (pose.translation.x, pose.rotation.angle());
         for edge in &mut self.kept {
             edge.place = current_from_previous * edge.place;
             edge.sigma_m += MOVED_SIGMA * ahead_m.abs();
+            edge.turned_rad += turn_rad;
         }
-        self.kept.retain(|edge| edge.place.x > -KEPT_BEHIND_M);
+        self.kept.retain(|edge| edge.place.x > -KEPT_BEHIND_M && edge.turned_rad.abs() < KEPT_TURN_RAD);
         let mut moved = Matrix4::identity();
         moved[(0, 1)] = ahead_m;
         moved[(0, 2)] = 0.5 * ahead_m * ahead_m;
@@ -131,7 +158,7 @@ impl Course {
     ) -> Result<Centreline, NoCentreline> {
         if !self.known {
             let width_m = self.common_width_m(config, sections).ok_or(NoCentreline::NoEdges)?;
-            self.curve = Vector4::new(0.0, 0.0, 0.0, width_m);
+            self.curve[3] = width_m;
         }
         let width_m = self.curve[3];
         self.fresh.clear();
@@ -141,7 +168,9 @@ impl Course {
                 self.fresh.extend(edge.map(|edge| EdgePoint {
                     place: Point2::new(forward_m, edge.left_m),
                     side,
+                    slope: edge.slope,
                     sigma_m: EDGE_SIGMA_M + AHEAD_SIGMA * forward_m,
+                    turned_rad: 0.0,
                     section: index,
                 }));
             }
@@ -175,10 +204,9 @@ impl Course {
         }
         let sigma_m = covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
         let [offset_m, slope, curvature_per_m, width_m] = curve.into();
-        if agree < MIN_SECTIONS
-            || sigma_m > MAX_SIGMA_M
-            || !(config.min_width_m..=config.max_width_m).contains(&width_m)
-        {
+        let on_road = offset_m.abs() <= 0.5 * width_m;
+        let is_road = (config.min_width_m..=config.max_width_m).contains(&width_m);
+        if agree < MIN_SECTIONS || !on_road || !is_road {
             return Err(NoCentreline::TooFewSections);
         }
         (self.curve, self.covariance, self.known, self.unseen_m) = (curve, covariance, true, 0.0);
@@ -186,12 +214,16 @@ impl Course {
             self.kept.extend(&self.fresh);
             self.unkept_m = 0.0;
         }
+        if sigma_m > MAX_SIGMA_M {
+            return Err(NoCentreline::Unsure);
+        }
         Ok(Centreline { offset_m, sigma_m, heading_rad: slope.atan(), curvature_per_m, width_m, steer_rad: 0.0 })
     }
 
     fn forget(&mut self) {
         self.kept.clear();
-        (self.curve, self.covariance, self.known) = (Vector4::zeros(), first_covariance(), false);
+        self.curve = Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M);
+        (self.covariance, self.known) = (first_covariance(), false);
         (self.unseen_m, self.unkept_m) = (0.0, KEPT_EVERY_M);
     }
 
@@ -205,18 +237,30 @@ impl Course {
         curve: &Vector4<f64>,
         near: impl Fn(&EdgePoint) -> bool,
     ) -> Option<(Vector4<f64>, Matrix4<f64>)> {
-        let mut information = first_covariance().try_inverse()?;
-        let mut vector = Vector4::zeros();
-        let width_weight = if self.known { 1.0 / (WIDTH_SIGMA_M * WIDTH_SIGMA_M) } else { 0.0 };
-        information[(3, 3)] += width_weight;
-        vector[3] = width_weight * self.curve[3] + FIRST_WIDTH_M / (FIRST_SIGMA[3] * FIRST_SIGMA[3]);
+        let (mut expected, mut prior) = (self.curve, self.covariance);
+        if self.moved {
+            // The kept edges say what the curve of before said; of that the width alone is left.
+            expected.fixed_rows_mut::<3>(0).fill(0.0);
+            prior = first_covariance();
+            prior[(3, 3)] = WIDTH_SIGMA_M * WIDTH_SIGMA_M;
+        }
+        let mut information = prior.try_inverse()?;
+        let mut vector = information * expected;
+        let mut add = |row: Vector4<f64>, value: f64, weight: f64| {
+            information += weight * row * row.transpose();
+            vector += weight * value * row;
+        };
         for edge in self.fresh.iter().chain(&self.kept).filter(|edge| near(edge)) {
             let x = edge.place.x;
-            let row = row(x, edge.side * (curve[1] + curve[2] * x).hypot(1.0));
-            let far = x / REACH_M;
-            let weight = (-std::f64::consts::LN_2 * far * far).exp() / (edge.sigma_m * edge.sigma_m);
-            information += weight * row * row.transpose();
-            vector += weight * edge.place.y * row;
+            let far = if self.moved { x / REACH_M } else { 0.0 };
+            let share = (-LN_2 * far * far).exp();
+            let outwards = edge.side * (curve[1] + curve[2] * x).hypot(1.0);
+            add(row(x, outwards), edge.place.y, share / (edge.sigma_m * edge.sigma_m));
+        }
+        // Directions are coarse: they serve until places behind each other tell more.
+        for edge in self.fresh.iter().filter(|edge| !self.moved && near(edge)) {
+            let of_slope = Vector4::new(0.0, 1.0, edge.place.x, 0.0);
+            add(of_slope, edge.slope, 1.0 / (SLOPE_SIGMA * SLOPE_SIGMA));
         }
         let covariance = information.try_inverse()?;
         Some((covariance * vector, covariance))
