@@ -27,7 +27,7 @@ use thiserror::Error;
 pub use config::CentrelineConfig;
 pub use section::RoadEdge;
 
-use self::fit::{Course, Middle};
+use self::fit::Course;
 use self::section::{Finder, Window};
 use crate::ground_view::GroundView;
 use crate::motion::Motion;
@@ -48,6 +48,8 @@ const BORDER_PX: usize = 3;
 pub struct Centreline {
     /// How far left of the rear axle's middle it passes, metres.
     pub offset_m: f64,
+    /// Standard deviation of the offset, metres; never zero.
+    pub sigma_m: f64,
     /// Its direction there against the vehicle's, radians, positive to the left.
     pub heading_rad: f64,
     /// Its curvature, 1/m, positive to the left.
@@ -99,6 +101,8 @@ pub enum NoCentreline {
     NoEdges,
     /// Too few sections agree.
     TooFewSections,
+    /// They agree, but do not yet say where the road's middle passes the vehicle.
+    Unsure,
     /// It is switched off.
     Off,
 }
@@ -141,7 +145,6 @@ pub struct CentrelineFinder {
     /// Row and columns of the window about the border of what the camera sees.
     border: Vec<(usize, Range<usize>)>,
     course: Course,
-    middles: Vec<Middle>,
     evidence: CentrelineEvidence,
 }
 
@@ -183,7 +186,6 @@ impl CentrelineFinder {
             edges: Plane::new(rect.width, rect.height, 0),
             border: border(view.validity(), rect),
             course: Course::default(),
-            middles: Vec::with_capacity(sections),
             evidence: CentrelineEvidence { sections: Vec::with_capacity(sections), none_because: None },
             config: config.clone(),
         })
@@ -227,7 +229,7 @@ impl CentrelineFinder {
             self.evidence.sections.push(finder.section(lines, rect, &self.course));
         }
         let course = &mut self.course;
-        Ok(course.take(&self.config, &mut self.evidence.sections, &mut self.middles).map(|curve| {
+        Ok(course.take(&self.config, &mut self.evidence.sections).map(|curve| {
             let ahead_m = self.config.look_ahead_m;
             let aim_m = curve.left_m(ahead_m) + self.left_share * curve.width_m;
             Centreline { steer_rad: aim_m.atan2(ahead_m), ..curve }

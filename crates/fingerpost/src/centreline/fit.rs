@@ -1,56 +1,107 @@
-//! One curve through the middles of the sections, followed from frame to frame.
+//! One curve along the road's middle and the road's width, through edges ahead of the vehicle and beneath it.
 //!
-//! The curve y(x) = offset + slope x + curvature x² / 2 is what the frame before left of it, moved by the vehicle's own
-//! motion, joined by least squares with what the sections of this frame say.
+//! Where the road passes the rear axle no camera sees it: it was seen metres before. A curve that is drawn back from what
+//! is ahead leaves a bend by metres of error in its curvature. So the edges that were found stay where they lie on the
+//! road while the vehicle moves over them, and the curve y(x) = offset + slope x + curvature x² / 2 is fitted by least
+//! squares to those about the vehicle, half of a width to its left and to its right. With one width for all of them a single
+//! edge says where the middle is as soon as both have been seen.
 
-use nalgebra::{Matrix3, Vector3};
+use std::f64::consts::LN_2;
+
+use nalgebra::{Matrix4, Point2, Vector4};
 
 use super::{Centreline, CentrelineConfig, NoCentreline, SectionEvidence, SectionUse};
 use crate::motion::Motion;
 
 /// How far the road's width in a section may be from that of most, as a share: beyond, a side road or a yard begins.
 const WIDTH_TOLERANCE: f64 = 0.2;
-/// How far off a section's middle is, one standard deviation, metres, from both edges and from one; and its direction, as a
-/// slope. Frames that follow each other err alike, which these make up for.
-const BOTH_SIGMA: (f64, f64) = (0.2, 0.12);
-const ONE_SIGMA: (f64, f64) = (0.5, 0.25);
-/// Before anything is known: how far off the road's middle may be, metres, its slope, and its curvature, 1/m: a bend of 30 m.
-const FIRST_SIGMA: [f64; 3] = [10.0, 0.3, 0.03];
-/// How the three wander on a metre of road beyond what the curve says.
-const WANDER_PER_M: [f64; 3] = [0.03, 0.02, 0.008];
-/// How far a middle may be from the curve, metres, beside what the curve itself may be off.
+/// How far off an edge is, one standard deviation: metres at the vehicle, more for each metre ahead, and for each metre
+/// that it was moved since. Sections that follow each other err alike, which these make up for.
+const EDGE_SIGMA_M: f64 = 0.15;
+const AHEAD_SIGMA: f64 = 0.015;
+const MOVED_SIGMA: f64 = 0.015;
+/// Before anything is known: how far off the road's middle may be, metres, its slope, its curvature, 1/m, a bend of 30 m,
+/// and its width, metres.
+const FIRST_SIGMA: [f64; 4] = [10.0, 0.3, 0.03, 5.0];
+/// Width of a road before any is seen, metres.
+const FIRST_WIDTH_M: f64 = 7.0;
+/// How far the width may be from that of before, metres, in a frame.
+const WIDTH_SIGMA_M: f64 = 1.0;
+/// How far off the direction of a section's edge is, one standard deviation, as a slope.
+const SLOPE_SIGMA: f64 = 0.1;
+/// How far an edge may be from the curve, metres, beside what the curve itself may be off.
 const MAX_RESIDUAL_M: f64 = 0.35;
+/// How the three and the width wander on a metre of road beyond what the curve says.
+const WANDER_PER_M: [f64; 4] = [0.03, 0.02, 0.008, 0.05];
+/// Outwards, from the left and from the right edge.
+const SIDES: [f64; 2] = [1.0, -1.0];
+/// Most edges that are kept.
+const MOST_KEPT: usize = 512;
 /// Least sections that make a curve.
 const MIN_SECTIONS: usize = 2;
-/// How far the vehicle goes with no sections that agree until the curve is forgotten, metres.
+/// How far the vehicle goes with no sections that agree until all is forgotten, metres.
 const FORGOTTEN_M: f64 = 6.0;
+/// How far behind the rear axle edges are kept, metres, and how far apart the places are from which they are.
+const KEPT_BEHIND_M: f64 = 8.0;
+const KEPT_EVERY_M: f64 = 1.0;
+/// Quality from which a motion is believed, and metres of wander in a frame without one.
+const MIN_MOTION_QUALITY: f64 = 0.05;
+const BLIND_STEP_M: f64 = 0.1;
+/// How far the vehicle turns until an edge is let go, radians: beyond, no curve of this kind holds both.
+const KEPT_TURN_RAD: f64 = 0.5;
+/// How far from the vehicle an edge says half as much of the curve, metres.
+const REACH_M: f64 = 10.0;
+/// How far off the offset may be to be told, metres.
+const MAX_SIGMA_M: f64 = 0.5;
+/// Rounds in which edges off the curve are left out.
+const ROUNDS: usize = 3;
 
-/// The road's middle in a section.
+/// An edge of the road where a section showed it, in the vehicle's frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Middle {
-    forward_m: f64,
-    left_m: f64,
+pub(super) struct EdgePoint {
+    place: Point2<f64>,
+    /// 1 of the left edge, -1 of the right one.
+    side: f64,
     slope: f64,
-    sigma: (f64, f64),
+    sigma_m: f64,
+    /// How far the vehicle has turned since, radians.
+    turned_rad: f64,
+    /// Section of this frame.
+    section: usize,
 }
 
 /// The road's middle as far as it is known.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
-    /// Offset, slope and curvature at the vehicle.
-    curve: Vector3<f64>,
-    covariance: Matrix3<f64>,
-    /// Driven since sections agreed, metres.
+    /// Offset, slope, curvature and width.
+    curve: Vector4<f64>,
+    covariance: Matrix4<f64>,
+    /// Whether edges have told them.
+    known: bool,
+    /// Whether the motion since the frame before is known; if not, the curve of before is all that is left of it.
+    moved: bool,
+    /// Edges of frames before.
+    kept: Vec<EdgePoint>,
+    /// Edges of this frame.
+    fresh: Vec<EdgePoint>,
+    widths: Vec<f64>,
+    /// Driven since sections agreed, and since edges were kept, metres.
     unseen_m: f64,
+    unkept_m: f64,
 }
 
 impl Default for Course {
     fn default() -> Self {
-        let sigma = Vector3::from(FIRST_SIGMA);
         Self {
-            curve: Vector3::zeros(),
-            covariance: Matrix3::from_diagonal(&sigma.component_mul(&sigma)),
+            curve: Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M),
+            covariance: first_covariance(),
+            known: false,
+            moved: false,
+            kept: Vec::with_capacity(MOST_KEPT),
+            fresh: Vec::new(),
+            widths: Vec::new(),
             unseen_m: 0.0,
+            unkept_m: 0.0,
         }
     }
 }
@@ -58,23 +109,45 @@ impl Default for Course {
 impl Course {
     /// Where the road's middle is expected at some distance ahead, metres to the left, and its slope there.
     pub(super) fn at(&self, forward_m: f64) -> [f64; 2] {
-        [left_m(&self.curve, forward_m), self.curve[1] + self.curve[2] * forward_m]
+        [self.middle_m(forward_m), self.curve[1] + self.curve[2] * forward_m]
     }
 
-    /// Moves the curve with the vehicle; without a motion nothing is known any more.
+    /// Moves all with the vehicle. Without a motion edges cannot be kept; the curve is taken to go on as before, as that of
+    /// a fast road does.
     pub(super) fn move_on(&mut self, motion: Option<&Motion>) {
-        let Some(motion) = motion.filter(|_| self.unseen_m < FORGOTTEN_M) else {
-            *self = Self::default();
+        if self.unseen_m >= FORGOTTEN_M {
+            self.forget();
+            return;
+        }
+        let Some(motion) = motion.filter(|motion| motion.quality >= MIN_MOTION_QUALITY) else {
+            self.kept.clear();
+            self.moved = false;
+            let wander = Vector4::from(WANDER_PER_M);
+            self.covariance += Matrix4::from_diagonal(&wander.component_mul(&wander)) * BLIND_STEP_M;
+            self.unseen_m += BLIND_STEP_M;
+            self.unkept_m = KEPT_EVERY_M;
             return;
         };
+        self.moved = true;
+        let current_from_previous = motion.previous_from_current.inverse();
         let pose = &motion.previous_from_current;
         let (ahead_m, turn_rad) = (pose.translation.x, pose.rotation.angle());
-        let moved = Matrix3::new(1.0, ahead_m, 0.5 * ahead_m * ahead_m, 0.0, 1.0, ahead_m, 0.0, 0.0, 1.0);
-        self.curve = moved * self.curve - Vector3::new(pose.translation.y, turn_rad, 0.0);
-        let wander = Vector3::from(WANDER_PER_M);
+        for edge in &mut self.kept {
+            edge.place = current_from_previous * edge.place;
+            edge.sigma_m += MOVED_SIGMA * ahead_m.abs();
+            edge.turned_rad += turn_rad;
+        }
+        self.kept.retain(|edge| edge.place.x > -KEPT_BEHIND_M && edge.turned_rad.abs() < KEPT_TURN_RAD);
+        let mut moved = Matrix4::identity();
+        moved[(0, 1)] = ahead_m;
+        moved[(0, 2)] = 0.5 * ahead_m * ahead_m;
+        moved[(1, 2)] = ahead_m;
+        self.curve = moved * self.curve - Vector4::new(pose.translation.y, turn_rad, 0.0, 0.0);
+        let wander = Vector4::from(WANDER_PER_M);
         self.covariance = moved * self.covariance * moved.transpose()
-            + Matrix3::from_diagonal(&wander.component_mul(&wander)) * ahead_m.abs();
+            + Matrix4::from_diagonal(&wander.component_mul(&wander)) * ahead_m.abs();
         self.unseen_m += ahead_m.abs();
+        self.unkept_m += ahead_m.abs();
     }
 
     /// Takes in the sections of a frame; marks what became of each.
@@ -82,96 +155,150 @@ impl Course {
         &mut self,
         config: &CentrelineConfig,
         sections: &mut [SectionEvidence],
-        middles: &mut Vec<Middle>,
     ) -> Result<Centreline, NoCentreline> {
-        let width_m = common_width_m(config, sections, middles).ok_or(NoCentreline::NoEdges)?;
-        middles.clear();
-        for section in sections {
-            middles.extend(middle(section, width_m));
+        if !self.known {
+            let width_m = self.common_width_m(config, sections).ok_or(NoCentreline::NoEdges)?;
+            self.curve[3] = width_m;
         }
-        let first = self.joined(middles).ok_or(NoCentreline::TooFewSections)?;
-        middles.retain(|middle| {
-            let x = powers(middle.forward_m);
-            let sigma_m = (x.transpose() * first.covariance * x)[0].max(0.0).sqrt();
-            (left_m(&first.curve, middle.forward_m) - middle.left_m).abs() <= MAX_RESIDUAL_M + sigma_m
-        });
-        if middles.len() < MIN_SECTIONS {
-            return Err(NoCentreline::TooFewSections);
-        }
-        *self = self.joined(middles).ok_or(NoCentreline::TooFewSections)?;
-        let [offset_m, slope, curvature_per_m] = self.curve.into();
-        Ok(Centreline { offset_m, heading_rad: slope.atan(), curvature_per_m, width_m, steer_rad: 0.0 })
-    }
-
-    /// What is known with these middles.
-    fn joined(&self, middles: &[Middle]) -> Option<Self> {
-        let mut information = self.covariance.try_inverse()?;
-        let mut vector = information * self.curve;
-        for middle in middles {
-            let (place_sigma, slope_sigma) = middle.sigma;
-            let rows = [
-                (powers(middle.forward_m), middle.left_m, place_sigma),
-                (Vector3::new(0.0, 1.0, middle.forward_m), middle.slope, slope_sigma),
-            ];
-            for (row, value, sigma) in rows {
-                let weight = 1.0 / (sigma * sigma);
-                information += weight * row * row.transpose();
-                vector += weight * value * row;
+        let width_m = self.curve[3];
+        self.fresh.clear();
+        for (index, section) in sections.iter().enumerate() {
+            let forward_m = 0.5 * (section.forward_m[0] + section.forward_m[1]);
+            for (edge, side) in section.edges.iter().zip(SIDES) {
+                self.fresh.extend(edge.map(|edge| EdgePoint {
+                    place: Point2::new(forward_m, edge.left_m),
+                    side,
+                    slope: edge.slope,
+                    sigma_m: EDGE_SIGMA_M + AHEAD_SIGMA * forward_m,
+                    turned_rad: 0.0,
+                    section: index,
+                }));
             }
         }
+        let (mut curve, mut covariance) = (self.curve, self.covariance);
+        if !self.known {
+            // Before a curve is known a section is judged by its width alone.
+            let alike = |section: &SectionEvidence| {
+                section_width_m(section).is_some_and(|m| (m - width_m).abs() <= WIDTH_TOLERANCE * width_m)
+            };
+            (curve, covariance) =
+                self.fitted(&curve, |edge| alike(&sections[edge.section])).ok_or(NoCentreline::NoEdges)?;
+        }
+        for _ in 0..ROUNDS {
+            let near = |edge: &EdgePoint| is_near(edge, &curve, &covariance);
+            let next = self.fitted(&curve, near).ok_or(NoCentreline::NoEdges)?;
+            (curve, covariance) = next;
+        }
+        self.fresh.retain(|edge| is_near(edge, &curve, &covariance));
+        let mut agree = 0;
+        for (index, section) in sections.iter_mut().enumerate() {
+            let found = section.edges.iter().flatten().count();
+            let used = self.fresh.iter().filter(|edge| edge.section == index).count();
+            section.section_use = match (found, used) {
+                (0, _) => SectionUse::NoEdges,
+                (_, 0) => SectionUse::OtherWidth,
+                (_, 1) => SectionUse::OneEdge,
+                _ => SectionUse::BothEdges,
+            };
+            agree += usize::from(used > 0);
+        }
+        let sigma_m = covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
+        let [offset_m, slope, curvature_per_m, width_m] = curve.into();
+        let on_road = offset_m.abs() <= 0.5 * width_m;
+        let is_road = (config.min_width_m..=config.max_width_m).contains(&width_m);
+        if agree < MIN_SECTIONS || !on_road || !is_road {
+            return Err(NoCentreline::TooFewSections);
+        }
+        (self.curve, self.covariance, self.known, self.unseen_m) = (curve, covariance, true, 0.0);
+        if self.unkept_m >= KEPT_EVERY_M && self.kept.len() + self.fresh.len() <= MOST_KEPT {
+            self.kept.extend(&self.fresh);
+            self.unkept_m = 0.0;
+        }
+        if sigma_m > MAX_SIGMA_M {
+            return Err(NoCentreline::Unsure);
+        }
+        Ok(Centreline { offset_m, sigma_m, heading_rad: slope.atan(), curvature_per_m, width_m, steer_rad: 0.0 })
+    }
+
+    fn forget(&mut self) {
+        self.kept.clear();
+        self.curve = Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M);
+        (self.covariance, self.known) = (first_covariance(), false);
+        (self.unseen_m, self.unkept_m) = (0.0, KEPT_EVERY_M);
+    }
+
+    fn middle_m(&self, forward_m: f64) -> f64 {
+        self.curve.dot(&row(forward_m, 0.0))
+    }
+
+    /// Curve and covariance by the edges that are `near`.
+    fn fitted(
+        &self,
+        curve: &Vector4<f64>,
+        near: impl Fn(&EdgePoint) -> bool,
+    ) -> Option<(Vector4<f64>, Matrix4<f64>)> {
+        let (mut expected, mut prior) = (self.curve, self.covariance);
+        if self.moved {
+            // The kept edges say what the curve of before said; of that the width alone is left.
+            expected.fixed_rows_mut::<3>(0).fill(0.0);
+            prior = first_covariance();
+            prior[(3, 3)] = WIDTH_SIGMA_M * WIDTH_SIGMA_M;
+        }
+        let mut information = prior.try_inverse()?;
+        let mut vector = information * expected;
+        let mut add = |row: Vector4<f64>, value: f64, weight: f64| {
+            information += weight * row * row.transpose();
+            vector += weight * value * row;
+        };
+        for edge in self.fresh.iter().chain(&self.kept).filter(|edge| near(edge)) {
+            let x = edge.place.x;
+            let far = if self.moved { x / REACH_M } else { 0.0 };
+            let share = (-LN_2 * far * far).exp();
+            let outwards = edge.side * (curve[1] + curve[2] * x).hypot(1.0);
+            add(row(x, outwards), edge.place.y, share / (edge.sigma_m * edge.sigma_m));
+        }
+        // Directions are coarse: they serve until places behind each other tell more.
+        for edge in self.fresh.iter().filter(|edge| !self.moved && near(edge)) {
+            let of_slope = Vector4::new(0.0, 1.0, edge.place.x, 0.0);
+            add(of_slope, edge.slope, 1.0 / (SLOPE_SIGMA * SLOPE_SIGMA));
+        }
         let covariance = information.try_inverse()?;
-        Some(Self { curve: covariance * vector, covariance, unseen_m: 0.0 })
+        Some((covariance * vector, covariance))
+    }
+
+    /// The median width of the sections with both edges.
+    fn common_width_m(&mut self, config: &CentrelineConfig, sections: &[SectionEvidence]) -> Option<f64> {
+        self.widths.clear();
+        let widths = sections.iter().filter_map(section_width_m);
+        self.widths.extend(widths.filter(|m| (config.min_width_m..=config.max_width_m).contains(m)));
+        self.widths.sort_unstable_by(f64::total_cmp);
+        self.widths.get(self.widths.len() / 2).copied()
     }
 }
 
-/// The median width of the sections with both edges.
-fn common_width_m(
-    config: &CentrelineConfig,
-    sections: &[SectionEvidence],
-    widths: &mut Vec<Middle>,
-) -> Option<f64> {
-    // The list of middles serves for the widths first, so that no frame needs new memory.
-    widths.clear();
-    let found = sections.iter().filter_map(|section| {
-        let width_m = width_m(section).filter(|m| (config.min_width_m..=config.max_width_m).contains(m))?;
-        Some(Middle { forward_m: 0.0, left_m: width_m, slope: 0.0, sigma: BOTH_SIGMA })
-    });
-    widths.extend(found);
-    widths.sort_unstable_by(|a, b| a.left_m.total_cmp(&b.left_m));
-    widths.get(widths.len() / 2).map(|width| width.left_m)
+/// Whether an edge is where the curve has it.
+fn is_near(edge: &EdgePoint, curve: &Vector4<f64>, covariance: &Matrix4<f64>) -> bool {
+    let x = edge.place.x;
+    let row = row(x, edge.side * (curve[1] + curve[2] * x).hypot(1.0));
+    let sigma_m = (row.transpose() * covariance * row)[0].max(0.0).sqrt();
+    (curve.dot(&row) - edge.place.y).abs() <= MAX_RESIDUAL_M + 2.0 * sigma_m
 }
 
-fn width_m(section: &SectionEvidence) -> Option<f64> {
+/// How much offset, slope, curvature and width move the edge at some distance ahead; `outwards` is 1 or -1, more across a
+/// slope, and 0 of the middle.
+fn row(forward_m: f64, outwards: f64) -> Vector4<f64> {
+    Vector4::new(1.0, forward_m, 0.5 * forward_m * forward_m, 0.5 * outwards)
+}
+
+fn first_covariance() -> Matrix4<f64> {
+    let sigma = Vector4::from(FIRST_SIGMA);
+    Matrix4::from_diagonal(&sigma.component_mul(&sigma))
+}
+
+fn section_width_m(section: &SectionEvidence) -> Option<f64> {
     let [left, right] = section.edges;
     let (left, right) = left.zip(right)?;
     let slope = 0.5 * (left.slope + right.slope);
     // Across the road, not across the vehicle.
     Some((left.left_m - right.left_m) / slope.hypot(1.0))
-}
-
-fn middle(section: &mut SectionEvidence, road_width_m: f64) -> Option<Middle> {
-    let forward_m = 0.5 * (section.forward_m[0] + section.forward_m[1]);
-    if width_m(section).is_some_and(|m| (m - road_width_m).abs() > WIDTH_TOLERANCE * road_width_m) {
-        section.section_use = SectionUse::OtherWidth;
-        return None;
-    }
-    let half_m = |slope: f64| 0.5 * road_width_m * slope.hypot(1.0);
-    let (left_m, slope, sigma) = match section.edges {
-        [Some(left), Some(right)] => {
-            (0.5 * (left.left_m + right.left_m), 0.5 * (left.slope + right.slope), BOTH_SIGMA)
-        }
-        [Some(left), None] => (left.left_m - half_m(left.slope), left.slope, ONE_SIGMA),
-        [None, Some(right)] => (right.left_m + half_m(right.slope), right.slope, ONE_SIGMA),
-        [None, None] => return None,
-    };
-    Some(Middle { forward_m, left_m, slope, sigma })
-}
-
-/// How much offset, slope and curvature move the curve at some distance ahead.
-fn powers(forward_m: f64) -> Vector3<f64> {
-    Vector3::new(1.0, forward_m, 0.5 * forward_m * forward_m)
-}
-
-fn left_m(curve: &Vector3<f64>, forward_m: f64) -> f64 {
-    curve.dot(&powers(forward_m))
 }

@@ -37,14 +37,37 @@ enum Plan {
     },
 }
 
+/// How the road bends.
+#[derive(Clone, Copy)]
+enum Bends {
+    /// Alike all along.
+    Alike,
+    /// From straight to its curvature and back again and again, each within so many seconds.
+    Ease { for_s: f64 },
+}
+
+impl Bends {
+    /// Share of the road's curvature at a time.
+    fn share(self, t_s: f64) -> f64 {
+        match self {
+            Self::Alike => 1.0,
+            // Half of each period is eased, the rest straight and bent in turns.
+            Self::Ease { for_s } => {
+                let phase = (t_s / for_s).rem_euclid(4.0);
+                (phase - 1.0).clamp(0.0, 1.0) - (phase - 3.0).clamp(0.0, 1.0)
+            }
+        }
+    }
+}
+
 const SUBSTEPS: usize = 20;
 
-fn drive(seed: u64, length_s: f64, wander_m: f64, plan: Plan) -> Drive {
+fn drive(seed: u64, length_s: f64, wander_m: f64, plan: Plan, bends: Bends) -> Drive {
     let mut random = Random::new(seed);
     let fps = [10.0, 20.0, 25.0, 30.0][(seed % 4) as usize];
     let dt_s = 1.0 / fps;
     let speed_mps = random.between(13.0, 33.0);
-    let road = Road {
+    let whole = Road {
         lane_width_m: random.between(3.0, 3.6),
         curvature_per_m: random.sign() * random.between(0.0, 1.0 / 500.0),
     };
@@ -59,6 +82,7 @@ fn drive(seed: u64, length_s: f64, wander_m: f64, plan: Plan) -> Drive {
     let mut t_s = 0.0;
     while t_s < length_s {
         let heading_rad = place.heading_rad(speed_mps);
+        let road = Road { curvature_per_m: bends.share(t_s) * whole.curvature_per_m, ..whole };
         for _ in 0..SUBSTEPS {
             let least_m = place.clearance_m(&road, speed_mps).into_iter().fold(f64::INFINITY, f64::min);
             let keep = |middle_m: f64| driver.keeping_mps(t_s, &place, middle_m);
@@ -111,12 +135,12 @@ fn drive(seed: u64, length_s: f64, wander_m: f64, plan: Plan) -> Drive {
 
 /// How long after the crossing each drift was warned of, seconds; one that was not, or twice, or on the wrong side, is a
 /// failure.
-fn delays_s(drifts: std::ops::Range<u64>, plan: impl Fn(f64) -> Plan) -> Vec<f64> {
+fn delays_s(drifts: std::ops::Range<u64>, bends: Bends, plan: impl Fn(f64) -> Plan) -> Vec<f64> {
     drifts
         .map(|seed| {
             let mut random = Random::new(1000 + seed);
             let lateral_mps = random.sign() * random.between(0.15, 1.0);
-            let Drive { warnings, crossed } = drive(seed, 50.0, 0.1, plan(lateral_mps));
+            let Drive { warnings, crossed } = drive(seed, 50.0, 0.1, plan(lateral_mps), bends);
             let (crossed_s, crossed_side) = crossed.unwrap();
             assert!(
                 matches!(warnings[..], [(_, side)] if side == crossed_side),
@@ -139,18 +163,30 @@ fn assert_in_time(delays_s: &[f64]) {
 
 #[test]
 fn drifts_are_warned_of_as_the_wheel_crosses_the_edge() {
-    assert_in_time(&delays_s(0..400, |lateral_mps| Plan::DriftAndReturn { lateral_mps }));
+    assert_in_time(&delays_s(0..400, Bends::Alike, |lateral_mps| Plan::DriftAndReturn { lateral_mps }));
+}
+
+#[test]
+fn drifts_where_bends_begin_and_end_are_warned_of_as_well() {
+    let bends = Bends::Ease { for_s: 2.0 };
+    let delays_s = delays_s(600..800, bends, |lateral_mps| Plan::DriftAndReturn { lateral_mps });
+    let late = delays_s.iter().filter(|delay_s| delay_s.abs() > 0.3).count();
+    assert!(late * 25 <= delays_s.len(), "{late} of {}: {delays_s:?}", delays_s.len());
+    for seed in 0..10 {
+        let Drive { warnings, .. } = drive(6000 + seed, 60.0, 0.2, Plan::Keep, bends);
+        assert!(warnings.is_empty(), "drive {seed}: {warnings:?}");
+    }
 }
 
 #[test]
 fn a_lane_change_without_a_signal_is_warned_of_once() {
-    assert_in_time(&delays_s(400..600, |lateral_mps| Plan::ChangeLane { lateral_mps, signal: false }));
+    assert_in_time(&delays_s(400..600, Bends::Alike, |lateral_mps| Plan::ChangeLane { lateral_mps, signal: false }));
 }
 
 #[test]
 fn thirty_minutes_of_keeping_to_the_lane_are_silent() {
     for seed in 0..30 {
-        let Drive { warnings, .. } = drive(5000 + seed, 60.0, 0.2, Plan::Keep);
+        let Drive { warnings, .. } = drive(5000 + seed, 60.0, 0.2, Plan::Keep, Bends::Alike);
         assert!(warnings.is_empty(), "drive {seed}: {warnings:?}");
     }
 }
@@ -161,7 +197,7 @@ fn a_signal_silences_the_lane_change() {
         let mut random = Random::new(2000 + seed);
         let lateral_mps = random.sign() * random.between(0.15, 1.0);
         let Drive { warnings, crossed } =
-            drive(seed, 50.0, 0.1, Plan::ChangeLane { lateral_mps, signal: true });
+            drive(seed, 50.0, 0.1, Plan::ChangeLane { lateral_mps, signal: true }, Bends::Alike);
         assert!(warnings.is_empty() && crossed.is_some(), "change {seed}: {warnings:?}");
     }
 }

@@ -27,7 +27,7 @@ const STEERED_MPS: f64 = 0.05;
 /// How fast the camera's yaw wanders, radians per square root of a second: a mount moves over minutes.
 const BIAS_RAD: f64 = 0.0005;
 /// How fast the road's own yaw rate changes, radians a second per square root of a second: bends begin over seconds.
-const BEND_RPS: f64 = 0.0015;
+const BEND_RPS: f64 = 0.003;
 /// How far a camera's yaw may be off at first, radians: what a calibration leaves, a third of a degree.
 const FIRST_BIAS_RAD: f64 = 0.006;
 /// Speed across the lane at first, m/s: an ordinary lane change.
@@ -40,6 +40,9 @@ const CURVATURE_SIGMA_PER_M: f64 = 5e-4;
 const YAW_RATE_SIGMA_RPS: f64 = 0.008;
 /// For how long a curvature's error stays alike, seconds.
 const CURVATURE_CORRELATION_S: f64 = 1.0;
+/// How far the curvature's mean may be from the road's yaw rate until a bend has begun, radians a second: beyond what a yaw
+/// rate's bias and the curvature's noise are off, and at 30 m/s a drift of a third of a metre a second within a second.
+const BEND_OFF_RPS: f64 = 0.012;
 /// Time within which a bend that has begun is taken in, seconds.
 const BEND_BEGINS_S: f64 = 0.2;
 /// For how long an edge's error in place stays alike, seconds; so long do frames say the same again.
@@ -58,6 +61,10 @@ const OFF_SIGMAS: f64 = 3.0;
 const UNSEEN_S: f64 = 2.0;
 /// Speed below which directions say nothing about the speed across, m/s.
 const MIN_SPEED_MPS: f64 = 2.0;
+/// Most acceleration across the lane by which a vehicle is turned against its road, m/s², and, where its yaw rate is not
+/// known, by which the road turns it: an edge that asks for more is drawn wrongly.
+const MAX_AGAINST_ROAD_MPS2: f64 = 4.0;
+const MAX_WITH_ROAD_MPS2: f64 = 8.0;
 /// Time constant of the curvature's mean, seconds, and the least share of a new one.
 const CURVATURE_MEAN: (f64, f64) = (0.5, 0.02);
 /// Frames that say the same again at the most, whatever the rate.
@@ -122,12 +129,15 @@ impl LateralFilter {
             let moved = self.take_offset(config, side, edge.offset_m, dt_s);
             seen.innovation_m[side.index()] = moved.innovation_m;
             seen.lane_changed |= moved.other_edge;
-            if let Some(mps) = vehicle.speed_mps.filter(|mps| *mps >= MIN_SPEED_MPS) {
-                self.take_direction(config, &edge, mps, dt_s);
+            if !can_be_followed(&edge, vehicle) {
+                continue;
             }
             let (time_s, least) = CURVATURE_MEAN;
             let share = (dt_s / time_s).clamp(least, 1.0);
             self.curvature_per_m += share * (edge.curvature_per_m - self.curvature_per_m);
+            if let Some(mps) = vehicle.speed_mps.filter(|mps| *mps >= MIN_SPEED_MPS) {
+                self.take_direction(config, &edge, mps, dt_s);
+            }
         }
         for known in &mut self.known {
             *known = known.filter(|watch| watch.unseen_s <= UNSEEN_S);
@@ -221,10 +231,11 @@ impl LateralFilter {
         let of_bend = RowVector5::new(0.0, 0.0, 0.0, 0.0, 1.0);
         let innovation = edge.curvature_per_m * mps - self.state[BEND];
         let sigma_rps = CURVATURE_SIGMA_PER_M * mps + YAW_RATE_SIGMA_RPS;
-        // So far off is no error: a bend has begun or ended.
-        if innovation.abs() > OFF_SIGMAS * sigma_rps {
+        // So far off for so long is no error: a bend has begun or ended.
+        let off_rps = self.curvature_per_m * mps - self.state[BEND];
+        if off_rps.abs() > BEND_OFF_RPS {
             let share = (dt_s / BEND_BEGINS_S).min(1.0);
-            self.covariance[(BEND, BEND)] += share * innovation * innovation;
+            self.covariance[(BEND, BEND)] += share * off_rps * off_rps;
         }
         self.update(&of_bend, innovation, sigma_rps * sigma_rps, alike(CURVATURE_CORRELATION_S, dt_s));
     }
@@ -263,6 +274,16 @@ fn alike(time_s: f64, dt_s: f64) -> f64 {
 struct Moved {
     innovation_m: Option<f64>,
     other_edge: bool,
+}
+
+/// Whether a vehicle with this motion can be beside an edge that bends so.
+fn can_be_followed(edge: &EdgeOnRoad, vehicle: VehicleMotion) -> bool {
+    let Some(mps) = vehicle.speed_mps else { return true };
+    let of_road = edge.curvature_per_m * mps;
+    match vehicle.yaw_rate_rps {
+        Some(rps) => mps * (of_road - rps).abs() <= MAX_AGAINST_ROAD_MPS2,
+        None => mps * of_road.abs() <= MAX_WITH_ROAD_MPS2,
+    }
 }
 
 fn is_finite(edge: &EdgeOnRoad) -> bool {
