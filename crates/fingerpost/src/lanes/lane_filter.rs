@@ -158,6 +158,10 @@ impl LaneFilter {
         let kept = (-dt_s / PITCH_RETURN_S).exp();
         transition[(PITCH, PITCH)] = kept;
         self.state = transition * self.state;
+        // The way is an arc: its end lies half of the turn beside its first direction.
+        for side in [0, 1] {
+            self.state[side] -= 0.5 * forward_m * yaw_rad;
+        }
         self.state[HEADING] -= yaw_rad;
         self.state[PITCH] += (1.0 - kept) * self.mean_pitch_rad;
         // Without a motion the vehicle is taken to follow its lane, more or less.
@@ -253,4 +257,37 @@ struct LinearisedPoint {
     residual_m: f64,
     sigma_m: f64,
     jacobian: SVector<f64, STATES>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A vehicle that follows a bend to the left keeps its lane beside it: 300 m, 30 m/s, ten pictures a second.
+    #[test]
+    fn a_known_motion_along_a_bend_leaves_the_lane_beside_the_vehicle() {
+        let (radius_m, forward_m) = (300.0, 3.0);
+        let mut filter = LaneFilter::new();
+        filter.place_edge(Side::Left, 1.8, 0.05);
+        filter.place_edge(Side::Right, -1.8, 0.05);
+        filter.state[CURVATURE] = 1.0 / radius_m;
+        for _ in 0..15 {
+            let yaw_rad = Some(forward_m / radius_m);
+            filter.predict(&LaneMotion { dt_s: Some(0.1), forward_m: Some(forward_m), yaw_rad });
+        }
+        assert!((filter.offset_m(Side::Left) - 1.8).abs() < 1e-9, "{}", filter.offset_m(Side::Left));
+        assert!((filter.offset_m(Side::Right) + 1.8).abs() < 1e-9);
+        assert!(filter.heading_rad().abs() < 1e-9);
+    }
+
+    /// On a straight road a turn to the left brings the right edge's course to the vehicle's right, the further the more.
+    #[test]
+    fn a_turn_on_a_straight_road_moves_the_edges_as_an_arc_does() {
+        let mut filter = LaneFilter::new();
+        filter.place_edge(Side::Right, -1.8, 0.05);
+        filter.predict(&LaneMotion { dt_s: Some(0.1), forward_m: Some(2.0), yaw_rad: Some(0.1) });
+        // The vehicle has come 0.1 m to the left and looks 0.1 rad to the left.
+        assert!((filter.offset_m(Side::Right) + 1.9).abs() < 1e-9);
+        assert!((filter.heading_rad() + 0.1).abs() < 1e-9);
+    }
 }
