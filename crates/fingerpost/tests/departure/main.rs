@@ -180,7 +180,10 @@ fn drifts_where_bends_begin_and_end_are_warned_of_as_well() {
 
 #[test]
 fn a_lane_change_without_a_signal_is_warned_of_once() {
-    assert_in_time(&delays_s(400..600, Bends::Alike, |lateral_mps| Plan::ChangeLane { lateral_mps, signal: false }));
+    assert_in_time(&delays_s(400..600, Bends::Alike, |lateral_mps| Plan::ChangeLane {
+        lateral_mps,
+        signal: false,
+    }));
 }
 
 #[test]
