@@ -217,7 +217,14 @@ impl Course {
         if sigma_m > MAX_SIGMA_M {
             return Err(NoCentreline::Unsure);
         }
-        Ok(Centreline { offset_m, sigma_m, heading_rad: slope.atan(), curvature_per_m, width_m, steer_rad: 0.0 })
+        Ok(Centreline {
+            offset_m,
+            sigma_m,
+            heading_rad: slope.atan(),
+            curvature_per_m,
+            width_m,
+            steer_rad: 0.0,
+        })
     }
 
     fn forget(&mut self) {
