@@ -237,8 +237,11 @@ impl std::fmt::Display for MountFaultRecord {
 /// The road's middle near the vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CentrelineRecord {
-    /// How far the middle lies to the left of the vehicle, metres.
+    /// How far the middle lies to the left of the rear axle's middle, metres.
     pub offset_m: f64,
+    /// Standard deviation of the offset, metres.
+    #[serde(default)]
+    pub sigma_m: f64,
     /// The road's direction against the vehicle's, radians.
     pub heading_rad: f64,
     /// Advised steering direction, radians.

@@ -3,12 +3,14 @@
 //! In a window of the ground view just ahead, Canny finds the edges of the road's probability and the Hough transform
 //! lines among them; the strongest on the left and on the right are the road's edges, and midway between them is its
 //! middle. The papers take one line a side, which a bend bends away from: here the window is cut into short sections, each
-//! with its own two lines (`section`), and a curve through the middles of all says where the road's middle passes the
-//! vehicle (`fit`). A line counts only where the probability falls across it, and a section only where the road is as wide
-//! as in the others, which leaves out crossings and yards.
+//! with its own two lines (`section`). What they show is kept where it lies while the vehicle moves over it, and a curve
+//! through the edges ahead of the vehicle and beneath it says where the road's middle passes the rear axle's middle (`fit`).
+//! A line counts only where the probability falls across it, and an edge only where one width fits the others, which leaves
+//! out crossings and yards.
 //!
-//! Limits: the road's surface must be told from its verges; where it is not, there is no centreline, and the evidence says
-//! why.
+//! Limits: the road's surface must be told from its verges, and the offset be sure to half a metre; where it is not, there is
+//! no centreline, and the evidence says why. On the corner of a turn, where two roads meet, the middle is that of the one
+//! whose edges are seen. Without a motion the road is taken to go on as before.
 
 mod config;
 mod fit;
@@ -86,11 +88,11 @@ pub enum SectionUse {
     /// Neither edge was found.
     #[default]
     NoEdges,
-    /// Its edges are not as far apart as those of the others.
+    /// Its edges are not where those of the others have them.
     OtherWidth,
-    /// One edge was found, and the width of the others gives its middle.
+    /// One edge took part.
     OneEdge,
-    /// Both edges were found.
+    /// Both edges took part.
     BothEdges,
 }
 

@@ -5,18 +5,25 @@
 
 use fingerpost::centreline::{Centreline, CentrelineConfig, CentrelineFinder, NoCentreline, SectionUse};
 use fingerpost::ground_view::{GroundView, GroundViewConfig};
+use fingerpost::motion::Motion;
 use fingerpost::road_surface::RoadSurface;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
+use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_geometry::{Camera, Distortion, GroundPixel, Intrinsics, Mount};
+use fingerpost_sim::{Conditions, CoursePiece, RoadCourse, SimConfig, Simulator};
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::picture::{Plane, ValidityMask};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
-fn view() -> GroundView {
+fn camera() -> Camera {
     let intrinsics = Intrinsics { fx: 420.0, fy: 420.0, cx: 319.5, cy: 239.5 };
     let mount = Mount { pitch_rad: 0.14, x_m: 1.5, ..Mount::level(1.5) };
-    let camera = Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap();
+    Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap()
+}
+
+fn view() -> GroundView {
     let bins = HueSaturationBins { hue: 32, saturation: 32 };
-    GroundView::new(&GroundViewConfig::default(), bins, &camera).unwrap()
+    GroundView::new(&GroundViewConfig::default(), bins, &camera()).unwrap()
 }
 
 /// A surface with the probability of road at each place, `[forward, left]` metres; none where nothing is known.
@@ -112,4 +119,145 @@ fn without_sound_edges_there_is_none_and_the_reason() {
         "the end of what is known"
     );
     assert_eq!(none(&|_, y| Some(if y < 1.0 { 0.9 } else { 0.1 })), NoCentreline::NoEdges, "one edge");
+}
+
+/// Width of the painted roads that are driven, metres, and the step between frames.
+const WIDTH_M: f64 = 6.5;
+const STEP_M: f64 = 1.1;
+
+/// What is wrong with a stretch of a painted road.
+#[derive(Clone, Copy)]
+enum Flaw {
+    /// Nothing.
+    None,
+    /// A side road as wide as it is long leaves to the right every 40 m.
+    Mouths,
+    /// To the left nothing is known for 15 m in 40 m.
+    OneEdge,
+}
+
+/// How far out of its line a verge grows at a place along the road, metres.
+fn ragged_m(along_m: f64, seed: f64) -> f64 {
+    let wave = |length_m: f64, phase: f64| (along_m / length_m + phase).sin();
+    0.10 * wave(0.9, seed) + 0.08 * wave(2.3, 2.0 * seed) + 0.06 * wave(0.3, 3.0 * seed)
+}
+
+/// Offset errors over a drive along a painted road that is straight for 30 m, bends for 50 m and is straight again, metres;
+/// none where no centreline was given.
+fn drive_errors_m(radius_m: f64, seed: f64, flaw: Flaw) -> Vec<Option<f64>> {
+    // Places of the middle and its direction, every decimetre.
+    let mut middle = vec![(Point2::origin(), 0.0_f64)];
+    for i in 1..1300 {
+        let (place, heading_rad): (Point2<f64>, f64) = middle[i - 1];
+        let bent = (300..800).contains(&i);
+        let next_rad = heading_rad + if bent { 0.1 / radius_m } else { 0.0 };
+        middle.push((place + 0.1 * Vector2::new(heading_rad.cos(), heading_rad.sin()), next_rad));
+    }
+    let view = view();
+    let mut finder =
+        CentrelineFinder::new(&CentrelineConfig::default(), &VehicleConfig::default(), &view).unwrap();
+    let mut before: Option<Isometry2<f64>> = None;
+    let mut errors_m = Vec::new();
+    for frame in 0..85 {
+        let along_m = f64::from(frame) * STEP_M;
+        let (place, road_rad) = middle[(10.0 * along_m).round() as usize];
+        let right_m = 1.5 + 0.3 * (0.1 * along_m + seed).sin();
+        let across = Vector2::new(-road_rad.sin(), road_rad.cos());
+        let map_from_vehicle = Isometry2::new(place.coords - right_m * across, road_rad);
+        let ahead: Vec<(f64, Point2<f64>, f64)> = middle
+            .iter()
+            .enumerate()
+            .map(|(i, (place, heading_rad))| {
+                let p = map_from_vehicle.inverse_transform_point(place);
+                (0.1 * i as f64, p, heading_rad - road_rad)
+            })
+            .filter(|(at_m, p, _)| p.x > 0.0 && (at_m - along_m).abs() < 25.0)
+            .collect();
+        let surface = painted(&view, |x, y| {
+            let here = Point2::new(x, y);
+            let at = ahead.partition_point(|(_, p, turn_rad)| {
+                (here - p).dot(&Vector2::new(turn_rad.cos(), turn_rad.sin())) > 0.0
+            });
+            let (at_m, p, turn_rad) = ahead.get(at)?;
+            let left_m = (here - p).dot(&Vector2::new(-turn_rad.sin(), turn_rad.cos()));
+            let of_40_m = at_m.rem_euclid(40.0);
+            match flaw {
+                Flaw::Mouths if of_40_m < WIDTH_M && left_m < 0.0 => return Some(0.9),
+                Flaw::OneEdge if of_40_m < 15.0 && left_m > 1.0 => return None,
+                _ => {}
+            }
+            road(0.0, WIDTH_M, left_m + ragged_m(*at_m, seed + left_m.signum()))
+        });
+        let motion = before.map(|before| Motion {
+            previous_from_current: before.inverse() * map_from_vehicle,
+            covariance: 1e-4 * Matrix3::identity(),
+            quality: 0.9,
+        });
+        before = Some(map_from_vehicle);
+        let found = finder.find(&surface, motion.as_ref()).unwrap().0;
+        errors_m.push(found.map(|found| found.offset_m - right_m));
+    }
+    errors_m
+}
+
+/// The 95th percentile of the errors' sizes.
+fn p95_m(mut errors_m: Vec<f64>) -> f64 {
+    errors_m.iter_mut().for_each(|error_m| *error_m = error_m.abs());
+    errors_m.sort_by(f64::total_cmp);
+    errors_m[errors_m.len() * 95 / 100]
+}
+
+#[test]
+fn drives_along_straight_and_bent_roads_keep_the_offset() {
+    for (radius_m, seed) in [(1e9, 1.0), (-40.0, 2.0), (25.0, 3.0)] {
+        for flaw in [Flaw::None, Flaw::Mouths, Flaw::OneEdge] {
+            let errors_m = drive_errors_m(radius_m, seed, flaw);
+            let found: Vec<f64> = errors_m.iter().flatten().copied().collect();
+            let name = format!("radius {radius_m}, flaw {}", flaw as u8);
+            assert!(found.len() * 10 >= errors_m.len() * 8, "{name}: {} of {}", found.len(), errors_m.len());
+            let p95_m = p95_m(found);
+            assert!(p95_m < 0.25, "{name}: {p95_m}");
+        }
+    }
+}
+
+/// Offset errors of the whole method on a simulated road without markings, metres, and how many frames it drove.
+fn simulated_errors_m(course: &RoadCourse, seed: u64) -> (Vec<f64>, usize) {
+    let (graph, route) = course.roads().unwrap();
+    let config = SimConfig {
+        seed,
+        conditions: Conditions::UNMARKED,
+        cruise_speed_mps: 11.0,
+        end_gap_m: 40.0,
+        ..SimConfig::default()
+    };
+    let simulator = Simulator::new(&graph, &route, &camera(), &config).unwrap();
+    let mut pipeline = Pipeline::new(&Config::default(), &camera(), None, None).unwrap();
+    let mut errors_m = Vec::new();
+    for index in 0..simulator.frames() {
+        let picture = simulator.frame(index).picture;
+        let sensors = Sensors { dt_s: (index > 0).then_some(1.0 / config.fps), ..Sensors::default() };
+        let (output, _) = pipeline.step(&picture, sensors, &mut |_| ()).unwrap();
+        let place = simulator.road_place(index).unwrap();
+        let true_m = -place.left_m / place.heading_rad.cos();
+        errors_m.extend(output.centreline.map(|found| found.offset_m - true_m));
+    }
+    (errors_m, simulator.frames())
+}
+
+#[test]
+fn simulated_roads_without_markings_keep_the_offset() {
+    let road = |pieces: Vec<CoursePiece>| RoadCourse { pieces, width_m: 6.5, two_way: true };
+    let straight = CoursePiece::Straight { length_m: 60.0 };
+    let bend = |radius_m: f64, turn_rad: f64| CoursePiece::Bend { radius_m, turn_rad };
+    let courses = [
+        (road(vec![straight; 3]), 71),
+        (road(vec![straight, bend(60.0, 0.9), bend(45.0, -1.2), straight]), 72),
+    ];
+    for (course, seed) in courses {
+        let (errors_m, frames) = simulated_errors_m(&course, seed);
+        assert!(errors_m.len() * 10 >= frames * 9, "seed {seed}: {} of {frames}", errors_m.len());
+        let p95_m = p95_m(errors_m);
+        assert!(p95_m < 0.25, "seed {seed}: {p95_m}");
+    }
 }
