@@ -2,7 +2,7 @@
 //! Missing data, or a missing ffmpeg, is a failure.
 
 // A helper that fails has failed the test that calls it.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,10 +12,21 @@ use fingerpost_format::{FrameRecord, LanesRecord, from_json_lines};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Camera of the four motorway stills, read off the pictures.
+/// Camera of the four motorway stills: pitch and yaw by the point in which the labelled lines of all four meet (7.3 and -1.3
+/// degrees, half a degree apart), the height by lanes of 3.66 m (1.55 to 1.73 m); the focal length is assumed.
 const TUSIMPLE_CAMERA: &str = "[image]\nwidth = 1280\nheight = 720\n\
     [intrinsics]\nfx = 1000\nfy = 1000\ncx = 639.5\ncy = 359.5\n\
-    [mount]\nheight_m = 1.7\npitch_deg = 5.5\nx_m = 1.6\n";
+    [mount]\nheight_m = 1.6\npitch_deg = 7.3\nyaw_deg = -1.3\nx_m = 1.6\n";
+
+/// Columns of the middles of the labelled lines of each still on either side of the vehicle, in rows 400 and 600.
+const TUSIMPLE_LINES: [[(f64, [f64; 2]); 2]; 4] = [
+    [(400.0, [472.0, 838.0]), (600.0, [224.0, 1064.5])],
+    [(400.0, [448.5, 842.0]), (600.0, [216.0, 1064.0])],
+    [(400.0, [485.5, 852.5]), (600.0, [257.5, 1080.5])],
+    [(400.0, [480.0, 866.0]), (600.0, [285.0, 1098.0])],
+];
+/// How far an inner edge lies from its line's middle at the most: half of the paint, and reflectors beside it, pixels.
+const FROM_LINE_PX: f64 = 25.0;
 
 fn data(name: &str) -> PathBuf {
     let path = PathBuf::from(env::var("FINGERPOST_DATA").unwrap()).join(name);
@@ -69,7 +80,7 @@ fn a_yellow_and_a_broken_line_in_a_bend() {
 #[test]
 fn from_asphalt_onto_concrete() {
     let accuracy_pct = mean_accuracy_pct("p5h_test_small1", "p5h.camera.toml");
-    assert!(accuracy_pct >= 93.0, "{accuracy_pct} %");
+    assert!(accuracy_pct >= 96.5, "{accuracy_pct} %");
 }
 
 /// The lanes of pictures that have nothing to do with each other, in their order.
@@ -95,11 +106,19 @@ fn lanes_of_stills(pictures: &[PathBuf], camera: &str) -> Vec<Option<LanesRecord
 fn single_pictures_of_motorways() {
     let pictures: Vec<PathBuf> = (0..4).map(|n| data(&format!("tusimple/image/000{n}.png"))).collect();
     let lanes = lanes_of_stills(&pictures, TUSIMPLE_CAMERA);
-    for (picture, lane) in lanes.iter().enumerate() {
-        let found = lane.as_ref().map(|lane| (!lane.left_px.is_empty(), !lane.right_px.is_empty()));
-        // The aim is both edges in each; the right one of picture 1 is not found yet.
-        let (left, right) = found.unwrap_or_default();
-        assert!(left && (right || picture == 1), "picture {picture}: {lane:?}");
+    for (picture, (lane, lines)) in lanes.iter().zip(TUSIMPLE_LINES).enumerate() {
+        let lane = lane.as_ref().unwrap();
+        for (row, columns) in lines {
+            for (edge_px, column) in [&lane.left_px, &lane.right_px].into_iter().zip(columns) {
+                let near = edge_px.iter().min_by(|a, b| (a[1] - row).abs().total_cmp(&(b[1] - row).abs()));
+                let near = near.unwrap_or_else(|| panic!("picture {picture} lacks an edge: {lane:?}"));
+                assert!((near[1] - row).abs() < 12.0, "picture {picture}: {near:?} is not in row {row}");
+                assert!(
+                    (near[0] - column).abs() < FROM_LINE_PX,
+                    "picture {picture}: {near:?}, line at {column}"
+                );
+            }
+        }
     }
 }
 
