@@ -12,8 +12,8 @@ use fingerpost_format::{FrameRecord, LanesRecord, from_json_lines};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Camera of the four motorway stills: pitch and yaw by the point in which the labelled lines of all four meet (7.3 and -1.3
-/// degrees, half a degree apart), the height by lanes of 3.66 m (1.55 to 1.73 m); the focal length is assumed.
+/// Camera of the four motorway stills: the means of pitch and yaw by the points in which the labelled lines meet (6.6 to 8.3
+/// and -0.9 to -2.0 degrees), the height by lanes of 3.66 m (1.55 to 1.73 m); the focal length is assumed.
 const TUSIMPLE_CAMERA: &str = "[image]\nwidth = 1280\nheight = 720\n\
     [intrinsics]\nfx = 1000\nfy = 1000\ncx = 639.5\ncy = 359.5\n\
     [mount]\nheight_m = 1.6\npitch_deg = 7.3\nyaw_deg = -1.3\nx_m = 1.6\n";
