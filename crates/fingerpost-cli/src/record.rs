@@ -151,7 +151,7 @@ fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
 fn centreline_record(centreline: &Centreline) -> CentrelineRecord {
     CentrelineRecord {
         offset_m: rounded(centreline.offset_m, DIGITS),
-        sigma_m: rounded(centreline.sigma_m, DIGITS),
+        sigma_m: Some(rounded(centreline.sigma_m, DIGITS)),
         heading_rad: rounded(centreline.heading_rad, ANGLE_DIGITS),
         steer_rad: rounded(centreline.steer_rad, ANGLE_DIGITS),
     }

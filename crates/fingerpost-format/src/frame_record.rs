@@ -239,9 +239,9 @@ impl std::fmt::Display for MountFaultRecord {
 pub struct CentrelineRecord {
     /// How far the middle lies to the left of the rear axle's middle, metres.
     pub offset_m: f64,
-    /// Standard deviation of the offset, metres.
-    #[serde(default)]
-    pub sigma_m: f64,
+    /// Standard deviation of the offset, metres; none in records that do not tell it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_m: Option<f64>,
     /// The road's direction against the vehicle's, radians.
     pub heading_rad: f64,
     /// Advised steering direction, radians.
