@@ -8,6 +8,7 @@ use self::acquisition::Painted;
 use super::edges::{LaneEdges, LaneError};
 use super::lane_filter::{LaneFilter, LaneMotion};
 use super::marking::MarkingNotes;
+use super::region::LaneRegion;
 use super::road_view::RoadView;
 use super::sections::SectionLines;
 use super::shape::EdgeShape;
@@ -157,6 +158,7 @@ impl LaneFinder {
     /// Forgets the frames before, as at the start of a drive.
     pub fn reset(&mut self) {
         self.edges.clear();
+        self.evidence.region = LaneRegion::default();
         self.filter = LaneFilter::new();
         self.held = None;
         self.followed.iter_mut().for_each(Followed::forget);
