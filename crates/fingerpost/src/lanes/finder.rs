@@ -111,13 +111,14 @@ impl LaneFinder {
     /// Takes a frame in and sets `lane`, whose memory is used again.
     ///
     /// # Errors
-    /// [`LaneError`] when the frame has not the camera's size.
+    /// [`LaneError::Picture`] when the frame has not the camera's size; the finder is then as before the frame.
     pub fn find(
         &mut self,
         camera: &Camera,
         input: &LaneInput<'_>,
         lane: &mut Option<Lane>,
     ) -> Result<&LaneEvidence, LaneError> {
+        input.check_size(camera)?;
         let lane = lane.get_or_insert_default();
         let before = self.filter.clone();
         self.predict(input);
