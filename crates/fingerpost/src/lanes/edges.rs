@@ -31,6 +31,9 @@ const AREA_WIDTH_PX: f64 = 640.0;
 const HORIZON_SHARE: f32 = 0.035;
 /// How far an edge's own direction may be off, radians: a 3 x 3 gradient between pixels.
 const DIRECTION_RAD: f32 = 0.14;
+/// How far the vehicle's way may have turned where a lane is looked for, radians: a yaw rate at walking pace would lead it
+/// about in circles, and behind the camera there is no horizon.
+const MOST_BENT_RAD: f64 = 1.0;
 /// A place so far ahead is at the horizon, metres.
 const HORIZON_M: f64 = 2000.0;
 /// Rows between those for which limits are computed; in between they are interpolated.
@@ -217,12 +220,13 @@ impl LaneEdges {
         loop {
             if let Some(place) = view.ground_of_pixel(Pixel::new(middle, row as f64)) {
                 // The way bends with the yaw rate, and the lane's direction at a distance with it.
-                let bent = curvature_per_m * place.x;
+                let bent = (curvature_per_m * place.x).clamp(-MOST_BENT_RAD, MOST_BENT_RAD);
                 let beside = |left_m: f64| view.pixel_of_ground(Point2::new(place.x, left_m));
                 let at_horizon = |heading: f64| {
                     view.pixel_of_ground(Point2::new(HORIZON_M * heading.cos(), HORIZON_M * heading.sin()))
                 };
-                let way_m = 0.5 * curvature_per_m * place.x * place.x;
+                let bends_to_m = place.x.min(MOST_BENT_RAD / curvature_per_m.abs());
+                let way_m = bent * (place.x - 0.5 * bends_to_m);
                 // A lane may be entered at the far end of the largest heading.
                 let reach_m = config.max_offset_m + 0.1 * place.x;
                 let columns = [beside(way_m + reach_m), beside(way_m - reach_m), beside(way_m)];
@@ -332,3 +336,6 @@ fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
 fn params(config: &LanesConfig, high: f64) -> CannyParams {
     CannyParams { low: config.canny_low_share * high, high, norm: GradientNorm::L1 }
 }
+
+#[cfg(test)]
+mod tests;
