@@ -4,6 +4,7 @@ mod folder;
 mod footage;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -73,7 +74,7 @@ fn serve(args: &MarkArgs) -> Result<()> {
     };
     output::message(&format!("marks are saved in {}", folder.marks_path().display()));
     output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
-    let desk = Desk::new(marks, Box::new(footage), Box::new(folder));
+    let desk = Arc::new(Desk::new(marks, Box::new(footage), Box::new(folder)));
     let interrupt = Interrupt::listen()?;
     server.serve(&desk, interrupt.flag());
     Ok(())
