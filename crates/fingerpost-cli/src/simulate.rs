@@ -9,9 +9,11 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, View};
-use fingerpost_io::{CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
+use fingerpost_io::{BusTexts, CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
 use fingerpost_map::write_route;
-use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera};
+use fingerpost_sim::{
+    BUS_DATABASE, BUS_SETTINGS, Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera,
+};
 use rayon::prelude::*;
 
 use self::course::CourseArgs;
@@ -20,7 +22,8 @@ use crate::interrupt::Interrupt;
 use crate::{inputs, output};
 
 /// Drive a simulated vehicle along a route and write what its camera sees, with the truth: frames, camera.toml,
-/// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame. Give the folder to `run`.
+/// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame; and what its bus says: can.log,
+/// car.dbc and can.toml. Give the folder to `run`.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
@@ -156,6 +159,8 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
+    let log = simulator.bus_log();
+    folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: BUS_SETTINGS })?;
     if args.road.course.is_some() {
         let path = args.out.join(CROSSINGS_FILE);
         let mut lines = JsonLinesFile::create(&path)?;

@@ -98,6 +98,7 @@ fn a_made_up_road_needs_no_map() {
         (camera_from_toml(&read("camera.toml")).unwrap().width(), read("route.geojson").is_empty())
             == (160, false)
     );
+    assert!(read("can.log").starts_with("(0.000000) can0 1A1#"));
     for wrong in ["--course country --map town.osm", "--length-m 50", "--map town.osm"] {
         let line = format!("simulate {wrong} --out {}", out.path().display());
         let status = command().args(line.split_whitespace()).output().unwrap().status;
