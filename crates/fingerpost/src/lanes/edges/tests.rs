@@ -1,4 +1,5 @@
-use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel};
+use nalgebra::Point2;
 
 use super::*;
 
@@ -198,29 +199,32 @@ fn the_buffer_fills_while_the_region_stays() {
 #[test]
 fn a_vehicle_that_turns_on_the_spot_is_held_to_what_it_can_see() {
     let camera = camera();
-    let (config, region, view) = (LanesConfig::default(), region(&camera), RoadView::new(&camera, 0.0));
-    let limits = |curvature_per_m: f64| {
-        let mut edges = LaneEdges::new(&config).unwrap();
-        edges.lay_limits(&config, &region, &view, curvature_per_m, WIDTH);
-        edges.limits
+    let (region, view) = (region(&camera), RoadView::new(&camera, 0.0));
+    let limits = |max_heading_deg: f64, curvature_per_m: f64| {
+        let (mut limits, config) = (Vec::new(), LanesConfig { max_heading_deg, ..LanesConfig::default() });
+        lay_limits(&mut limits, &config, &region, &view, curvature_per_m, WIDTH);
+        limits
     };
-    let straight = limits(0.0);
-    for curvature_per_m in [1.25, -1.25, 5.0, -5.0] {
-        let turning = limits(curvature_per_m);
-        assert_eq!(turning.len(), straight.len(), "no row is without limits at {curvature_per_m}");
-        for (turning, straight) in turning.iter().zip(&straight) {
-            assert!(turning.horizon_from < turning.horizon_to, "{turning:?}");
-            let moved_px = straight.ahead - turning.ahead;
-            assert!(
-                moved_px * curvature_per_m as f32 > 0.0,
-                "the way leads to the side of the turn: {turning:?}"
-            );
+    for max_heading_deg in [1.0, 15.0, 45.0] {
+        let straight = limits(max_heading_deg, 0.0);
+        assert!(straight.len() > 20);
+        for curvature_per_m in [1.25, -1.25, 5.0, -5.0] {
+            let turning = limits(max_heading_deg, curvature_per_m);
+            assert_eq!(turning.len(), straight.len(), "no row is without limits at {curvature_per_m}");
+            for (turning, straight) in turning.iter().zip(&straight) {
+                assert!(turning.horizon_from < turning.horizon_to, "{turning:?}");
+                let moved_px = straight.ahead - turning.ahead;
+                assert!(
+                    moved_px * curvature_per_m as f32 > 0.0,
+                    "the way leads to the turn's side: {turning:?}"
+                );
+            }
         }
     }
     // An ordinary bend is taken as it is: at 20 m a bend of 50 m radius has turned by 0.4 and led 4 m aside.
     let place = Point2::new(20.0, 0.0);
     let row = view.pixel_of_ground(place).unwrap().v - region.top_row as f64;
-    let bend = limits(0.02);
+    let bend = limits(15.0, 0.02);
     let limit =
         bend.iter().min_by(|a, b| (a.row - row as f32).abs().total_cmp(&(b.row - row as f32).abs())).unwrap();
     let ahead = camera
