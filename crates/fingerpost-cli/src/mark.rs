@@ -4,6 +4,7 @@ mod folder;
 mod footage;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -25,8 +26,8 @@ pub(crate) struct MarkArgs {
     /// A folder of pictures, a drive folder of `simulate`, or a video file (needs ffmpeg).
     #[arg(value_name = "INPUT")]
     input: String,
-    /// Folder for marks.json and what is exported; marks that it holds are gone on with. INPUT's name with "-marks" by
-    /// default. Pictures of a video are kept there too.
+    /// Folder for marks.json and what is exported; marks that it holds are gone on with. By default INPUT's name with
+    /// "-marks", in the current folder. Pictures of a video are kept there too.
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["marks", "export"])]
     out: Option<PathBuf>,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
@@ -73,7 +74,7 @@ fn serve(args: &MarkArgs) -> Result<()> {
     };
     output::message(&format!("marks are saved in {}", folder.marks_path().display()));
     output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
-    let desk = Desk::new(marks, Box::new(footage), Box::new(folder));
+    let desk = Arc::new(Desk::new(marks, Box::new(footage), Box::new(folder)));
     let interrupt = Interrupt::listen()?;
     server.serve(&desk, interrupt.flag());
     Ok(())
@@ -97,8 +98,39 @@ fn read_marks(path: &Path, footage: &Footage) -> Result<LaneMarks> {
     Ok(LaneMarks::from_file(&file))
 }
 
-/// The input's name with a word behind it, in the folder at hand.
+/// The input's name with a word behind it, in the folder at hand. A folder such as `.` has its name from where it is.
 fn default_folder(input: &str) -> PathBuf {
-    let stem = Path::new(input).file_stem().unwrap_or_default().to_string_lossy();
-    PathBuf::from(format!("{stem}-marks"))
+    let given = Path::new(input);
+    let place = match given.file_name() {
+        Some(_) => given.to_owned(),
+        None => given.canonicalize().unwrap_or_default(),
+    };
+    // What ends in a folder's name is no file's ending.
+    let name = if place.is_dir() { place.file_name() } else { place.file_stem() };
+    let name = name.map(|name| name.to_string_lossy()).unwrap_or_default();
+    PathBuf::from(if name.is_empty() { "marks".to_owned() } else { format!("{name}-marks") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_kept_beside_the_name_of_what_is_marked() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let inner = folder.path().join("drive.v2");
+        std::fs::create_dir_all(inner.join("frames")).unwrap();
+        let of = |path: PathBuf| default_folder(&path.display().to_string());
+        assert_eq!(of(inner.clone()), Path::new("drive.v2-marks"));
+        assert_eq!(of(inner.join("")), Path::new("drive.v2-marks"));
+        assert_eq!(of(inner.join("frames/..")), Path::new("drive.v2-marks"));
+        assert_eq!(default_folder("clips/p1.solid.mp4"), Path::new("p1.solid-marks"));
+        let here = std::env::current_dir().unwrap();
+        let named = |name: &std::ffi::OsStr| PathBuf::from(format!("{}-marks", name.to_string_lossy()));
+        for at_hand in [".", "./", "./."] {
+            assert_eq!(default_folder(at_hand), named(here.file_name().unwrap()));
+        }
+        assert_eq!(default_folder(".."), named(here.parent().unwrap().file_name().unwrap()));
+        assert_eq!(default_folder("/"), Path::new("marks"));
+    }
 }

@@ -8,10 +8,12 @@ use anyhow::{Result, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
-use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
-use fingerpost_io::{CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
+use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, View};
+use fingerpost_io::{BusTexts, CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
 use fingerpost_map::write_route;
-use fingerpost_sim::{Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera};
+use fingerpost_sim::{
+    BUS_DATABASE, BUS_SETTINGS, Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera,
+};
 use rayon::prelude::*;
 
 use self::course::CourseArgs;
@@ -20,7 +22,8 @@ use crate::interrupt::Interrupt;
 use crate::{inputs, output};
 
 /// Drive a simulated vehicle along a route and write what its camera sees, with the truth: frames, camera.toml,
-/// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame. Give the folder to `run`.
+/// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame; and what its bus says: can.log,
+/// car.dbc and can.toml. Give the folder to `run`.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
@@ -54,7 +57,7 @@ pub(crate) struct SimulateArgs {
     /// Side of the road that the vehicle keeps to.
     #[arg(long, value_enum, default_value = "right")]
     traffic: Traffic,
-    /// Lens of the camera.
+    /// Lens of the camera that is looked through without --camera.
     #[arg(long, value_enum, default_value = "none", conflicts_with = "camera")]
     lens: Lens,
     /// Store frames without loss, five times as large.
@@ -72,7 +75,7 @@ enum Traffic {
     Centre,
 }
 
-/// A lens of the default camera.
+/// A lens of a camera that is not given as a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Lens {
     /// A pinhole.
@@ -95,16 +98,32 @@ const MOUNT: Mount = Mount {
 /// Barrel distortion of a common dashcam: straight lines at the picture's side bend by some 20 of 640 pixels.
 const DASHCAM_LENS: [f64; 5] = [-0.25, 0.07, 0.0005, -0.0003, -0.01];
 
+impl Lens {
+    fn distortion(self) -> Result<Distortion, GeometryError> {
+        match self {
+            Self::None => Ok(Distortion::None),
+            Self::BrownConrady => Distortion::brown_conrady(&DASHCAM_LENS),
+        }
+    }
+
+    /// A camera with this lens in place of its own.
+    fn on(self, camera: &Camera) -> Result<Camera, GeometryError> {
+        match camera.view() {
+            View::Calibrated { intrinsics, mount, .. } => {
+                let (width, height) = (camera.width(), camera.height());
+                Camera::calibrated(width, height, *intrinsics, self.distortion()?, *mount)
+            }
+            View::RoadPlane(_) => Ok(camera.clone()),
+        }
+    }
+}
+
 /// The default camera.
 pub(crate) fn default_camera(size: PictureSize, lens: Lens) -> Result<Camera, GeometryError> {
     let (width, height) = (size.width as f64, size.height as f64);
     let f = FOCAL_SHARE * width;
     let intrinsics = Intrinsics { fx: f, fy: f, cx: 0.5 * (width - 1.0), cy: 0.5 * (height - 1.0) };
-    let distortion = match lens {
-        Lens::None => Distortion::None,
-        Lens::BrownConrady => Distortion::brown_conrady(&DASHCAM_LENS)?,
-    };
-    Camera::calibrated(size.width, size.height, intrinsics, distortion, MOUNT)
+    Camera::calibrated(size.width, size.height, intrinsics, lens.distortion()?, MOUNT)
 }
 
 /// Writes the drive.
@@ -132,14 +151,16 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     };
     let camera = match (&args.camera, args.road.course) {
         (Some(path), _) => read_camera(path)?,
-        (None, Some(_)) if args.lens == Lens::None => windscreen_camera(args.size.width, args.size.height)?,
-        (None, _) => default_camera(args.size, args.lens)?,
+        (None, Some(_)) => args.lens.on(&windscreen_camera(args.size.width, args.size.height)?)?,
+        (None, None) => default_camera(args.size, args.lens)?,
     };
     let simulator = Simulator::new(&graph, &route, &camera, &config)?;
     let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
+    let log = simulator.bus_log();
+    folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: BUS_SETTINGS })?;
     if args.road.course.is_some() {
         let path = args.out.join(CROSSINGS_FILE);
         let mut lines = JsonLinesFile::create(&path)?;

@@ -18,6 +18,8 @@ use crate::{
 
 /// Name of the file of the moments in which a wheel crosses a line.
 pub const CROSSINGS_FILE: &str = "crossings.jsonl";
+/// Names of the vehicle's bus as a drive holds it: the log, its database, and the settings that name its signals.
+const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
 /// Name of the file of truth.
 const TRUTH_FILE: &str = "truth.jsonl";
 /// Folder of the road-surface masks.
@@ -66,8 +68,19 @@ pub enum FrameFormat {
     Png,
 }
 
+/// What a vehicle's bus said on a drive, as texts of files.
+#[derive(Debug, Clone, Copy)]
+pub struct BusTexts<'a> {
+    /// The log, as `candump -L` writes it.
+    pub log: &'a str,
+    /// The DBC file.
+    pub database: &'a str,
+    /// The table `can` of a configuration, TOML.
+    pub settings: &'a str,
+}
+
 /// The folder of a drive being written: `frames/`, `road_masks/`, `times.txt`, `truth.jsonl`, `camera.toml`,
-/// `route.geojson`.
+/// `route.geojson`, and the vehicle's bus: `can.log`, `car.dbc`, `can.toml`.
 #[derive(Debug)]
 pub struct DriveFolder {
     path: PathBuf,
@@ -92,7 +105,7 @@ impl DriveFolder {
                 remove_numbered_pictures(&folder)?;
             }
         }
-        for name in [TIMES_FILE, CROSSINGS_FILE, "camera.toml", "route.geojson"] {
+        for name in [TIMES_FILE, CROSSINGS_FILE, "camera.toml", "route.geojson"].iter().chain(&BUS_FILES) {
             remove_if_there(&path.join(name))?;
         }
         let truth = JsonLinesFile::create(&truth_path)?;
@@ -118,6 +131,17 @@ impl DriveFolder {
     /// [`DriveFolderError::File`] when it cannot be written.
     pub fn write_route(&self, geojson: &str) -> Result<PathBuf, DriveFolderError> {
         self.write_text("route.geojson", geojson)
+    }
+
+    /// Writes `can.log`, `car.dbc` and `can.toml`.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when one of them cannot be written.
+    pub fn write_bus(&self, bus: BusTexts<'_>) -> Result<(), DriveFolderError> {
+        for (name, text) in BUS_FILES.into_iter().zip([bus.log, bus.database, bus.settings]) {
+            self.write_text(name, text)?;
+        }
+        Ok(())
     }
 
     /// Writes the picture of frame `index`; frames may be written in any order and from several threads.

@@ -25,7 +25,7 @@ pub use can::{
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
 pub use drive_folder::{
-    CROSSINGS_FILE, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth,
+    BusTexts, CROSSINGS_FILE, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth,
 };
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_text, replace_file, write_file};

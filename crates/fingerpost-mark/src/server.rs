@@ -2,6 +2,7 @@
 
 use std::io::{Cursor, Read};
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -11,9 +12,7 @@ use tiny_http::{Header, Response, Server};
 
 use crate::desk::{Answer, Desk, Request};
 
-/// Threads that answer: a browser asks for a picture or two and for edges at the same time.
-const THREADS: usize = 4;
-/// How often a thread without work looks whether it is to stop.
+/// How often a server without work looks whether it is to stop.
 const STOP_POLL: Duration = Duration::from_millis(100);
 /// What a request may carry; an edge of a thousand points is a twentieth of it.
 const MOST_BYTES: u64 = 1 << 20;
@@ -77,45 +76,44 @@ impl MarkServer {
     }
 
     /// Answers requests until `stop` is set.
-    pub fn serve(&self, desk: &Desk, stop: &AtomicBool) {
-        thread::scope(|scope| {
-            for _ in 0..THREADS {
-                scope.spawn(|| self.answer_until(desk, stop));
-            }
-        });
-    }
-
-    fn answer_until(&self, desk: &Desk, stop: &AtomicBool) {
+    ///
+    /// Each is answered in a thread of its own: one whose body never ends, or whose answer is never read, holds up no other.
+    /// Such a thread ends with its connection, and is not waited for.
+    pub fn serve(&self, desk: &Arc<Desk>, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
             match self.server.recv_timeout(STOP_POLL) {
-                Ok(Some(request)) => self.answer(request, desk),
+                Ok(Some(request)) => {
+                    let (desk, port) = (Arc::clone(desk), self.port);
+                    // Where the system has no thread left, the request goes unanswered and the browser says so.
+                    let _ = thread::Builder::new().spawn(move || answer(request, &desk, port));
+                }
                 Ok(None) => {}
                 // The port is gone; there is nothing left to answer.
                 Err(_) => return,
             }
         }
     }
+}
 
-    fn answer(&self, mut request: tiny_http::Request, desk: &Desk) {
-        let method = request.method().as_str().to_owned();
-        let path = request.url().split(['?', '#']).next().unwrap_or_default().to_owned();
-        let header = |name: &'static str| {
-            let found = request.headers().iter().find(|header| header.field.equiv(name));
-            found.map(|header| header.value.as_str().to_owned())
-        };
-        let guarded = Guarded {
-            method: &method,
-            host: header("Host"),
-            origin: header("Origin"),
-            content_type: header("Content-Type"),
-        };
-        let answer = guarded.refusal(self.port).unwrap_or_else(|| match body(&mut request) {
-            Ok(body) => desk.answer(Request { method: &method, path: &path, body: &body }),
-            Err(refusal) => refusal,
-        });
-        // A browser that has gone away needs no answer.
-        let _ = request.respond(response(answer));
-    }
+fn answer(mut request: tiny_http::Request, desk: &Desk, port: u16) {
+    let method = request.method().as_str().to_owned();
+    let path = request.url().split(['?', '#']).next().unwrap_or_default().to_owned();
+    let header = |name: &'static str| {
+        let found = request.headers().iter().find(|header| header.field.equiv(name));
+        found.map(|header| header.value.as_str().to_owned())
+    };
+    let guarded = Guarded {
+        method: &method,
+        host: header("Host"),
+        origin: header("Origin"),
+        content_type: header("Content-Type"),
+    };
+    let answer = guarded.refusal(port).unwrap_or_else(|| match body(&mut request) {
+        Ok(body) => desk.answer(Request { method: &method, path: &path, body: &body }),
+        Err(refusal) => refusal,
+    });
+    // A browser that has gone away needs no answer.
+    let _ = request.respond(response(answer));
 }
 
 /// What decides whether a request is answered at all.

@@ -11,6 +11,7 @@
 //! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
 //! rolling shutter; roads within 80 m of the route.
 
+mod bus;
 mod conditions;
 mod config;
 mod course;
@@ -44,6 +45,7 @@ mod vehicle;
 mod wet;
 mod windscreen;
 
+pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
 pub use config::{SimConfig, TrafficSide};
 pub use course::{CoursePiece, RoadCourse};

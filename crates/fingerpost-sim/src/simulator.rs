@@ -6,6 +6,7 @@ use fingerpost_map::{RoadGraph, Route, TangentPlane};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::bus;
 use crate::crossing::{Crossing, crossings};
 use crate::drive::{Drive, VehicleState};
 use crate::driving::PlannedDriving;
@@ -154,6 +155,12 @@ impl Simulator {
     /// time: into another lane or off the road, with or without a turn signal.
     pub fn crossings(&self) -> Vec<Crossing> {
         crossings(&self.drive, &self.lanes, self.frames, self.fps)
+    }
+
+    /// What the vehicle's bus says from the first frame to the last: a log as `candump -L` writes it, whose clock begins with the
+    /// first frame. [`crate::BUS_DATABASE`] and [`crate::BUS_SETTINGS`] read it.
+    pub fn bus_log(&self) -> String {
+        bus::log(&self.drive, self.planned.as_ref(), self.frames.saturating_sub(1) as f64 / self.fps)
     }
 
     /// The camera as it is in that frame: its mount with the body's pitch and roll about the road's plane.

@@ -158,3 +158,61 @@ fn absurd_plans_are_named() {
     let refused = SimConfig { driving, ..SimConfig::default() }.check().unwrap_err().to_string();
     assert!(refused.starts_with("lateral_mps"), "{refused}");
 }
+
+#[test]
+fn the_bus_says_speed_yaw_rate_and_turn_signal_of_the_truth() {
+    let plan = DrivingPlan::draw(DrivingManner::Changing, 3, 5.0, 900.0, 25.0);
+    let simulator = simulator(&RoadCourse::highway(3, 1000.0), 25.0, plan);
+    let mut truths = truths(&simulator);
+    let log = simulator.bus_log();
+    let of_message = |id: &str| -> Vec<(f64, Vec<u8>)> {
+        let lines = log.lines().filter_map(|line| {
+            let [at, interface, frame] = line.split(' ').collect::<Vec<_>>().try_into().ok()?;
+            assert_eq!(interface, "can0");
+            let data = frame.strip_prefix(id)?.strip_prefix('#')?;
+            let bytes = (0..data.len()).step_by(2).map(|i| u8::from_str_radix(&data[i..i + 2], 16).unwrap());
+            Some((at.trim_matches(['(', ')']).parse().unwrap(), bytes.collect()))
+        });
+        lines.collect()
+    };
+    let (motions, levers) = (of_message("1A1"), of_message("316"));
+    let last_s = truths[truths.len() - 1].t_s;
+    assert_eq!(motions.len(), (50.0 * last_s + 1e-6) as usize + 1);
+    assert_eq!(levers.len(), (10.0 * last_s + 1e-6) as usize + 1);
+    // The driver's sway stops dead where the drive ends, a turn faster than what lies between two frames.
+    truths.truncate(truths.len() - 10);
+    let (mut fastest_deg, mut before) = (0.0_f64, None::<&TruthRecord>);
+    for truth in &truths {
+        let newest = |frames: &[(f64, Vec<u8>)]| {
+            frames
+                .iter()
+                .rev()
+                .find(|(t_s, _)| *t_s <= truth.t_s + 1e-9)
+                .map(|(_, data)| data.clone())
+                .unwrap()
+        };
+        let motion = newest(&motions);
+        let speed_mps = 0.01 / 3.6 * f64::from(u16::from_le_bytes([motion[0], motion[1]]));
+        let yaw_rate_deg = 0.1 * f64::from(i16::from_le_bytes([motion[2], motion[3]]));
+        // Frames are 0.05 s apart, those of the bus 0.02 s: one may be half of that old, and braking is 1.5 m/s2.
+        assert!((speed_mps - truth.speed_mps).abs() < 0.02, "{}: {speed_mps} m/s", truth.frame);
+        let off_deg = yaw_rate_deg - truth.yaw_rate_rps.to_degrees();
+        assert!(off_deg.abs() < 0.15, "{}: {off_deg} degrees a second off", truth.frame);
+        let signalled = [None, Some(Side::Left), Some(Side::Right)][usize::from(newest(&levers)[0])];
+        let changing = before.is_some_and(|before| before.turn_signal != truth.turn_signal);
+        assert!(changing || signalled == truth.turn_signal, "{}: {signalled:?}", truth.frame);
+        (fastest_deg, before) = (fastest_deg.max(yaw_rate_deg.abs()), Some(truth));
+    }
+    // What the heading itself does, whatever the truth says of its rate: half seconds of ten frames, and 25 of the bus.
+    for (half, pair) in truths.chunks(10).map(|frames| &frames[0]).collect::<Vec<_>>().windows(2).enumerate()
+    {
+        let turned_rad = pair[1].heading_rad - pair[0].heading_rad;
+        let turned_deg = turned_rad.sin().atan2(turned_rad.cos()).to_degrees();
+        let rates = &motions[25 * half..25 * (half + 1)];
+        let sum_deg: f64 =
+            rates.iter().map(|(_, data)| 0.1 * f64::from(i16::from_le_bytes([data[2], data[3]]))).sum();
+        assert!((0.02 * sum_deg - turned_deg).abs() < 0.06, "{half}: {} and {turned_deg}", 0.02 * sum_deg);
+    }
+    assert!(fastest_deg > 1.0, "something was turned: {fastest_deg} degrees a second");
+    assert!(truths.iter().any(|truth| truth.turn_signal == Some(Side::Right)));
+}

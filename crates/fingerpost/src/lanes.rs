@@ -20,7 +20,8 @@ mod sections;
 mod shape;
 mod tracing;
 
-use fingerpost_geometry::Pixel;
+use fingerpost_geometry::{Camera, Pixel};
+use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::RgbImage;
 
 use self::geometry::{EdgeOnRoad, LaneOnRoad};
@@ -80,6 +81,19 @@ pub struct LaneInput<'a> {
     pub dt_s: Option<f64>,
     /// Speed, yaw rate and turn signal, where they are known.
     pub vehicle: &'a VehicleState,
+}
+
+impl LaneInput<'_> {
+    /// The frame must have the size that the calibration is for.
+    fn check_size(&self, camera: &Camera) -> Result<(), PictureError> {
+        let (expected_width, expected_height) = (camera.width(), camera.height());
+        let (found_width, found_height) = (self.frame.width(), self.frame.height());
+        if (found_width, found_height) == (expected_width, expected_height) {
+            return Ok(());
+        }
+        let what = "frame";
+        Err(PictureError::SizeMismatch { what, expected_width, expected_height, found_width, found_height })
+    }
 }
 
 /// An edge of the lane.

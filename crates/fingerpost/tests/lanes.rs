@@ -6,7 +6,7 @@
     reason = "a failed expectation is a failed test"
 )]
 
-use fingerpost::lanes::{Lane, LaneFinder, LaneInput, LanesConfig, Side};
+use fingerpost::lanes::{Lane, LaneError, LaneFinder, LaneInput, LanesConfig, Side};
 use fingerpost::vehicle_signals::VehicleState;
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel};
 use fingerpost_vision::picture::RgbImage;
@@ -185,4 +185,44 @@ fn an_edge_that_disappears_is_kept_for_a_while_and_then_dropped() {
     assert_eq!(kept.edge(Side::Left).unwrap().kept_frames, 5);
     pictures.extend(vec![bare.picture(&camera); config.keep_frames as usize]);
     assert!(found(&camera, &pictures).edge(Side::Left).is_none());
+}
+
+#[test]
+fn the_yaw_rate_says_to_which_side_the_lane_leads() {
+    let camera = camera(3.0);
+    for curvature_per_m in [1.0 / 45.0, -1.0 / 45.0] {
+        let road = Road { edges_m: [1.7, -1.7], heading_rad: 0.0, curvature_per_m, painted: |_| true };
+        let frame = road.picture(&camera);
+        // Votes for lines in the upper sections of the first frame, with a yaw rate along the bend and against it.
+        let votes = |yaw_rate_rps: f64| {
+            let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
+            let vehicle = VehicleState {
+                speed_mps: Some(12.0),
+                yaw_rate_rps: Some(yaw_rate_rps),
+                ..VehicleState::default()
+            };
+            let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle };
+            let mut lane = None;
+            let evidence = finder.find(&camera, &input, &mut lane).unwrap();
+            evidence.candidates.iter().filter(|c| c.section > 1).map(|c| c.votes).sum::<u32>()
+        };
+        let (along, against) = (votes(12.0 * curvature_per_m), votes(-12.0 * curvature_per_m));
+        assert!(along > 3 * against, "{curvature_per_m}: {along} votes along, {against} against");
+    }
+}
+
+#[test]
+fn a_frame_of_another_size_is_refused() {
+    let camera = camera(3.0);
+    let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
+    for (width, height) in [(WIDTH / 2, HEIGHT / 2), (WIDTH, HEIGHT + 1), (WIDTH + 1, HEIGHT), (0, 0)] {
+        let (frame, vehicle) = (RgbImage::new(width, height), VehicleState::default());
+        let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle };
+        let mut lane = None;
+        let error = finder.find(&camera, &input, &mut lane).unwrap_err();
+        assert!(matches!(error, LaneError::Picture(_)), "{error:?}");
+        let said = error.to_string();
+        assert!(said.contains(&format!("{width} x {height}")) && said.contains("640 x 480"), "{said}");
+        assert_eq!(lane, None);
+    }
 }

@@ -20,5 +20,6 @@ mod marking;
 mod networks;
 mod program;
 mod running;
+mod simulated_bus;
 mod simulating;
 mod video_stub;

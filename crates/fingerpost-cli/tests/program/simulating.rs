@@ -3,6 +3,7 @@
 use std::fs;
 
 use fingerpost_format::{TruthRecord, camera_from_toml, from_json_lines};
+use fingerpost_geometry::{Distortion, View};
 use tempfile::TempDir;
 
 use crate::drive::{Drive, FRAMES};
@@ -62,6 +63,27 @@ fn a_distorting_lens_stands_in_the_calibration() {
 }
 
 #[test]
+fn a_made_up_road_is_seen_through_the_lens_that_is_asked_for() {
+    let out = TempDir::new().unwrap();
+    let camera = |lens: &str| {
+        let line = "simulate --course country --conditions lane_continuous --frames 1 --size 160x120";
+        call_line(&format!("{line} {lens} --out {}", out.path().display())).done();
+        camera_from_toml(&fs::read_to_string(out.path().join("camera.toml")).unwrap()).unwrap()
+    };
+    let [pinhole, bent] = ["", "--lens brown-conrady"].map(camera);
+    let (
+        View::Calibrated { intrinsics, distortion, mount, .. },
+        View::Calibrated { distortion: of_pinhole, .. },
+    ) = (bent.view(), pinhole.view())
+    else {
+        panic!("{bent:?}")
+    };
+    assert!(matches!((distortion, of_pinhole), (Distortion::BrownConrady { .. }, Distortion::None)));
+    // The windscreen camera's: 58 degrees across, 1.3 m above the road.
+    assert!((intrinsics.fx - 0.902 * 160.0).abs() < 1e-6 && (mount.height_m - 1.3).abs() < 1e-6, "{bent:?}");
+}
+
+#[test]
 fn a_made_up_road_needs_no_map() {
     let out = TempDir::new().unwrap();
     let line =
@@ -76,6 +98,7 @@ fn a_made_up_road_needs_no_map() {
         (camera_from_toml(&read("camera.toml")).unwrap().width(), read("route.geojson").is_empty())
             == (160, false)
     );
+    assert!(read("can.log").starts_with("(0.000000) can0 1A1#"));
     for wrong in ["--course country --map town.osm", "--length-m 50", "--map town.osm"] {
         let line = format!("simulate {wrong} --out {}", out.path().display());
         let status = command().args(line.split_whitespace()).output().unwrap().status;

@@ -24,12 +24,13 @@ pub enum LaneMethod {
 pub struct LanesConfig {
     /// "markings": lanes are found by their markings; "off": none are looked for; default "markings".
     pub finder: LaneMethod,
-    /// Time that a driver needs to begin to brake, seconds, 0.1 to 5; with the speed it gives how far ahead lanes must be
-    /// read; default 0.465, a driver on the telephone (paper 3, table I).
+    /// Time that a driver needs to begin to brake, seconds, 0.1 to 5; with the speed it gives how far ahead of the vehicle's
+    /// front lanes must be read; default 0.465, a driver on the telephone (paper 3, table I).
     pub reaction_time_s: f64,
-    /// Least distance to which lanes are read, metres, 8 to 100; default 35, the largest region of the paper's table II.
+    /// Least distance from the rear axle to which lanes are read, metres, 8 to 100; default 35, the largest region
+    /// of the paper's table II.
     pub least_range_m: f64,
-    /// Farthest distance to which lanes are read, metres, 10 to 150; default 60.
+    /// Farthest distance from the rear axle to which lanes are read, metres, 10 to 150; default 60.
     pub most_range_m: f64,
     /// Frames in the buffer that strengthens broken markings, 1 to 30; default 3.
     pub buffer_frames: usize,

@@ -77,8 +77,11 @@ impl DepartureWarning {
         let speed_mps = state.speed_mps.filter(|mps| mps.is_finite());
         let yaw_rate_rps = state.yaw_rate_rps.filter(|rps| rps.is_finite());
         let seen = self.filter.step(config, lane, VehicleMotion { speed_mps, yaw_rate_rps, dt_s });
+        self.hush.begin_frame(config, state, speed_mps, seen.lane_changed, dt_s);
         let Some(lateral_mps) = self.filter.lateral_speed_mps() else {
-            *self = Self { filter: std::mem::take(&mut self.filter), ..Self::default() };
+            // What the driver meant goes on where no edge is seen: in the middle of a lane change often none is.
+            self.hush.unsettle();
+            self.warning = None;
             return (DepartureOutput::default(), DepartureEvidence::default());
         };
         let clearance = Side::BOTH.map(|side| {
@@ -97,7 +100,6 @@ impl DepartureWarning {
                     && clearance_m <= closing_mps * (config.lead_s + 0.5 * dt_s)
             })
         });
-        self.hush.begin_frame(config, state, speed_mps, seen.lane_changed, dt_s);
         let silence = at_edge.and_then(|side| self.hush.silence(config, side));
         if let Some(side) = at_edge.filter(|_| silence.is_none()) {
             self.warning = Some(side);
@@ -129,3 +131,6 @@ impl DepartureWarning {
         (output, evidence)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,8 @@
 //! horizon to which a lane can lead, and is brighter on the side away from the vehicle. Then dilation, labels, least area
 //! and thinning.
 
-use fingerpost_geometry::Pixel;
+mod limits;
+
 use fingerpost_vision::canny::{Canny, CannyError, CannyParams, GradientNorm};
 use fingerpost_vision::colour::grey_of_rows;
 use fingerpost_vision::components::{ConnectedComponents, Connectivity};
@@ -13,9 +14,9 @@ use fingerpost_vision::frame_buffer::FrameBuffer;
 use fingerpost_vision::morphology::{Dilation, ElementError, StructuringElement, Thinning};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::smoothing::{GaussianBlur, SmoothingError};
-use nalgebra::Point2;
 use thiserror::Error;
 
+use self::limits::{RowLimits, lay_limits};
 use super::LanesConfig;
 use super::region::LaneRegion;
 use super::road_view::RoadView;
@@ -29,12 +30,6 @@ const AREA_WIDTH_PX: f64 = 640.0;
 /// How far the horizon may be from where the calibration has it, share of the picture's height: 1.5 degrees of pitch in a
 /// lens of 45 degrees.
 const HORIZON_SHARE: f32 = 0.035;
-/// How far an edge's own direction may be off, radians: a 3 x 3 gradient between pixels.
-const DIRECTION_RAD: f32 = 0.14;
-/// A place so far ahead is at the horizon, metres.
-const HORIZON_M: f64 = 2000.0;
-/// Rows between those for which limits are computed; in between they are interpolated.
-const LIMIT_ROWS: usize = 8;
 /// Columns that are passed over at once where none of them is an edge.
 const BLOCK_PX: usize = 32;
 /// A gradient commoner than this share of the pixels is the road's texture.
@@ -62,21 +57,6 @@ pub enum LaneError {
     /// Pictures do not fit together.
     #[error("lanes: {0}")]
     Picture(#[from] PictureError),
-}
-
-/// Columns between which an edge of a row may lie and to which it may lead.
-#[derive(Debug, Clone, Copy, Default)]
-struct RowLimits {
-    row: f32,
-    /// Leftmost and rightmost column.
-    from: f32,
-    to: f32,
-    /// The column straight ahead: left of it edges belong to the left side.
-    ahead: f32,
-    /// The stretch of the horizon to which a lane can lead.
-    horizon_from: f32,
-    horizon_to: f32,
-    horizon_row: f32,
 }
 
 /// Edges of the region, with the buffers that they need.
@@ -165,7 +145,7 @@ impl LaneEdges {
         self.blur.apply(self.mean.view(), &mut self.smooth)?;
         self.adapt(config)?;
         self.canny.apply(self.smooth.view(), &mut self.edges)?;
-        self.lay_limits(config, region, view, curvature_per_m, width);
+        lay_limits(&mut self.limits, config, region, view, curvature_per_m, width);
         self.keep_oriented();
         self.dilation.apply(self.oriented.view(), &mut self.dilated)?;
         self.components.find(self.dilated.view());
@@ -200,52 +180,6 @@ impl LaneEdges {
             self.canny_high = high;
         }
         Ok(())
-    }
-
-    fn lay_limits(
-        &mut self,
-        config: &LanesConfig,
-        region: &LaneRegion,
-        view: &RoadView<'_>,
-        curvature_per_m: f64,
-        width: usize,
-    ) {
-        self.limits.clear();
-        let most_rad = config.max_heading_deg.to_radians();
-        let middle = (width - 1) as f64 / 2.0;
-        let mut row = region.top_row;
-        loop {
-            if let Some(place) = view.ground_of_pixel(Pixel::new(middle, row as f64)) {
-                // The way bends with the yaw rate, and the lane's direction at a distance with it.
-                let bent = curvature_per_m * place.x;
-                let beside = |left_m: f64| view.pixel_of_ground(Point2::new(place.x, left_m));
-                let at_horizon = |heading: f64| {
-                    view.pixel_of_ground(Point2::new(HORIZON_M * heading.cos(), HORIZON_M * heading.sin()))
-                };
-                let way_m = 0.5 * curvature_per_m * place.x * place.x;
-                // A lane may be entered at the far end of the largest heading.
-                let reach_m = config.max_offset_m + 0.1 * place.x;
-                let columns = [beside(way_m + reach_m), beside(way_m - reach_m), beside(way_m)];
-                let horizon = [at_horizon(bent + most_rad), at_horizon(bent - most_rad), at_horizon(bent)];
-                if let ([Some(from), Some(to), Some(ahead)], [Some(left), Some(right), Some(far)]) =
-                    (columns, horizon)
-                {
-                    self.limits.push(RowLimits {
-                        row: (row - region.top_row) as f32,
-                        from: from.u as f32,
-                        to: to.u as f32,
-                        ahead: ahead.u as f32,
-                        horizon_from: left.u as f32,
-                        horizon_to: right.u as f32,
-                        horizon_row: far.v as f32 - region.top_row as f32,
-                    });
-                }
-            }
-            if row + 1 >= region.base_row {
-                break;
-            }
-            row = (row + LIMIT_ROWS).min(region.base_row - 1);
-        }
     }
 
     /// Copies the edges that may be a marking's inner edge.
@@ -287,38 +221,6 @@ impl LaneEdges {
     }
 }
 
-impl RowLimits {
-    /// The limits of a row between this and a later one.
-    fn towards(&self, later: &Self, row: f32) -> Self {
-        let span = later.row - self.row;
-        let t = if span > 0.0 { ((row - self.row) / span).min(1.0) } else { 0.0 };
-        let mix = |a: f32, b: f32| a + t * (b - a);
-        Self {
-            row,
-            from: mix(self.from, later.from),
-            to: mix(self.to, later.to),
-            ahead: mix(self.ahead, later.ahead),
-            horizon_from: mix(self.horizon_from, later.horizon_from),
-            horizon_to: mix(self.horizon_to, later.horizon_to),
-            horizon_row: mix(self.horizon_row, later.horizon_row),
-        }
-    }
-
-    /// Whether an edge with this gradient is brighter on the outside and leads to the horizon's stretch.
-    fn accepts(&self, x: f32, y: f32, [gx, gy]: [f32; 2], slack_rows: f32) -> bool {
-        // Brighter to the left on the left of the vehicle, to the right on its right.
-        let outward = if x < self.ahead { -gx } else { gx };
-        if outward <= 0.0 {
-            return false;
-        }
-        let slope = gy / gx;
-        let up = y - self.horizon_row;
-        let at_horizon = x + slope * up;
-        let slack = slope.abs() * slack_rows + up * (1.0 + slope * slope) * DIRECTION_RAD;
-        at_horizon > self.horizon_from - slack && at_horizon < self.horizon_to + slack
-    }
-}
-
 /// The Sobel gradient of the middle of three rows, to the right and down.
 fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
     let at = |row: usize, x: usize| i32::from(rows[row][x]);
@@ -332,3 +234,6 @@ fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
 fn params(config: &LanesConfig, high: f64) -> CannyParams {
     CannyParams { low: config.canny_low_share * high, high, norm: GradientNorm::L1 }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,7 @@ use self::acquisition::Painted;
 use super::edges::{LaneEdges, LaneError};
 use super::lane_filter::{LaneFilter, LaneMotion};
 use super::marking::MarkingNotes;
+use super::region::LaneRegion;
 use super::road_view::RoadView;
 use super::sections::SectionLines;
 use super::shape::EdgeShape;
@@ -110,13 +111,14 @@ impl LaneFinder {
     /// Takes a frame in and sets `lane`, whose memory is used again.
     ///
     /// # Errors
-    /// [`LaneError`] when the frame has not the camera's size.
+    /// [`LaneError::Picture`] when the frame has not the camera's size; the finder is then as before the frame.
     pub fn find(
         &mut self,
         camera: &Camera,
         input: &LaneInput<'_>,
         lane: &mut Option<Lane>,
     ) -> Result<&LaneEvidence, LaneError> {
+        input.check_size(camera)?;
         let lane = lane.get_or_insert_default();
         let before = self.filter.clone();
         self.predict(input);
@@ -157,6 +159,7 @@ impl LaneFinder {
     /// Forgets the frames before, as at the start of a drive.
     pub fn reset(&mut self) {
         self.edges.clear();
+        self.evidence.region = LaneRegion::default();
         self.filter = LaneFilter::new();
         self.held = None;
         self.followed.iter_mut().for_each(Followed::forget);

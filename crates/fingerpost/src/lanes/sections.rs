@@ -227,3 +227,6 @@ pub(super) fn extended(line: &LineCandidate, row: f64) -> f64 {
     let rows = line.upper_px.v - line.lower_px.v;
     line.lower_px.u + (row - line.lower_px.v) / rows * (line.upper_px.u - line.lower_px.u)
 }
+
+#[cfg(test)]
+mod tests;

@@ -100,6 +100,11 @@ impl Hush {
         self.since_warning_s > LONGEST_WARNING_S
     }
 
+    /// A lane change that is under way goes on; nothing tells whether the vehicle keeps between two edges.
+    pub(super) fn unsettle(&mut self) {
+        self.changing = self.changing.map(|_| 0.0);
+    }
+
     /// A wheel beyond an edge begins a lane change, warned of or not; it ends when the vehicle keeps between two edges.
     pub(super) fn end_frame(
         &mut self,

@@ -1,0 +1,110 @@
+use super::super::geometry::EdgeOnRoad;
+use super::*;
+use crate::vehicle_signals::TurnSignal;
+
+const DT_S: f64 = 0.05;
+/// Half of the lane and of the vehicle, metres.
+const HALF_LANE_M: f64 = 1.75;
+const HALF_BODY_M: f64 = 0.9;
+
+/// A warning with what its frames need.
+#[derive(Default)]
+struct Watch {
+    warning: DepartureWarning,
+    config: DepartureConfig,
+    left_m: f64,
+}
+
+impl Watch {
+    fn step(&mut self, lane: &LaneOnRoad, turn_signal: TurnSignal) -> DepartureOutput {
+        let state = VehicleState { speed_mps: Some(20.0), yaw_rate_rps: Some(0.0), turn_signal };
+        self.warning.step(&self.config, &VehicleConfig::default(), lane, &state, DT_S).0
+    }
+
+    /// Drives on for a while with all edges in view, moving across at `lateral_mps`, positive to the left; what was said.
+    fn see(&mut self, for_s: f64, lateral_mps: f64, turn_signal: TurnSignal) -> Vec<DepartureOutput> {
+        let frames = (for_s / DT_S).round() as usize;
+        let seen = (0..frames).map(|_| {
+            self.left_m += DT_S * lateral_mps;
+            let edge = |offset_m: f64| {
+                let heading_rad = -(lateral_mps / 20.0);
+                Some(EdgeOnRoad { offset_m: offset_m - self.left_m, heading_rad, ..EdgeOnRoad::default() })
+            };
+            let lane = LaneOnRoad { left: edge(HALF_LANE_M), right: edge(-HALF_LANE_M) };
+            self.step(&lane, turn_signal)
+        });
+        seen.collect()
+    }
+
+    /// Drives on for a while without any edge in view.
+    fn miss(&mut self, for_s: f64) -> DepartureOutput {
+        let frames = (for_s / DT_S).round() as usize;
+        (0..frames).map(|_| self.step(&LaneOnRoad::default(), TurnSignal::Off)).last().unwrap_or_default()
+    }
+}
+
+fn warned(said: &[DepartureOutput]) -> bool {
+    said.iter().any(|output| output.warning.is_some())
+}
+
+fn silent_because(said: &[DepartureOutput], silence: Silence) -> bool {
+    said.iter().any(|output| output.silence == Some(silence))
+}
+
+/// A vehicle whose left wheels are 0.15 m from the edge when its edges come back into view.
+fn beside_the_edge() -> Watch {
+    Watch { left_m: HALF_LANE_M - HALF_BODY_M - 0.15, ..Watch::default() }
+}
+
+#[test]
+fn a_drift_after_a_gap_is_warned_of() {
+    let mut watch = beside_the_edge();
+    watch.see(2.0, 0.0, TurnSignal::Off);
+    assert_eq!(watch.miss(4.0).lateral_speed_mps, None);
+    assert!(warned(&watch.see(2.0, 0.4, TurnSignal::Off)));
+}
+
+#[test]
+fn a_signal_before_a_gap_is_still_the_drivers_intent_behind_it() {
+    let mut watch = beside_the_edge();
+    watch.config.signal_hold_s = 8.0;
+    watch.see(2.0, 0.0, TurnSignal::Left);
+    assert_eq!(watch.miss(4.0).lateral_speed_mps, None, "no edge is known any more");
+    let said = watch.see(2.0, 0.4, TurnSignal::Off);
+    assert!(!warned(&said) && silent_because(&said, Silence::TurnSignal), "{said:?}");
+}
+
+#[test]
+fn a_signal_ages_while_nothing_is_seen() {
+    let mut watch = beside_the_edge();
+    watch.see(2.0, 0.0, TurnSignal::Left);
+    watch.miss(6.0);
+    assert!(warned(&watch.see(2.0, 0.4, TurnSignal::Off)));
+}
+
+#[test]
+fn a_signal_that_comes_while_nothing_is_seen_counts() {
+    let mut watch = beside_the_edge();
+    for _ in 0..40 {
+        let nothing = watch.step(&LaneOnRoad::default(), TurnSignal::Left);
+        assert_eq!(nothing, DepartureOutput::default());
+    }
+    let said = watch.see(2.0, 0.4, TurnSignal::Off);
+    assert!(!warned(&said) && silent_because(&said, Silence::TurnSignal), "{said:?}");
+}
+
+#[test]
+fn a_lane_change_goes_on_where_no_edge_is_seen() {
+    let mut watch = beside_the_edge();
+    watch.config.cool_down_s = 0.0;
+    // Over the left edge, and on into the next lane without a line in view.
+    watch.see(2.0, 0.4, TurnSignal::Left);
+    assert_eq!(watch.miss(6.0).lateral_speed_mps, None);
+    watch.left_m = HALF_LANE_M - HALF_BODY_M - 0.15;
+    let said = watch.see(1.0, 0.4, TurnSignal::Off);
+    assert!(!warned(&said) && silent_because(&said, Silence::LaneChange), "{said:?}");
+    // Once it has kept between two edges, the next drift is one again.
+    watch.left_m = 0.0;
+    watch.see(6.0, 0.0, TurnSignal::Off);
+    assert!(warned(&watch.see(4.0, 0.4, TurnSignal::Off)));
+}
