@@ -46,7 +46,8 @@ pub(super) fn lay_limits(
 ) {
     limits.clear();
     let most_rad = config.max_heading_deg.to_radians();
-    let most_bent_rad = MOST_AWAY_RAD - most_rad;
+    // Never negative nor not a number, whatever heading is asked for: it bounds a clamp.
+    let most_bent_rad = (MOST_AWAY_RAD - most_rad).max(0.0);
     let middle = (width - 1) as f64 / 2.0;
     let mut row = region.top_row;
     loop {

@@ -221,6 +221,9 @@ fn a_vehicle_that_turns_on_the_spot_is_held_to_what_it_can_see() {
             }
         }
     }
+    // Headings that no configuration has are no reason to panic.
+    assert!(!limits(80.0, 1.25).is_empty());
+    assert!(limits(f64::NAN, 1.25).is_empty());
     // An ordinary bend is taken as it is: at 20 m a bend of 50 m radius has turned by 0.4 and led 4 m aside.
     let place = Point2::new(20.0, 0.0);
     let row = view.pixel_of_ground(place).unwrap().v - region.top_row as f64;
