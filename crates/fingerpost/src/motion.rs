@@ -121,6 +121,8 @@ pub enum FlowStart {
     SameAsBefore,
     /// Neither fitted; a coarse search over the ground view did.
     CoarseSearch,
+    /// What came of either was doubtful; a search among the road's finest texture fitted better.
+    FineSearch,
 }
 
 /// A motion that cannot be estimated.

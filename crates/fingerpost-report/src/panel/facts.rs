@@ -65,6 +65,7 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
             FlowStart::Standing => "started from standing",
             FlowStart::SameAsBefore => "started as before",
             FlowStart::CoarseSearch => "started from a coarse search",
+            FlowStart::FineSearch => "started from a fine search",
         };
         let of = flow.samples.len();
         facts.push(("flow", format!("{used} of {of} used, residual {:.2} px, {start}", flow.residual_px)));

@@ -13,6 +13,7 @@
 //! Limits: what stands on the road and fills most of the patch is taken for road; a road without texture gives the prior,
 //! with a quality near zero.
 
+mod aligned;
 mod gauss_newton;
 mod patch;
 mod plane_warp;
@@ -23,14 +24,13 @@ use nalgebra::{Isometry2, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::gauss_newton::{Estimate, Prior, align};
+use self::aligned::{Aligned, costs};
+use self::gauss_newton::{Estimate, Prior};
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
-use self::start::{cost, start};
+use self::start::{cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
-use super::{
-    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow, told_apart,
-};
+use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow};
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::mount::AttitudeObservation;
 
@@ -58,8 +58,6 @@ impl Default for DirectMotionConfig {
 const CHANGE_SIGMA: [f64; 3] = [0.15, 0.05, 0.02];
 /// The same where the motion of the frame before does not help.
 const UNKNOWN_SIGMA: [f64; 3] = [2.0, 0.3, 0.1];
-/// Shift along the road that a good motion must be told from by the picture, metres.
-const TELL_SHIFT_M: f64 = 0.3;
 /// A start is bearable when it costs at most so many times what the last alignment left.
 const BEARABLE: f64 = 2.0;
 /// Least cost that is taken to be left, levels of the flattened picture squared: the camera's noise at the
@@ -67,16 +65,21 @@ const BEARABLE: f64 = 2.0;
 const COST_FLOOR: f64 = 2.0;
 /// Quality below which the picture is not believed: the motion goes on as before, ever less surely.
 const BELIEVED: f64 = 0.1;
+/// No vehicle changes its way in a frame by more, metres: full braking for a fifth of a second. What says so must be clear.
+const MOST_CHANGE_M: f64 = 0.4;
+const CLEAR: f64 = 0.5;
 /// A vehicle that moved less stands: several times what the camera's noise makes of a standing one, metres and radians.
 const STANDING_M: f64 = 0.005;
 const STANDING_RAD: f64 = 0.0005;
 /// Quality below which a standing vehicle is not believed to stand.
 const STANDING_QUALITY: f64 = 0.5;
-/// Shares of the texture that agree from which an alignment is believed a little and in full. On good roads it is 0.3 to
-/// 0.7; where a reflection or the edges of a lane outweigh what moves, 0.05 to 0.2.
-const AGREEING: [f64; 2] = [0.1, 0.3];
-/// What is left of the quality when the last level was still changing.
-const NOT_CONVERGED: f64 = 0.5;
+/// Quality below which the motion is searched for among the finest texture: lines along the road, the vehicle's light and what
+/// a wet road mirrors are all that a coarse picture shows of some roads, and none of them goes by.
+const UNSURE: f64 = 0.3;
+/// Levels, from the finest on, that such a search is followed by.
+const FINE_LEVELS: usize = 2;
+/// A motion that was searched for must cost less than the expected one by this factor.
+const CLEARLY_LESS: f64 = 0.95;
 /// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
 /// standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
@@ -109,6 +112,13 @@ struct Last {
 }
 
 impl Last {
+    /// By how much another motion is longer or shorter than is known of this one, metres: nothing where that is not known.
+    fn leap_m(&self, current_from_previous: &Isometry2<f64>) -> f64 {
+        let forward_m = |motion: &Isometry2<f64>| motion.inverse().translation.x;
+        let change_m = (forward_m(current_from_previous) - forward_m(&self.current_from_previous)).abs();
+        self.covariance.map_or(0.0, |covariance| change_m - covariance[(0, 0)].max(0.0).sqrt())
+    }
+
     /// Before the second frame: nothing is known, and any start but a fitting one is searched for.
     fn first() -> Self {
         Self { current_from_previous: Isometry2::identity(), covariance: None, bearable: 0.0 }
@@ -139,39 +149,40 @@ impl DirectMotion {
         let displaced = |motion| Displacement::of(motion, turn_before_rad);
         let mut cost_of =
             |motion| cost(coarsest, residuals, &displaced(motion), &views, Brightness::default());
-        let (start, motion) = start(&mut cost_of, last.current_from_previous, last.bearable);
+        let (mut start, motion) = start(&mut cost_of, last.current_from_previous, last.bearable);
         let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
         // A search is for what was not expected.
         let (current_from_previous, spread) = match start {
             FlowStart::CoarseSearch => (motion, diagonal(UNKNOWN_SIGMA)),
             _ => (last.current_from_previous, expected),
         };
-        let information = spread.try_inverse()?;
-        let prior = Prior { current_from_previous, information, turn: expected_turn.prior()? };
-        let mut estimate = Estimate::at(displaced(motion));
-        for level in patch.levels[patch.finest..].iter_mut().rev() {
-            estimate = align(level, residuals, (&prior, &views), self.config.iterations, estimate)?;
+        let turn = expected_turn.prior()?;
+        let mut prior = Prior { current_from_previous, information: spread.try_inverse()?, turn };
+        let iterations = self.config.iterations;
+        let (all, at) = (patch.levels.len(), displaced(motion));
+        let mut aligned = Aligned::through(all, (patch, residuals), (&prior, &views), iterations, at)?;
+        if aligned.quality < UNSURE && last.covariance.is_some() {
+            let finest = patch.levels.get(patch.finest)?;
+            let cost_of = |motion| cost(finest, residuals, &displaced(motion), &views, Brightness::default());
+            prior.current_from_previous = search_along(cost_of, last.current_from_previous);
+            prior.information = diagonal(UNKNOWN_SIGMA).try_inverse()?;
+            let at = displaced(prior.current_from_previous);
+            let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, &views), iterations, at);
+            if let Some(again) = again.filter(|again| again.cost < CLEARLY_LESS * aligned.cost) {
+                (aligned, start) = (again, FlowStart::FineSearch);
+            }
         }
+        let Aligned { mut estimate, quality, .. } = aligned;
         show(patch, residuals, (&estimate, &views), start, &mut self.evidence);
-
-        let coarsest = patch.levels.last()?;
-        let Estimate { displacement, brightness, .. } = estimate;
-        let mut cost_when_moved = |shift_m| {
-            let current_from_previous =
-                Isometry2::translation(shift_m, 0.0) * displacement.current_from_previous;
-            let displacement = Displacement { current_from_previous, ..displacement };
-            cost(coarsest, residuals, &displacement, &views, brightness)
-        };
-        let left_over = cost_when_moved(0.0);
-        let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(cost_when_moved);
-        let shifted = shifted[0].min(shifted[1]);
-        let quality = quality(&estimate, told_apart(left_over, shifted));
         let mut seen_turn = estimate.seen_turn;
-        if quality < BELIEVED {
+        let leap_m = last.leap_m(&estimate.displacement.current_from_previous);
+        if quality < BELIEVED || (quality < CLEAR && leap_m > MOST_CHANGE_M) {
             estimate.displacement = displaced(last.current_from_previous);
             estimate.covariance = expected;
             seen_turn = SeenTurn::default();
         }
+        let coarsest = patch.levels.last()?;
+        let (left_over, shifted) = costs(coarsest, residuals, (&estimate, &views));
         self.turn = expected_turn.updated(&seen_turn);
         self.evidence.attitude = seen_turn.observation();
         self.evidence.turn_rad = self.turn.turn_rad();
@@ -233,15 +244,6 @@ fn curvature_per_m(previous_from_current: &Isometry2<f64>) -> f64 {
     if forward_m > LEAST_ARC_M { (yaw_rad / forward_m).clamp(-TIGHTEST_PER_M, TIGHTEST_PER_M) } else { 0.0 }
 }
 
-/// How far a motion is to be believed, 0 to 1: whether the picture tells it from a longer one, whether the road's texture
-/// agrees with it, and how much of the patch was seen.
-fn quality(estimate: &Estimate, told: f64) -> f64 {
-    let [little, full] = AGREEING;
-    let agreeing = ((estimate.agreeing - little) / (full - little)).clamp(0.0, 1.0);
-    let converged = if estimate.has_converged { 1.0 } else { NOT_CONVERGED };
-    told * agreeing * converged * estimate.seen.clamp(0.0, 1.0)
-}
-
 /// Covariance of the vehicle's new pose in the old frame, from that of a small motion there.
 fn covariance(previous_from_current: &Isometry2<f64>, of_motion: &Matrix3<f64>) -> Matrix3<f64> {
     // A turn in the old frame swings the new place.
@@ -258,12 +260,13 @@ fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
 /// Writes down how the points of the finest level were displaced.
 fn show(
     patch: &Patch,
-    residuals: &Residuals,
+    residuals: &mut Residuals,
     (estimate, views): (&Estimate, &Views),
     start: FlowStart,
     evidence: &mut MotionEvidence,
 ) {
     let Some(level) = patch.levels.get(patch.finest) else { return };
+    cost(level, residuals, &estimate.displacement, views, estimate.brightness);
     let warp = level.raster.warp(&estimate.displacement, views);
     let ground = |pixel: [f32; 2]| {
         let pixel = patch.grid.ground_from_vehicle(level.raster.vehicle_from_pixel(pixel));

@@ -3,6 +3,7 @@
 use fingerpost_vision::alignment::{Brightness, Residuals};
 use nalgebra::{Isometry2, Vector2};
 
+use super::LEAST_ARC_M;
 use super::gauss_newton::FIRST_SCALE;
 use super::patch::Level;
 use super::plane_warp::{Displacement, Views};
@@ -19,6 +20,8 @@ const MAX_YAW_RAD: f64 = 0.09;
 /// Steps of the search: what the alignment makes good from the coarsest level on.
 const STEP_M: f64 = 0.3;
 const STEP_YAW_RAD: f64 = 0.0225;
+/// Step of the search among the finest texture, metres: a third of a grain.
+const FINE_STEP_M: f64 = 0.06;
 /// Least part of the template that must be led to seen pixels for a start to be judged.
 const MIN_SEEN: f32 = 0.5;
 
@@ -69,6 +72,25 @@ fn search(mut cost_of: impl FnMut(Isometry2<f64>) -> f64) -> Isometry2<f64> {
                     best = (cost, motion);
                 }
             }
+        }
+    }
+    best.1
+}
+
+/// The motion `current_from_previous` of least cost along the arc of `last`, in steps that a road's finest texture needs.
+pub(super) fn search_along(
+    mut cost_of: impl FnMut(Isometry2<f64>) -> f64,
+    last: Isometry2<f64>,
+) -> Isometry2<f64> {
+    let last = last.inverse();
+    let forward_m = last.translation.x;
+    let yaw_per_m = if forward_m > LEAST_ARC_M { last.rotation.angle() / forward_m } else { 0.0 };
+    let mut best = (f64::INFINITY, Isometry2::identity());
+    for forward in steps(-MAX_BACKWARD_M, MAX_FORWARD_M, FINE_STEP_M) {
+        let motion = Isometry2::new(Vector2::new(forward, 0.0), yaw_per_m * forward).inverse();
+        let cost = cost_of(motion);
+        if cost < best.0 {
+            best = (cost, motion);
         }
     }
     best.1
