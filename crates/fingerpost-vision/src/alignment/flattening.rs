@@ -2,9 +2,12 @@
 //!
 //! What the lens, dirt on it and the vehicle's own lights do to a picture stays with the camera while the road goes by, and
 //! would speak for a vehicle that stands, the more the darker it is. So each place is held against the mean of what is seen
-//! about it. The mean is taken over blocks and laid between them linearly: rounded to grey levels, its contours would stay
-//! with the camera as well.
+//! about it, or, where that lies to one side of it, against the plane through it. Both are taken over blocks and laid between
+//! them linearly: rounded to grey levels, their contours would stay with the camera as well.
 
+mod moments;
+
+use self::moments::{ColumnMoments, Moments};
 use crate::picture::Plane;
 use crate::simd::{CodePath, simd_kernel};
 
@@ -21,12 +24,9 @@ pub struct Flattening {
     /// Sum of the grey of the seen pixels, and their number, of each block.
     sums: Plane<u32>,
     counts: Plane<u32>,
-    /// The same over the width of the window about each block.
-    wide_sums: Plane<u32>,
-    wide_counts: Plane<u32>,
-    /// Sum and number over the whole window, of a row of blocks.
-    column_sums: Vec<(u32, u32)>,
-    /// Mean of what is seen in the window about each block.
+    /// Sums of each column of blocks over the window's rows.
+    window: Vec<ColumnMoments>,
+    /// Mean of what is seen in the window about each block, for its place.
     means: Plane<f32>,
     /// Means of the blocks at the height of a row of pixels.
     across: Vec<f32>,
@@ -46,9 +46,7 @@ impl Flattening {
             reach_blocks: (window_px / 2).div_ceil(block_px),
             sums: Plane::default(),
             counts: Plane::default(),
-            wide_sums: Plane::default(),
-            wide_counts: Plane::default(),
-            column_sums: Vec::new(),
+            window: Vec::new(),
             means: Plane::default(),
             across: Vec::new(),
             columns: Vec::new(),
@@ -107,33 +105,49 @@ impl Flattening {
         let (columns, rows) = self.sums.size();
         self.means.reset(columns, rows, f32::from(FLAT));
         let reach = self.reach_blocks;
-        self.wide_sums.reset(columns, rows, 0);
-        self.wide_counts.reset(columns, rows, 0);
+        self.window.clear();
+        self.window.resize(columns, ColumnMoments::default());
+        for row in 0..rows.min(reach) {
+            self.enter(row);
+        }
         for row in 0..rows {
-            for (narrow, wide) in [
-                (self.sums.row(row), self.wide_sums.row_mut(row)),
-                (self.counts.row(row), self.wide_counts.row_mut(row)),
-            ] {
-                for (column, wide) in wide.iter_mut().enumerate() {
-                    let (left, right) = (column.saturating_sub(reach), (column + reach + 1).min(columns));
-                    *wide = narrow[left..right].iter().sum();
+            if row + reach < rows {
+                self.enter(row + reach);
+            }
+            if let Some(left) = row.checked_sub(reach + 1) {
+                self.leave(left);
+            }
+            let mut moments = Moments::default();
+            for (column, of_column) in self.window.iter().enumerate().take(reach) {
+                moments.add(column, of_column);
+            }
+            for (column, mean) in self.means.row_mut(row).iter_mut().enumerate() {
+                if let Some(entered) = self.window.get(column + reach) {
+                    moments.add(column + reach, entered);
+                }
+                if let Some(left) = column.checked_sub(reach + 1) {
+                    moments.take_off(left, &self.window[left]);
+                }
+                if let Some(grey) = moments.grey_at(column, row) {
+                    *mean = grey;
                 }
             }
         }
-        self.column_sums.resize(columns, (0, 0));
-        for row in 0..rows {
-            self.column_sums.fill((0, 0));
-            for y in row.saturating_sub(reach)..(row + reach + 1).min(rows) {
-                let wide = self.wide_sums.row(y).iter().zip(self.wide_counts.row(y));
-                for (total, (&sum, &count)) in self.column_sums.iter_mut().zip(wide) {
-                    *total = (total.0 + sum, total.1 + count);
-                }
-            }
-            for (mean, &(sum, count)) in self.means.row_mut(row).iter_mut().zip(&self.column_sums) {
-                if count > 0 {
-                    *mean = sum as f32 / count as f32;
-                }
-            }
+    }
+
+    /// Adds a row of blocks to the window.
+    fn enter(&mut self, row: usize) {
+        let blocks = self.counts.row(row).iter().zip(self.sums.row(row));
+        for (sum, (&count, &grey)) in self.window.iter_mut().zip(blocks) {
+            *sum += ColumnMoments::of_block(row, count, grey);
+        }
+    }
+
+    /// Takes a row of blocks off the window.
+    fn leave(&mut self, row: usize) {
+        let blocks = self.counts.row(row).iter().zip(self.sums.row(row));
+        for (sum, (&count, &grey)) in self.window.iter_mut().zip(blocks) {
+            *sum -= ColumnMoments::of_block(row, count, grey);
         }
     }
 }

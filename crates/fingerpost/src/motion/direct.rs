@@ -78,6 +78,8 @@ const STANDING_QUALITY: f64 = 0.5;
 const UNSURE: f64 = 0.3;
 /// Levels, from the finest on, that such a search is followed by.
 const FINE_LEVELS: usize = 2;
+/// How far around the expected motion it is searched for, standard deviations.
+const REACH_SIGMAS: f64 = 3.0;
 /// A motion that was searched for must cost less than the expected one by this factor.
 const CLEARLY_LESS: f64 = 0.95;
 /// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
@@ -157,16 +159,15 @@ impl DirectMotion {
             _ => (last.current_from_previous, expected),
         };
         let turn = expected_turn.prior()?;
-        let mut prior = Prior { current_from_previous, information: spread.try_inverse()?, turn };
+        let prior = Prior { current_from_previous, information: spread.try_inverse()?, turn };
         let iterations = self.config.iterations;
         let (all, at) = (patch.levels.len(), displaced(motion));
         let mut aligned = Aligned::through(all, (patch, residuals), (&prior, &views), iterations, at)?;
         if aligned.quality < UNSURE && last.covariance.is_some() {
             let finest = patch.levels.get(patch.finest)?;
             let cost_of = |motion| cost(finest, residuals, &displaced(motion), &views, Brightness::default());
-            prior.current_from_previous = search_along(cost_of, last.current_from_previous);
-            prior.information = diagonal(UNKNOWN_SIGMA).try_inverse()?;
-            let at = displaced(prior.current_from_previous);
+            let reach_m = REACH_SIGMAS * expected[(0, 0)].max(0.0).sqrt();
+            let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
             let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, &views), iterations, at);
             if let Some(again) = again.filter(|again| again.cost < CLEARLY_LESS * aligned.cost) {
                 (aligned, start) = (again, FlowStart::FineSearch);

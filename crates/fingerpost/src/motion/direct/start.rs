@@ -3,7 +3,7 @@
 use fingerpost_vision::alignment::{Brightness, Residuals};
 use nalgebra::{Isometry2, Vector2};
 
-use super::LEAST_ARC_M;
+use super::curvature_per_m;
 use super::gauss_newton::FIRST_SCALE;
 use super::patch::Level;
 use super::plane_warp::{Displacement, Views};
@@ -77,16 +77,18 @@ fn search(mut cost_of: impl FnMut(Isometry2<f64>) -> f64) -> Isometry2<f64> {
     best.1
 }
 
-/// The motion `current_from_previous` of least cost along the arc of `last`, in steps that a road's finest texture needs.
+/// The motion `current_from_previous` of least cost along the arc of `last`, within `reach_m` of it, in steps that a road's
+/// finest texture needs.
 pub(super) fn search_along(
     mut cost_of: impl FnMut(Isometry2<f64>) -> f64,
     last: Isometry2<f64>,
+    reach_m: f64,
 ) -> Isometry2<f64> {
-    let last = last.inverse();
-    let forward_m = last.translation.x;
-    let yaw_per_m = if forward_m > LEAST_ARC_M { last.rotation.angle() / forward_m } else { 0.0 };
-    let mut best = (f64::INFINITY, Isometry2::identity());
-    for forward in steps(-MAX_BACKWARD_M, MAX_FORWARD_M, FINE_STEP_M) {
+    let last_m = last.inverse().translation.x;
+    let yaw_per_m = curvature_per_m(&last.inverse());
+    let mut best = (f64::INFINITY, last);
+    let low_m = (last_m - reach_m).max(-MAX_BACKWARD_M);
+    for forward in steps(low_m, (last_m + reach_m).clamp(low_m, MAX_FORWARD_M), FINE_STEP_M) {
         let motion = Isometry2::new(Vector2::new(forward, 0.0), yaw_per_m * forward).inverse();
         let cost = cost_of(motion);
         if cost < best.0 {
@@ -97,6 +99,6 @@ pub(super) fn search_along(
 }
 
 fn steps(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
-    let count = ((high - low) / step).round() as usize;
+    let count = ((high - low) / step).round().max(1.0) as usize;
     (0..=count).map(move |i| low + (high - low) * i as f64 / count as f64)
 }
