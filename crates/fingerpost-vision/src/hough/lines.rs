@@ -12,6 +12,8 @@ use crate::simd::{CodePath, simd_kernel};
 const ANGLES_TOGETHER: usize = 4;
 /// Bins that are asked together whether one of them has enough votes.
 const BINS_TOGETHER: usize = 128;
+/// Lines for which there is room from the start; a window of a road shows fewer.
+const USUAL_LINES: usize = 1024;
 /// 1.5 * 2^23: a sum with it has no room for a fraction, so a small number plus this is rounded to the nearest whole one,
 /// halves to even, and stands in the lowest bits.
 const ROUNDING: f32 = 12_582_912.0;
@@ -64,8 +66,8 @@ impl HoughLines {
             places: [Vec::new(), Vec::new()],
             bins: Default::default(),
             votes: Vec::new(),
-            found: Vec::new(),
-            lines: Vec::new(),
+            found: Vec::with_capacity(USUAL_LINES),
+            lines: Vec::with_capacity(USUAL_LINES),
         })
     }
 
