@@ -9,6 +9,7 @@
 mod alignment;
 mod candidates;
 mod expectation;
+mod pitch_doubt;
 mod pose_filter;
 mod route_stop;
 mod shown;

@@ -13,11 +13,13 @@ mod profile;
 mod section;
 
 use fingerpost_vision::span::SpanError;
-use nalgebra::{Isometry2, Point2, Vector2};
+use nalgebra::Isometry2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::pitch_doubt::PitchDoubt;
 use super::pose_filter::{LineMeasurement, PoseFilter, Update};
+use crate::ground_view::Viewpoint;
 use crate::matching::LaidSurface;
 use section::Slide;
 
@@ -50,7 +52,8 @@ pub struct AlignmentConfig {
     pub width_sigma_share: f64,
     /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
     pub kerb_radius_m: f64,
-    /// Standard deviation of the camera's pitch about its mount, degrees: far places are less sure; default 0.2.
+    /// Standard deviation of what is not known of the camera's pitch, degrees: far places are less sure, in however many
+    /// frames they are seen; default 0.2.
     pub pitch_sigma_deg: f64,
 }
 
@@ -100,7 +103,7 @@ struct Edge {
 #[derive(Debug)]
 pub(super) struct Aligner {
     config: AlignmentConfig,
-    camera_height_m: f64,
+    pitch: PitchDoubt,
     slide: Slide,
     arm: Vec<Measured>,
     sections: Vec<CrossSection>,
@@ -111,12 +114,11 @@ pub(super) struct Aligner {
 }
 
 impl Aligner {
-    /// An aligner for a camera at this height above the road (metres), which says how much a pitch error moves far
-    /// places.
-    pub(super) fn new(config: &AlignmentConfig, camera_height_m: f64) -> Self {
+    /// An aligner for a camera at this place.
+    pub(super) fn new(config: &AlignmentConfig, viewpoint: Viewpoint) -> Self {
         Self {
             config: config.clone(),
-            camera_height_m,
+            pitch: PitchDoubt { sigma_rad: config.pitch_sigma_deg.to_radians(), viewpoint },
             slide: Slide::new(config),
             arm: Vec::new(),
             sections: Vec::new(),
@@ -124,6 +126,11 @@ impl Aligner {
             headings: Vec::new(),
             wider: Vec::new(),
         }
+    }
+
+    /// What is not known of the camera's pitch.
+    pub(super) const fn pitch(&self) -> PitchDoubt {
+        self.pitch
     }
 
     /// Measures every arm of a feature and moves `filter` accordingly; returns what was seen.
@@ -151,8 +158,8 @@ impl Aligner {
                 || assumed_width(&self.config, arm.width_m, mean(self.wider.iter().copied())),
                 |width_m| (width_m, MEASURED_WIDTH_SIGMA_M),
             );
-            let (config, height_m) = (&self.config, self.camera_height_m);
-            self.lines.extend(self.arm.iter().map(|piece| line(config, height_m, piece, width, &believed)));
+            let (config, pitch) = (&self.config, self.pitch);
+            self.lines.extend(self.arm.iter().map(|piece| line(config, pitch, piece, width, &believed)));
             // Pieces of one arm share the errors of map and pitch: together they are worth little more than one.
             let lines = &mut self.lines[first..];
             let used = lines.iter().flatten().count().max(1) as f64;
@@ -269,7 +276,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 /// The measurement of a piece: how far the road's middle lies from it.
 fn line(
     config: &AlignmentConfig,
-    camera_height_m: f64,
+    pitch: PitchDoubt,
     piece: &Measured,
     (width_m, width_sigma_m): (f64, f64),
     vehicle_from_feature: &Isometry2<f64>,
@@ -288,20 +295,7 @@ fn line(
         p_in_feature: vehicle_from_feature.inverse() * p_in_vehicle,
         normal: left,
         innovation_m,
-        sigma_m: own_sigma_m.hypot(pitch_sigma_m(config, camera_height_m, p_in_vehicle, left)),
+        sigma_m: own_sigma_m,
+        by_pitch_m: left.dot(&pitch.moves_m(p_in_vehicle)),
     })
-}
-
-/// Standard deviation across a section from the camera's pitch, metres: an error p moves a place at distance x by
-/// p x^2 / height.
-fn pitch_sigma_m(
-    config: &AlignmentConfig,
-    camera_height_m: f64,
-    p_in_vehicle: Point2<f64>,
-    normal: Vector2<f64>,
-) -> f64 {
-    let pitch = config.pitch_sigma_deg.to_radians();
-    let forward = p_in_vehicle.x * p_in_vehicle.x / camera_height_m * pitch;
-    let sideways = p_in_vehicle.y * p_in_vehicle.x / camera_height_m * pitch;
-    (normal.x * forward + normal.y * sideways).abs()
 }

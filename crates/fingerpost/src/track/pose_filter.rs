@@ -13,6 +13,8 @@ use crate::motion::Motion;
 pub struct PoseFilter {
     vehicle_from_feature: Isometry2<f64>,
     covariance: Matrix3<f64>,
+    /// Covariance of the pose's error with the camera's pitch, of which one standard deviation is the unit.
+    with_pitch: Vector3<f64>,
 }
 
 /// A measurement of the distance of a place on the feature from a line in the vehicle frame.
@@ -24,8 +26,10 @@ pub(crate) struct LineMeasurement {
     pub(crate) normal: Vector2<f64>,
     /// Measured minus predicted place along the normal, metres.
     pub(crate) innovation_m: f64,
-    /// Standard deviation, metres.
+    /// Standard deviation but for the pitch, metres.
     pub(crate) sigma_m: f64,
+    /// How far one standard deviation of the camera's pitch moves the measured place along the normal, metres.
+    pub(crate) by_pitch_m: f64,
 }
 
 /// What a measurement did.
@@ -43,12 +47,15 @@ const GATE_SIGMAS: f64 = 3.0;
 /// where the road is, so that no number of frames makes a place certain. Metres and radians.
 const PROCESS_M: f64 = 0.06;
 const PROCESS_RAD: f64 = 0.01;
+/// Distance driven after which the camera's pitch about its mount is another one, metres: the body swings within a few, the
+/// mount's own error and the waves of the road last longer.
+const PITCH_LASTS_M: f64 = 15.0;
 
 impl PoseFilter {
     /// A feature at a pose known to the given standard deviations (metres, metres, radians).
     pub fn new(vehicle_from_feature: Isometry2<f64>, sigmas: [f64; 3]) -> Self {
         let covariance = Matrix3::from_diagonal(&Vector3::from(sigmas.map(|sigma| sigma * sigma)));
-        Self { vehicle_from_feature, covariance }
+        Self { vehicle_from_feature, covariance, with_pitch: Vector3::zeros() }
     }
 
     /// The pose.
@@ -80,6 +87,8 @@ impl PoseFilter {
             + Matrix3::from_diagonal(
                 &Vector3::new(PROCESS_M, PROCESS_M, PROCESS_RAD).map(|sigma| sigma * sigma),
             );
+        let driven_m = motion.previous_from_current.translation.vector.norm();
+        self.with_pitch = (-driven_m / PITCH_LASTS_M).exp() * (by_pose * self.with_pitch);
     }
 
     /// Takes a measurement in, unless it is too far off.
@@ -87,32 +96,38 @@ impl PoseFilter {
         let turned = self.vehicle_from_feature.rotation * measurement.p_in_feature.coords;
         let n = measurement.normal;
         let h = RowVector3::new(n.x, n.y, n.y * turned.x - n.x * turned.y);
-        self.take(h, measurement.innovation_m, measurement.sigma_m)
+        self.take(h, measurement.innovation_m, (measurement.sigma_m, measurement.by_pitch_m))
     }
 
     /// Takes in how far the feature must turn, radians, unless that is too far off.
     pub(crate) fn update_heading(&mut self, innovation_rad: f64, sigma_rad: f64) -> Update {
-        self.take(RowVector3::new(0.0, 0.0, 1.0), innovation_rad, sigma_rad)
+        self.take(RowVector3::new(0.0, 0.0, 1.0), innovation_rad, (sigma_rad, 0.0))
     }
 
     /// Takes in a pose that was found by a search, known to the given standard deviations (metres, metres, radians); each
-    /// of its parts unless that is too far off.
-    pub(crate) fn update_pose(&mut self, found: &Isometry2<f64>, sigmas: [f64; 3]) {
+    /// of its parts unless that is too far off. One standard deviation of the camera's pitch moves the place by `by_pitch`,
+    /// metres.
+    pub(crate) fn update_pose(&mut self, found: &Isometry2<f64>, sigmas: [f64; 3], by_pitch: Vector2<f64>) {
         let off_forward_m = found.translation.x - self.vehicle_from_feature.translation.x;
-        self.take(RowVector3::new(1.0, 0.0, 0.0), off_forward_m, sigmas[0]);
+        self.take(RowVector3::new(1.0, 0.0, 0.0), off_forward_m, (sigmas[0], by_pitch.x));
         let off_left_m = found.translation.y - self.vehicle_from_feature.translation.y;
-        self.take(RowVector3::new(0.0, 1.0, 0.0), off_left_m, sigmas[1]);
+        self.take(RowVector3::new(0.0, 1.0, 0.0), off_left_m, (sigmas[1], by_pitch.y));
         let turned_rad = self.vehicle_from_feature.rotation.angle_to(&found.rotation);
-        self.take(RowVector3::new(0.0, 0.0, 1.0), turned_rad, sigmas[2]);
+        self.take(RowVector3::new(0.0, 0.0, 1.0), turned_rad, (sigmas[2], 0.0));
     }
 
-    fn take(&mut self, h: RowVector3<f64>, innovation: f64, sigma: f64) -> Update {
-        let variance = (h * self.covariance * h.transpose())[0] + sigma.powi(2);
-        let sigmas = innovation.abs() / variance.sqrt();
+    /// Takes in what was measured with this standard deviation, and moved by so much by one of the camera's pitch. The pitch
+    /// is the same in many frames, so it is considered, not averaged out (Schmidt, Application of state-space methods to
+    /// navigation problems, 1966).
+    fn take(&mut self, h: RowVector3<f64>, innovation: f64, (sigma, by_pitch): (f64, f64)) -> Update {
+        let noise = sigma.powi(2) + by_pitch.powi(2);
+        let variance =
+            (h * self.covariance * h.transpose())[0] + 2.0 * by_pitch * (h * self.with_pitch)[0] + noise;
+        let sigmas = innovation.abs() / variance.max(f64::MIN_POSITIVE).sqrt();
         if sigmas > GATE_SIGMAS {
             return Update::Gated(sigmas);
         }
-        let gain = self.covariance * h.transpose() / variance;
+        let gain = (self.covariance * h.transpose() + by_pitch * self.with_pitch) / variance;
         let change = gain * innovation;
         self.vehicle_from_feature = Isometry2::new(
             self.vehicle_from_feature.translation.vector + change.xy(),
@@ -120,7 +135,11 @@ impl PoseFilter {
         );
         // Joseph's form stays symmetric and positive whatever the rounding.
         let keep = Matrix3::identity() - gain * h;
-        self.covariance = keep * self.covariance * keep.transpose() + gain * gain.transpose() * sigma.powi(2);
+        let across = keep * self.with_pitch * (by_pitch * gain.transpose());
+        self.covariance = keep * self.covariance * keep.transpose() + gain * gain.transpose() * noise
+            - across
+            - across.transpose();
+        self.with_pitch = keep * self.with_pitch - gain * by_pitch;
         Update::Accepted
     }
 
@@ -181,6 +200,42 @@ mod tests {
         assert!((analytic - numeric_covariance).norm() < 1e-5, "{analytic} {numeric_covariance}");
     }
 
+    /// Approaches in which the camera looks a constant bit too low or too high: the error must be as large as the filter says.
+    #[test]
+    fn what_the_cameras_pitch_moves_is_not_averaged_out() {
+        let (runs, by_pitch_at) = (60, |x: f64| 0.0035 * x * x / 1.5);
+        let (mut squared, mut sigma_far_m, mut sigma_near_m) = (0.0, 0.0, 0.0);
+        for run in 0..runs {
+            // Evenly over the quantiles of a uniform distribution of variance 1.
+            let pitch = 3.0_f64.sqrt() * (2.0 * (f64::from(run) + 0.5) / f64::from(runs) - 1.0);
+            let mut x = 18.0;
+            let place = |x| Isometry2::new(Vector2::new(x, 0.0), 0.0);
+            let mut filter = PoseFilter::new(place(x + pitch * by_pitch_at(x)), [1.2, 0.8, 0.1]);
+            for frame in 0..20 {
+                let innovation_m = x + pitch * by_pitch_at(x) - filter.pose().translation.x;
+                let update = filter.update(&LineMeasurement {
+                    p_in_feature: Point2::origin(),
+                    normal: Vector2::x(),
+                    innovation_m,
+                    sigma_m: 0.2,
+                    by_pitch_m: by_pitch_at(x),
+                });
+                assert_eq!(update, Update::Accepted);
+                let sigma_m = filter.covariance()[(0, 0)].sqrt();
+                if frame == 5 {
+                    sigma_far_m = sigma_m;
+                }
+                sigma_near_m = sigma_m;
+                squared += ((filter.pose().translation.x - x) / sigma_m).powi(2);
+                filter.predict(&motion(0.5, 0.0, 0.0));
+                x -= 0.5;
+            }
+        }
+        let normalised = squared / f64::from(20 * runs);
+        assert!((0.4..1.5).contains(&normalised), "{normalised}");
+        assert!(sigma_far_m > 0.35 && sigma_near_m < 0.6 * sigma_far_m, "{sigma_far_m} {sigma_near_m}");
+    }
+
     #[test]
     fn measurements_along_two_normals_fix_the_place() {
         let truth = Isometry2::new(Vector2::new(10.4, -0.3), 0.03);
@@ -197,6 +252,7 @@ mod tests {
                     normal,
                     innovation_m,
                     sigma_m: 0.1,
+                    by_pitch_m: 0.0,
                 });
                 assert_eq!(update, Update::Accepted);
             }
@@ -208,6 +264,7 @@ mod tests {
             normal: Vector2::x(),
             innovation_m: 2.0,
             sigma_m: 0.1,
+            by_pitch_m: 0.0,
         };
         assert!(matches!(filter.update(&outlier), Update::Gated(sigmas) if sigmas > 10.0));
     }

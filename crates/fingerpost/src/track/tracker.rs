@@ -101,7 +101,7 @@ impl Tracker {
             progress: RouteProgress::new(setting.progress, start_m),
             search: CandidateSearch::default(),
             expected: Vec::new(),
-            aligner: Aligner::new(&setting.track.alignment, setting.viewpoint.height_m),
+            aligner: Aligner::new(&setting.track.alignment, setting.viewpoint),
             spare: Vec::new(),
             nearest_seen_m: setting.nearest_seen_m,
             farthest_m: setting.grid.far_m() - EDGE_ROOM_M,

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use fingerpost_vision::span::SpanError;
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Point2};
 
 use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, Tracker};
 use crate::feature_masks::MaskCache;
@@ -22,7 +22,7 @@ const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
 /// The same where edges say otherwise: what leads the search astray does so for many frames.
 const SEARCHED_SIGMAS: [f64; 3] = [1.8, 1.2, 0.1];
 /// A candidate whose place is not sure after this many times the frames that are needed is another place.
-const CANDIDATE_PATIENCE: usize = 5;
+const CANDIDATE_PATIENCE: usize = 10;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
 const ON_ROAD_SIGMA_RAD: f64 = 0.052;
 /// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
@@ -94,7 +94,8 @@ impl Tracker {
         let (found_pose, p) = found;
         let mut by_search =
             if before.0 > 0 { filter.clone() } else { PoseFilter::new(found_pose, FOUND_SIGMAS) };
-        by_search.update_pose(&found_pose, SEARCHED_SIGMAS);
+        let by_pitch = self.aligner.pitch().moves_m(Point2::from(found_pose.translation.vector));
+        by_search.update_pose(&found_pose, SEARCHED_SIGMAS, by_pitch);
         evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
         let by_edges = |section: &CrossSection| {
             section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
@@ -102,7 +103,7 @@ impl Tracker {
         if before.0 > 0 && !self.expected.is_empty() && !evidence.sections.iter().any(by_edges) {
             // Without an edge the place at which the arms stand out most is what is known, frame by frame anew; where nothing
             // is known of the distance, that alone would make a junction of any road that widens.
-            filter.update_pose(&found_pose, STANDS_OUT_SIGMAS);
+            filter.update_pose(&found_pose, STANDS_OUT_SIGMAS, by_pitch);
         }
         // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; where
         // the feature is expected, the search alone then says where it is, less surely.
