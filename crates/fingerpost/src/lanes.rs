@@ -7,6 +7,7 @@
 //! fills the gaps of broken lines and carries it through frames that show nothing.
 
 mod config;
+mod dash_motion;
 pub mod departure;
 mod edges;
 mod finder;
@@ -25,6 +26,7 @@ use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::RgbImage;
 
 use self::geometry::{EdgeOnRoad, LaneOnRoad};
+use crate::mount::ObservedAngle;
 use crate::vehicle_signals::VehicleState;
 
 pub use config::{LaneMethod, LanesConfig};
@@ -81,6 +83,8 @@ pub struct LaneInput<'a> {
     pub dt_s: Option<f64>,
     /// Speed, yaw rate and turn signal, where they are known.
     pub vehicle: &'a VehicleState,
+    /// Change of the camera's pitch since the frame before, radians, positive nose down, where the picture shows it.
+    pub pitch_change: Option<ObservedAngle>,
 }
 
 impl LaneInput<'_> {

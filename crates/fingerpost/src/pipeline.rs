@@ -277,7 +277,8 @@ impl Pipeline {
         output.place_driving_line(tracker.stops());
         finished(Stage::DrivingLine);
 
-        let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle };
+        let pitch_change = attitude.pitch_change;
+        let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle, pitch_change };
         let lanes =
             self.lanes.as_mut().map(|finder| finder.find(&self.camera, &lane_input, &mut output.lane));
         let lanes = lanes.transpose()?;

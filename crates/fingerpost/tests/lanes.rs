@@ -66,7 +66,8 @@ fn found(camera: &Camera, pictures: &[RgbImage]) -> Lane {
     let mut lane = None;
     for (index, frame) in pictures.iter().enumerate() {
         let vehicle = VehicleState::default();
-        let input = LaneInput { frame, dt_s: (index > 0).then_some(0.05), vehicle: &vehicle };
+        let input =
+            LaneInput { frame, dt_s: (index > 0).then_some(0.05), vehicle: &vehicle, pitch_change: None };
         finder.find(camera, &input, &mut lane).unwrap();
     }
     lane.unwrap()
@@ -130,7 +131,12 @@ fn a_pitch_that_the_calibration_does_not_know_is_found() {
     let (picture, vehicle, mut lane) = (road.picture(&real), VehicleState::default(), None);
     let mut pitch_deg = 0.0;
     for index in 0..20 {
-        let input = LaneInput { frame: &picture, dt_s: (index > 0).then_some(0.05), vehicle: &vehicle };
+        let input = LaneInput {
+            frame: &picture,
+            dt_s: (index > 0).then_some(0.05),
+            vehicle: &vehicle,
+            pitch_change: None,
+        };
         pitch_deg = finder.find(&assumed, &input, &mut lane).unwrap().pitch_rad.to_degrees();
     }
     // Edges that seem to spread may also be a wider lane: most of the pitch is found, its sign surely.
@@ -201,7 +207,7 @@ fn the_yaw_rate_says_to_which_side_the_lane_leads() {
                 yaw_rate_rps: Some(yaw_rate_rps),
                 ..VehicleState::default()
             };
-            let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle };
+            let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None };
             let mut lane = None;
             let evidence = finder.find(&camera, &input, &mut lane).unwrap();
             evidence.candidates.iter().filter(|c| c.section > 1).map(|c| c.votes).sum::<u32>()
@@ -217,7 +223,7 @@ fn a_frame_of_another_size_is_refused() {
     let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
     for (width, height) in [(WIDTH / 2, HEIGHT / 2), (WIDTH, HEIGHT + 1), (WIDTH + 1, HEIGHT), (0, 0)] {
         let (frame, vehicle) = (RgbImage::new(width, height), VehicleState::default());
-        let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle };
+        let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None };
         let mut lane = None;
         let error = finder.find(&camera, &input, &mut lane).unwrap_err();
         assert!(matches!(error, LaneError::Picture(_)), "{error:?}");

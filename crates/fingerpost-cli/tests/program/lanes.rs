@@ -50,6 +50,18 @@ fn broken_and_double_lines_are_found_where_they_are() {
     }
 }
 
+/// Sealed strips run inside the lane; in the rain an edge is lost for frames and seen again.
+#[test]
+fn strips_and_rain_move_no_edge() {
+    for (course, conditions, seed) in [("highway", "lane_patches", 41), ("country", "lane_rain", 7)] {
+        let folder = driven(&format!(
+            "--course {course} --conditions {conditions} --driving keeping --seed {seed} --frames 60 --fps 15"
+        ));
+        let accuracy_pct = mean_accuracy_pct(folder.path());
+        assert!(accuracy_pct >= 97.0, "{course}, {conditions}: {accuracy_pct} %");
+    }
+}
+
 #[test]
 fn a_road_without_lines_has_no_lane() {
     let folder = driven("--course highway --conditions lane_none --frames 60 --fps 15");

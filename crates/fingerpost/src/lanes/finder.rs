@@ -1,10 +1,13 @@
 //! The stage: a frame in, the lane out.
 
 mod acquisition;
+mod motion;
 
 use fingerpost_geometry::Camera;
 
 use self::acquisition::Painted;
+use self::motion::HeldMotion;
+use super::dash_motion::DashMotion;
 use super::edges::{LaneEdges, LaneError};
 use super::lane_filter::{LaneFilter, LaneMotion};
 use super::marking::MarkingNotes;
@@ -33,8 +36,6 @@ const CROSSED_M: f64 = 0.1;
 const INSIDE_FRAMES: u32 = 3;
 /// How well the place of a line inside another is known when it is first seen, metres.
 const INNER_SIGMA_M: f64 = 0.03;
-/// How long a motion is held that is not known anew, seconds.
-const MOST_HELD_S: f64 = 0.5;
 /// Slower vehicles count as standing, m/s.
 const SLOWEST_MPS: f64 = 0.3;
 
@@ -65,14 +66,6 @@ impl Followed {
     }
 }
 
-/// The vehicle's motion as it was last known.
-#[derive(Debug, Clone, Copy)]
-struct HeldMotion {
-    speed_mps: f64,
-    yaw_rate_rps: f64,
-    age_s: f64,
-}
-
 /// Finds and follows the lane.
 #[derive(Debug)]
 pub struct LaneFinder {
@@ -86,6 +79,7 @@ pub struct LaneFinder {
     shape: EdgeShape,
     held: Option<HeldMotion>,
     painted: Vec<Painted>,
+    dashes: DashMotion,
 }
 
 impl LaneFinder {
@@ -105,6 +99,7 @@ impl LaneFinder {
             shape: EdgeShape::default(),
             held: None,
             painted: Vec::new(),
+            dashes: DashMotion::default(),
         })
     }
 
@@ -136,6 +131,7 @@ impl LaneFinder {
         for side in Side::BOTH {
             self.acquire(camera, input, side);
         }
+        self.look_at_dashes(camera, input);
         self.exchange_crossed();
         self.judge(input);
 
@@ -162,27 +158,8 @@ impl LaneFinder {
         self.evidence.region = LaneRegion::default();
         self.filter = LaneFilter::new();
         self.held = None;
+        self.dashes = DashMotion::default();
         self.followed.iter_mut().for_each(Followed::forget);
-    }
-
-    fn predict(&mut self, input: &LaneInput<'_>) {
-        let dt_s = input.dt_s.unwrap_or(0.0);
-        match input.vehicle.speed_mps.zip(input.vehicle.yaw_rate_rps) {
-            Some((speed_mps, yaw_rate_rps)) => {
-                self.held = Some(HeldMotion { speed_mps, yaw_rate_rps, age_s: 0.0 });
-            }
-            // A motion that fails for a moment goes on as it was.
-            None => {
-                self.held.iter_mut().for_each(|held| held.age_s += dt_s);
-                self.held = self.held.filter(|held| held.age_s <= MOST_HELD_S);
-            }
-        }
-        let forward_m = self.held.map(|held| dt_s * held.speed_mps);
-        let yaw_rad = self.held.map(|held| dt_s * held.yaw_rate_rps);
-        self.filter.predict(&LaneMotion { dt_s: input.dt_s, forward_m, yaw_rad });
-        for followed in &mut self.followed {
-            followed.notes.advance(forward_m.unwrap_or(0.0));
-        }
     }
 
     /// Reads the edges that are followed; `before` is the lane without the vehicle's motion.
@@ -203,7 +180,8 @@ impl LaneFinder {
         let rows = self.read(camera, input, &self.filter.clone(), sides);
         // A motion that loses the paint which was there is wrong: then the lane goes on as it was.
         if self.held.is_some() && was >= NEW_ROWS && (rows as f64) < LOST_SHARE * was as f64 {
-            before.predict(&LaneMotion { dt_s: input.dt_s, forward_m: None, yaw_rad: None });
+            let (dt_s, pitch_change) = (input.dt_s, self.pitch_change(input));
+            before.predict(&LaneMotion { dt_s, pitch_change, ..LaneMotion::default() });
             if self.read(camera, input, &before, sides) > rows {
                 self.filter = before;
                 self.held = None;

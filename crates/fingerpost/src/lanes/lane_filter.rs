@@ -1,24 +1,30 @@
 //! The lane on the road, followed from frame to frame.
 //!
 //! Both edges are parallel curves in the vehicle frame, y = offset + heading x + curvature x^2 / 2, seen by a camera whose
-//! pitch swings with the suspension. Parallel edges that do not look parallel from above show that pitch. A frame's points
+//! pitch swings with the suspension, and that does not look quite where the vehicle drives: a degree of yaw more than its
+//! calibration says would else carry a lane aside by half a metre a second. Parallel edges that do not look parallel from above show that pitch. A frame's points
 //! are taken in at once by Gauss-Newton steps from the prediction (an iterated extended Kalman filter), with weights
 //! against outliers; the vehicle's motion carries the lane on.
+
+mod pitch_swing;
 
 use fingerpost_geometry::{Camera, Pixel};
 use nalgebra::{Point2, SMatrix, SVector};
 
+use self::pitch_swing::PitchSwing;
 use super::Side;
 use super::road_view::RoadView;
+use crate::mount::ObservedAngle;
 
-const STATES: usize = 5;
+const STATES: usize = 6;
 const HEADING: usize = 2;
 const CURVATURE: usize = 3;
 const PITCH: usize = 4;
+const SKEW: usize = 5;
 
-/// How far a lane's offset, heading, curvature and the camera's pitch may be off before anything is seen: metres, radians,
-/// 1/m, radians.
-const PRIOR_SIGMA: [f64; STATES] = [1.5, 1.5, 0.12, 2e-3, 0.018];
+/// How far a lane's offset, heading, curvature, the camera's pitch and its skew, the angle by which it looks left of where the
+/// vehicle drives, may be off before anything is seen: metres, radians, 1/m, radians, radians.
+const PRIOR_SIGMA: [f64; STATES] = [1.5, 1.5, 0.12, 2e-3, 0.01, 0.02];
 /// How much the vehicle drifts in a second beyond what its motion says, metres, and without a known motion.
 const DRIFT_WALK_M: f64 = 0.03;
 const UNKNOWN_DRIFT_WALK_M: f64 = 0.2;
@@ -29,10 +35,9 @@ const HEADING_WALK_RAD: f64 = 0.008;
 const UNKNOWN_HEADING_WALK_RAD: f64 = 0.03;
 /// How much the curvature changes in a second, 1/m: a motorway's transition curve at speed.
 const CURVATURE_WALK_PER_M: f64 = 8e-4;
-/// How much the suspension swings the pitch in a second, radians.
-const PITCH_WALK_RAD: f64 = 0.0045;
-/// Time in which the pitch swings back to its mean, and in which that mean is learned, seconds.
-const PITCH_RETURN_S: f64 = 0.6;
+/// How much the skew changes in a second: load, crosswind and slopes across the road, radians.
+const SKEW_WALK_RAD: f64 = 3e-4;
+/// Time in which the mean pitch is learned, seconds.
 const PITCH_MEAN_S: f64 = 4.0;
 /// Frames without a known motion are taken as so long, seconds.
 const UNKNOWN_STEP_S: f64 = 0.1;
@@ -61,6 +66,8 @@ pub(super) struct LaneMotion {
     /// Forward, metres, and yaw, radians; none where neither is known.
     pub(super) forward_m: Option<f64>,
     pub(super) yaw_rad: Option<f64>,
+    /// Change of the camera's pitch, where the picture shows it.
+    pub(super) pitch_change: Option<ObservedAngle>,
 }
 
 /// The lane's shape with its uncertainty.
@@ -79,6 +86,14 @@ impl LaneFilter {
             covariance: SMatrix::from_diagonal(&SVector::from(variances)),
             mean_pitch_rad: 0.0,
         }
+    }
+
+    /// Nothing is known of the lane; of the pitch, its mean.
+    pub(super) fn forget_lane(&mut self) {
+        let mean_pitch_rad = self.mean_pitch_rad;
+        *self = Self::new();
+        self.state[PITCH] = mean_pitch_rad;
+        self.mean_pitch_rad = mean_pitch_rad;
     }
 
     /// The camera's pitch against its mount, radians.
@@ -152,18 +167,19 @@ impl LaneFilter {
         let mut transition = SMatrix::<f64, STATES, STATES>::identity();
         for side in [0, 1] {
             transition[(side, HEADING)] = forward_m;
+            transition[(side, SKEW)] = forward_m;
             transition[(side, CURVATURE)] = 0.5 * forward_m * forward_m;
         }
         transition[(HEADING, CURVATURE)] = forward_m;
-        let kept = (-dt_s / PITCH_RETURN_S).exp();
-        transition[(PITCH, PITCH)] = kept;
+        let swing = PitchSwing::over(dt_s, motion.pitch_change);
+        transition[(PITCH, PITCH)] = 1.0 - swing.returned;
         self.state = transition * self.state;
         // The way is an arc: its end lies half of the turn beside its first direction.
         for side in [0, 1] {
             self.state[side] -= 0.5 * forward_m * yaw_rad;
         }
         self.state[HEADING] -= yaw_rad;
-        self.state[PITCH] += (1.0 - kept) * self.mean_pitch_rad;
+        self.state[PITCH] += swing.returned * self.mean_pitch_rad + swing.seen_rad;
         // Without a motion the vehicle is taken to follow its lane, more or less.
         let [drift, turn] = match (motion.forward_m, motion.yaw_rad) {
             (Some(_), Some(_)) => [DRIFT_WALK_M, HEADING_WALK_RAD],
@@ -175,9 +191,10 @@ impl LaneFilter {
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             walk[(row, column)] = if row == column { common + width } else { common - width };
         }
-        for (index, sigma) in [(HEADING, turn), (CURVATURE, CURVATURE_WALK_PER_M), (PITCH, PITCH_WALK_RAD)] {
+        for (index, sigma) in [(HEADING, turn), (CURVATURE, CURVATURE_WALK_PER_M), (SKEW, SKEW_WALK_RAD)] {
             walk[(index, index)] = sigma * sigma * dt_s;
         }
+        walk[(PITCH, PITCH)] = swing.variance_rad2;
         self.covariance = transition * self.covariance * transition.transpose() + walk;
         // The mean pitch is not known better than the mount: what swings back does so to within this.
         for (index, sigma) in PRIOR_SIGMA.iter().enumerate() {
@@ -260,34 +277,4 @@ struct LinearisedPoint {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A vehicle that follows a bend to the left keeps its lane beside it: 300 m, 30 m/s, ten pictures a second.
-    #[test]
-    fn a_known_motion_along_a_bend_leaves_the_lane_beside_the_vehicle() {
-        let (radius_m, forward_m) = (300.0, 3.0);
-        let mut filter = LaneFilter::new();
-        filter.place_edge(Side::Left, 1.8, 0.05);
-        filter.place_edge(Side::Right, -1.8, 0.05);
-        filter.state[CURVATURE] = 1.0 / radius_m;
-        for _ in 0..15 {
-            let yaw_rad = Some(forward_m / radius_m);
-            filter.predict(&LaneMotion { dt_s: Some(0.1), forward_m: Some(forward_m), yaw_rad });
-        }
-        assert!((filter.offset_m(Side::Left) - 1.8).abs() < 1e-9, "{}", filter.offset_m(Side::Left));
-        assert!((filter.offset_m(Side::Right) + 1.8).abs() < 1e-9);
-        assert!(filter.heading_rad().abs() < 1e-9);
-    }
-
-    /// On a straight road a turn to the left brings the right edge's course to the vehicle's right, the further the more.
-    #[test]
-    fn a_turn_on_a_straight_road_moves_the_edges_as_an_arc_does() {
-        let mut filter = LaneFilter::new();
-        filter.place_edge(Side::Right, -1.8, 0.05);
-        filter.predict(&LaneMotion { dt_s: Some(0.1), forward_m: Some(2.0), yaw_rad: Some(0.1) });
-        // The vehicle has come 0.1 m to the left and looks 0.1 rad to the left.
-        assert!((filter.offset_m(Side::Right) + 1.9).abs() < 1e-9);
-        assert!((filter.heading_rad() + 0.1).abs() < 1e-9);
-    }
-}
+mod tests;

@@ -23,8 +23,12 @@ const MOST_WIDTH_SPREAD: f64 = 0.45;
 const MOST_OUTLIERS: f64 = 0.6;
 /// An edge that makes no lane with the other replaces it where it shows more than so many times its rows.
 const STRONGER: usize = 2;
+/// A line so near to an edge that is kept is that edge, metres: lanes are wider, and so are the lines of a double marking.
+const SAME_M: f64 = 0.3;
 /// Frames in which a line elsewhere must be the better one before it replaces the edge that is followed.
 const RIVAL_FRAMES: u32 = 5;
+/// A rival must show at least this part of the rows of the edge that it replaces: a half.
+const RIVAL_PART: usize = 2;
 /// How far off a rival is, metres.
 const RIVAL_M: f64 = 0.5;
 /// Distance ahead at which candidates are compared, metres.
@@ -63,7 +67,8 @@ impl LaneFinder {
             followed.rival_frames = if rival.is_some() { followed.rival_frames + 1 } else { 0 };
             if let Some(index) = rival.filter(|_| followed.rival_frames >= RIVAL_FRAMES) {
                 followed.rival_frames = 0;
-                self.try_candidate(camera, input, side, index);
+                let least_rows = followed.quality.used / RIVAL_PART;
+                self.try_candidate(camera, input, side, index, least_rows);
             }
             return;
         }
@@ -88,7 +93,7 @@ impl LaneFinder {
             faint(a).cmp(&faint(b)).then(inner)
         });
         for trial in 0..TRIALS.min(self.painted.len()) {
-            if self.try_candidate(camera, input, side, self.painted[trial].index) {
+            if self.try_candidate(camera, input, side, self.painted[trial].index, NEW_ROWS) {
                 return;
             }
         }
@@ -100,18 +105,31 @@ impl LaneFinder {
             .is_some_and(|place| (place.y - self.filter.left_at(candidate.side, place.x)).abs() > RIVAL_M)
     }
 
-    /// Fits a lane through a candidate and keeps it where it is one of paint.
-    fn try_candidate(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side, index: usize) -> bool {
+    /// Fits a lane through a candidate and keeps it where it is one of paint that shows in so many rows.
+    fn try_candidate(
+        &mut self,
+        camera: &Camera,
+        input: &LaneInput<'_>,
+        side: Side,
+        index: usize,
+        least_rows: usize,
+    ) -> bool {
         let candidate = self.lines.candidates()[index];
-        let Some(trial) = self.trial(camera, input, &candidate) else {
+        let trial = self.trial(camera, input, &candidate);
+        let Some(mut trial) = trial.filter(|trial| trial.quality.used >= least_rows) else {
             self.lines.candidates_mut()[index].verdict = LineVerdict::NoPaint;
             return false;
         };
-        self.filter = trial.filter;
-        let width_m = self.filter.offset_m(Side::Left) - self.filter.offset_m(Side::Right);
-        if !(self.config.min_width_m..=self.config.max_width_m).contains(&width_m) {
-            self.followed[side.other().index()].forget();
+        let width_m = trial.filter.offset_m(Side::Left) - trial.filter.offset_m(Side::Right);
+        let makes_lane = (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
+        let other = &mut self.followed[side.other().index()];
+        if other.active && !makes_lane {
+            // The pitch that the other one had led to goes with it.
+            other.forget();
+            self.filter.forget_lane();
+            trial = self.trial(camera, input, &candidate).unwrap_or(trial);
         }
+        self.filter = trial.filter;
         let followed = &mut self.followed[side.index()];
         followed.forget();
         followed.active = true;
@@ -140,13 +158,16 @@ impl LaneFinder {
         }
         let bend_m = guess.left_at(side, near.x) - guess.offset_m(side);
         guess.place_edge(side, near.y - bend_m, SEED_SIGMA_M);
+        let off_m = guess.offset_m(side) - self.filter.offset_m(side);
+        let is_kept = self.followed[side.index()].active && off_m.abs() < SAME_M;
         let mut along = guess.clone();
         self.tracer.read(camera, &guess, input.frame, side, Reach::Seed);
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
         self.tracer.fit(camera, &mut along, &[side], [look; 2]);
         // Once more where the first fit says, for what the straight guess had missed.
-        let mut settled = guess;
+        // What is known of an edge that is seen again stays known.
+        let mut settled = if is_kept { self.filter.clone() } else { guess };
         self.tracer.read(camera, &along, input.frame, side, Reach::Follow(look));
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
