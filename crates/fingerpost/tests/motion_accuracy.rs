@@ -11,7 +11,7 @@ use fingerpost::motion::{
     DirectMotion, DirectMotionConfig, FarnebackMotion, FarnebackMotionConfig, FlowModel, Motion,
     MotionEstimator,
 };
-use fingerpost::mount::{AttitudeObservation, AttitudeWatch};
+use fingerpost::mount::{AttitudeObservation, AttitudeWatch, ObservedAngle};
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, wrap_angle};
 use fingerpost_map::{OsmData, RoadGraph, read_route};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
@@ -213,6 +213,41 @@ fn a_standing_vehicle_does_not_move_and_a_creeping_one_does() {
         motions(&drive, &mut direct()).iter().map(|m| m.previous_from_current.translation.x).sum();
     // A swing of the camera by a thousandth of a degree looks the same, so a fifth may be missing.
     assert!(crept > 0.03 && (found - crept).abs() < 0.008, "{found} m of {crept} m");
+}
+
+/// A slow vehicle before a fast camera moves less in a frame than what is taken for standing where the camera travels.
+#[test]
+fn a_slow_vehicle_before_a_fast_camera_moves() {
+    let slow = SimConfig { fps: 60.0, cruise_speed_mps: 1.0, start_m: 30.0, ..SimConfig::default() };
+    let drive = drive("slow", &slow, 60);
+    let driven_m: f64 = drive.steps.iter().map(|step| step.translation.x).sum();
+    let found = motions(&drive, &mut direct());
+    let found_m: f64 = found.iter().map(|found| found.previous_from_current.translation.x).sum();
+    let travels = drive.attitudes.iter().filter(|attitude| attitude.pitch.is_some()).count();
+    println!("slow: {found_m:.3} m found of {driven_m:.3} m, seen to travel in {travels} frames");
+    assert!((found_m / driven_m - 1.0).abs() < 0.05, "{found_m} m of {driven_m} m");
+    assert!(found[5..].iter().all(|found| found.quality > 0.3));
+}
+
+/// A road smoothed away by a video's compression stays where it is in the picture; trees and signs beside it do not.
+#[test]
+fn a_camera_that_is_seen_to_travel_does_not_stand() {
+    let (simulator, view) = (simulator(&SimConfig { start_m: 30.0, ..SimConfig::default() }), view());
+    let mut picture = GroundPicture::new(view.grid().columns(), view.grid().rows(), BINS);
+    view.render(&simulator.frame(0).picture, &mut picture).unwrap();
+    let ahead = ObservedAngle { angle_rad: 0.0, variance_rad2: 1e-5 };
+    let travels = AttitudeObservation { pitch: Some(ahead), ..AttitudeObservation::default() };
+    let mut estimator = direct();
+    let mut qualities = Vec::new();
+    for attitude in [travels; 5].into_iter().chain([AttitudeObservation::default(); 5]) {
+        let found = estimator.estimate(&view, &picture, &attitude).unwrap();
+        qualities.extend(found.map(|(motion, _)| motion.quality));
+    }
+    assert!(qualities[1..4].iter().all(|&quality| quality < 0.05), "{qualities:?}");
+    assert!(
+        qualities[7..].iter().all(|&quality| quality > 0.5),
+        "a vehicle that has stopped stands: {qualities:?}"
+    );
 }
 
 #[test]

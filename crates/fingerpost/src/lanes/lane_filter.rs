@@ -2,9 +2,9 @@
 //!
 //! Both edges are parallel curves in the vehicle frame, y = offset + heading x + curvature x^2 / 2, seen by a camera whose
 //! pitch swings with the suspension, and that does not look quite where the vehicle drives: a degree of yaw more than its
-//! calibration says would else carry a lane aside by half a metre a second. Parallel edges that do not look parallel from above show that pitch. A frame's points
-//! are taken in at once by Gauss-Newton steps from the prediction (an iterated extended Kalman filter), with weights
-//! against outliers; the vehicle's motion carries the lane on.
+//! calibration says would else carry a lane aside by half a metre a second. Parallel edges that do not look parallel from
+//! above show that pitch. A frame's points are taken in at once by Gauss-Newton steps from the prediction (an iterated
+//! extended Kalman filter), with weights against outliers; the vehicle's motion carries the lane on.
 
 mod pitch_swing;
 

@@ -17,6 +17,7 @@ mod aligned;
 mod gauss_newton;
 mod patch;
 mod plane_warp;
+mod seen_travel;
 mod start;
 
 use fingerpost_vision::alignment::{Brightness, Residuals};
@@ -28,6 +29,7 @@ use self::aligned::{Aligned, costs};
 use self::gauss_newton::{Estimate, Prior};
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
+use self::seen_travel::SeenTravel;
 use self::start::{cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow};
@@ -101,6 +103,7 @@ pub struct DirectMotion {
     evidence: MotionEvidence,
     last: Option<Last>,
     turn: TurnFilter,
+    travel: SeenTravel,
 }
 
 /// What the next frame is to know of this one.
@@ -138,6 +141,7 @@ impl DirectMotion {
             evidence: MotionEvidence::default(),
             last: None,
             turn: TurnFilter::default(),
+            travel: SeenTravel::default(),
         }
     }
 
@@ -163,13 +167,27 @@ impl DirectMotion {
         let iterations = self.config.iterations;
         let (all, at) = (patch.levels.len(), displaced(motion));
         let mut aligned = Aligned::through(all, (patch, residuals), (&prior, &views), iterations, at)?;
+        self.travel = self.travel.after(attitude);
+        let is_too_short = |motion: &Isometry2<f64>| self.travel.contradicts(motion);
+        if is_too_short(&aligned.estimate.displacement.current_from_previous) {
+            aligned.quality = 0.0;
+        }
         if aligned.quality < UNSURE && last.covariance.is_some() {
             let finest = patch.levels.get(patch.finest)?;
-            let cost_of = |motion| cost(finest, residuals, &displaced(motion), &views, Brightness::default());
+            let cost_of = |motion| {
+                if is_too_short(&motion) {
+                    return f64::INFINITY;
+                }
+                cost(finest, residuals, &displaced(motion), &views, Brightness::default())
+            };
             let reach_m = REACH_SIGMAS * expected[(0, 0)].max(0.0).sqrt();
             let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
             let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, &views), iterations, at);
-            if let Some(again) = again.filter(|again| again.cost < CLEARLY_LESS * aligned.cost) {
+            let is_better = |again: &Aligned| {
+                again.cost < CLEARLY_LESS * aligned.cost
+                    && !is_too_short(&again.estimate.displacement.current_from_previous)
+            };
+            if let Some(again) = again.filter(is_better) {
                 (aligned, start) = (again, FlowStart::FineSearch);
             }
         }
@@ -236,6 +254,7 @@ impl MotionEstimator for DirectMotion {
     fn reset(&mut self) {
         self.last = None;
         self.turn = TurnFilter::default();
+        self.travel = SeenTravel::default();
     }
 }
 
