@@ -117,10 +117,12 @@ struct Last {
 }
 
 impl Last {
-    /// By how much another motion is longer or shorter than is known of this one, metres: nothing where that is not known.
+    /// By how much another motion is longer or shorter than is known of this one, metres: nothing where that is not known. A
+    /// frame may have been lost, and the way doubled.
     fn leap_m(&self, current_from_previous: &Isometry2<f64>) -> f64 {
         let forward_m = |motion: &Isometry2<f64>| motion.inverse().translation.x;
-        let change_m = (forward_m(current_from_previous) - forward_m(&self.current_from_previous)).abs();
+        let (now_m, last_m) = (forward_m(current_from_previous), forward_m(&self.current_from_previous));
+        let change_m = (now_m - last_m).abs().min((now_m - 2.0 * last_m).abs());
         self.covariance.map_or(0.0, |covariance| change_m - covariance[(0, 0)].max(0.0).sqrt())
     }
 
