@@ -131,11 +131,8 @@ fn direct_alignment_is_more_accurate_than_flow_and_honest_about_it() {
         let mean = print("mean", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Mean))));
         let rigid = print("rigid", rms(&drive, &motions(&drive, &mut farneback(FlowModel::Rigid))));
         assert!((0..3).all(|axis| ours[axis] < 0.5 * mean[axis]), "{name}: half of what the mean flow errs");
-        // Nothing turns the camera of an ideal drive. The fit to the flow takes that for granted; the alignment, which finds it
-        // out, errs as much forward: over ten seeds 0.51 cm, the fit 0.48 cm.
-        let most = if name == "ideal" { [1.2, 1.0, 1.0] } else { [1.0; 3] };
         assert!(
-            name == "rough" || (0..3).all(|axis| ours[axis] < most[axis] * rigid[axis]),
+            name == "rough" || (0..3).all(|axis| ours[axis] < rigid[axis]),
             "{name}: better than the rigid fit to the flow"
         );
 
