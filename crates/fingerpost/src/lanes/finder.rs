@@ -165,7 +165,7 @@ impl LaneFinder {
     /// Reads the edges that are followed; `before` is the lane without the vehicle's motion.
     fn follow(&mut self, camera: &Camera, input: &LaneInput<'_>, mut before: LaneFilter) {
         self.evidence.traced.clear();
-        self.shape.clear();
+        self.shape.clear(self.tracer.row_count());
         let mut sides = [Side::Left; 2];
         let mut count = 0;
         for side in Side::BOTH.into_iter().filter(|side| self.followed[side.index()].active) {

@@ -55,6 +55,8 @@ pub(super) struct EdgePoint {
     pub(super) pixel: Pixel,
     /// Standard deviation of its column, pixels.
     pub(super) sigma_px: f64,
+    /// The same without the road's unevenness, and more for a speck that may be no paint of the line, pixels.
+    pub(super) column_sigma_px: f64,
     /// What the fit made of it: 0, an outlier, to 1.
     pub(super) weight: f64,
 }

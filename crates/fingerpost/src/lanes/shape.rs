@@ -1,12 +1,15 @@
 //! The edge as it is given out: a spline through its points in the picture.
 //!
 //! Paper 3, III-C: the selected points of all sections are joined by a shape-preserving interpolation. The points are those
-//! of the lane on the road, moved to where the sections' own paint lies; a section that shows too little of it keeps the
-//! lane's. Far sections whose place is not known well enough are left out (the paper's indicator).
+//! of the lane on the road, moved to where the edge's own paint lies (`unevenness`). Far sections whose place is not known
+//! well enough are left out (the paper's indicator).
+
+mod unevenness;
 
 use fingerpost_geometry::{Camera, Pchip, Pixel};
 use nalgebra::Point2;
 
+use self::unevenness::Unevenness;
 use super::lane_filter::{EdgePoint, LaneFilter};
 use super::region::LaneRegion;
 use super::road_view::RoadView;
@@ -15,8 +18,6 @@ use super::{LaneEdge, Side};
 
 /// Spline points a section.
 const KNOTS_A_SECTION: usize = 3;
-/// So many points of a section must agree for its own place to count half.
-const HALF_TRUST_POINTS: f64 = 2.0;
 /// Rows between two points given out, share of the picture's height.
 const POINT_ROWS_SHARE: f64 = 0.0125;
 /// An edge ends where its place is less sure than this, metres.
@@ -25,30 +26,35 @@ const MOST_SIGMA_M: f64 = 0.4;
 /// Makes edges' curves, with the buffers that it needs.
 #[derive(Debug, Default)]
 pub(super) struct EdgeShape {
-    /// Of either side: row and how far outside the lane's curve the paint lies there, pixels.
-    residuals: [Vec<[f64; 2]>; 2],
-    sorted: Vec<f64>,
-    corrections: Vec<[f64; 2]>,
-    correction: Pchip,
+    /// Of either side: where the paint lies against the lane's curve.
+    unevenness: [Unevenness; 2],
     knots: Vec<[f64; 2]>,
     spline: Pchip,
 }
 
 impl EdgeShape {
-    pub(super) fn clear(&mut self) {
-        self.residuals.iter_mut().for_each(Vec::clear);
+    /// Forgets the paint of the frame before; up to `rows` places of it may come.
+    pub(super) fn clear(&mut self, rows: usize) {
+        for unevenness in &mut self.unevenness {
+            unevenness.clear();
+            unevenness.make_room(rows);
+        }
     }
 
     /// Notes where a side's paint lies against the lane's curve.
     pub(super) fn note(&mut self, camera: &Camera, filter: &LaneFilter, side: Side, points: &[EdgePoint]) {
         let view = RoadView::new(camera, filter.pitch_rad());
-        let residuals = &mut self.residuals[side.index()];
-        residuals.clear();
+        let unevenness = &mut self.unevenness[side.index()];
+        unevenness.clear();
         for point in points.iter().filter(|point| point.side == side && point.weight >= USED_WEIGHT) {
-            if let Some(u) = column_at(&view, filter, side, point.pixel) {
-                residuals.push([point.pixel.v, point.pixel.u - u]);
+            let beside = Pixel::new(point.pixel.u + 1.0, point.pixel.v);
+            let places = view.ground_of_pixel(point.pixel).zip(view.ground_of_pixel(beside));
+            if let Some((place, beside)) = places {
+                let sigma_m = point.column_sigma_px * (place.y - beside.y).abs() / point.weight.sqrt();
+                unevenness.note(place.x, place.y - filter.left_at(side, place.x), sigma_m);
             }
         }
+        unevenness.fit();
     }
 
     /// Sets an edge's curve and its points.
@@ -64,7 +70,6 @@ impl EdgeShape {
         edge.offset_sigma_m = filter.offset_sigma_m(side);
         edge.heading_rad = filter.heading_rad();
         edge.curvature_per_m = filter.curvature_per_m();
-        self.correct(region, side);
         let view = RoadView::new(camera, filter.pitch_rad());
         self.knots.clear();
         let base = region.base_row as f64 - 1.0;
@@ -94,48 +99,23 @@ impl EdgeShape {
     }
 
     fn push_knot(&mut self, view: &RoadView<'_>, filter: &LaneFilter, side: Side, near: Pixel) {
-        let Some(u) = column_at(view, filter, side, near) else { return };
-        let points = self.correction.points();
-        let nearest = points.first().zip(points.last()).map(|(first, last)| near.v.clamp(first[0], last[0]));
-        let moved = nearest.and_then(|row| self.correction.at(row)).unwrap_or(0.0);
-        self.knots.push([near.v, u + moved]);
-    }
-
-    /// The sections' own places against the lane's curve, by the medians of their points.
-    fn correct(&mut self, region: &LaneRegion, side: Side) {
-        self.corrections.clear();
-        for &[upper, lower] in region.sections.iter().rev() {
-            self.sorted.clear();
-            let (mut rows, mut count) = (0.0, 0.0);
-            for &[row, off_px] in &self.residuals[side.index()] {
-                if (upper as f64..lower as f64).contains(&row) {
-                    self.sorted.push(off_px);
-                    rows += row;
-                    count += 1.0;
-                }
-            }
-            if self.sorted.is_empty() {
-                continue;
-            }
-            let middle = self.sorted.len() / 2;
-            let (_, median, _) = self.sorted.select_nth_unstable_by(middle, f64::total_cmp);
-            self.corrections.push([rows / count, *median * count / (count + HALF_TRUST_POINTS)]);
-        }
-        self.correction.fit(&self.corrections);
+        let unevenness = &self.unevenness[side.index()];
+        let left_m = |ahead_m: f64| filter.left_at(side, ahead_m) + unevenness.left_m(ahead_m);
+        self.knots.extend(column_at(view, left_m, near).map(|u| [near.v, u]));
     }
 }
 
-/// The column of the lane's curve in the row of `near`.
-fn column_at(view: &RoadView<'_>, filter: &LaneFilter, side: Side, near: Pixel) -> Option<f64> {
+/// The column in the row of `near` of a curve that lies so far left so far ahead, metres.
+fn column_at(view: &RoadView<'_>, left_m: impl Fn(f64) -> f64, near: Pixel) -> Option<f64> {
     let mut ahead_m = view.ground_of_pixel(near)?.x;
-    let mut pixel = view.pixel_of_ground(Point2::new(ahead_m, filter.left_at(side, ahead_m)))?;
+    let mut pixel = view.pixel_of_ground(Point2::new(ahead_m, left_m(ahead_m)))?;
     // A rolled camera or a bent lens shows the place in another row: two corrections along the curve.
     for _ in 0..2 {
         if (pixel.v - near.v).abs() < 0.05 {
             break;
         }
         ahead_m = view.ground_of_pixel(Pixel::new(pixel.u, near.v))?.x;
-        pixel = view.pixel_of_ground(Point2::new(ahead_m, filter.left_at(side, ahead_m)))?;
+        pixel = view.pixel_of_ground(Point2::new(ahead_m, left_m(ahead_m)))?;
     }
     Some(pixel.u)
 }

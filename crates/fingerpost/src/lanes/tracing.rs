@@ -8,6 +8,8 @@ mod inner_line;
 mod look;
 mod quality;
 
+use std::ops::Range;
+
 use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::Point2;
@@ -32,6 +34,10 @@ const COLUMN_SIGMA_PX: f64 = 0.6;
 const GROUND_SIGMA_M: f64 = 0.012;
 /// The place of a step weaker than this share of the edge's strong ones counts less and less.
 const WEAK_SHARE: f64 = 0.6;
+/// Paint that ends on both sides within this length of road is a speck: a reflector beside a line, a stone, metres.
+const SPECK_M: f64 = 0.5;
+/// How far beside its line's edge a speck may lie, metres.
+const SPECK_SIGMA_M: f64 = 0.1;
 /// Farthest reach of a search, metres across the lane, and least, pixels.
 const MOST_REACH_M: f64 = 0.45;
 const LEAST_REACH_PX: f64 = 3.0;
@@ -88,6 +94,11 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
+    /// How many rows are read at the most.
+    pub(super) const fn row_count(&self) -> usize {
+        self.rows.len()
+    }
+
     /// Chooses the rows to be read, from the base upwards.
     pub(super) fn lay_rows(&mut self, region: &LaneRegion) {
         self.rows.clear();
@@ -170,16 +181,22 @@ impl Tracer {
         self.points.clear();
         for &side in sides {
             let weak = WEAK_SHARE * looks[side.index()].step;
-            self.points.extend(self.readings[side.index()].iter().filter_map(|reading| {
-                let paint = reading.paint?;
-                let ground_px = GROUND_SIGMA_M * reading.px_per_m;
-                Some(EdgePoint {
-                    side,
-                    pixel: Pixel::new(paint.u, reading.row),
-                    sigma_px: COLUMN_SIGMA_PX.hypot(ground_px) * (weak / paint.step).max(1.0),
-                    weight: 0.0,
-                })
-            }));
+            let readings = &self.readings[side.index()];
+            for piece in pieces(readings) {
+                let is_speck = length_m(readings, &piece) < SPECK_M;
+                let speck_m = if is_speck { SPECK_SIGMA_M } else { 0.0 };
+                self.points.extend(readings[piece].iter().filter_map(|reading| {
+                    let paint = reading.paint?;
+                    let faint = (weak / paint.step).max(1.0);
+                    Some(EdgePoint {
+                        side,
+                        pixel: Pixel::new(paint.u, reading.row),
+                        sigma_px: COLUMN_SIGMA_PX.hypot(GROUND_SIGMA_M * reading.px_per_m) * faint,
+                        column_sigma_px: COLUMN_SIGMA_PX.hypot(speck_m * reading.px_per_m) * faint,
+                        weight: 0.0,
+                    })
+                }));
+            }
         }
         filter.update(camera, &mut self.points);
     }
@@ -188,4 +205,20 @@ impl Tracer {
     pub(super) fn points(&self) -> &[EdgePoint] {
         &self.points
     }
+}
+
+/// The rows in a row that show paint.
+fn pieces(readings: &[Reading]) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let first = next + readings.get(next..)?.iter().position(|reading| reading.paint.is_some())?;
+        let count = readings[first..].iter().position(|reading| reading.paint.is_none());
+        next = count.map_or(readings.len(), |count| first + count);
+        Some(first..next)
+    })
+}
+
+/// The length of road that the rows of a piece stand for, metres; endless where it goes on beyond the last row.
+fn length_m(readings: &[Reading], piece: &Range<usize>) -> f64 {
+    readings.get(piece.end).map_or(f64::INFINITY, |after| after.ahead_m - readings[piece.start].ahead_m)
 }

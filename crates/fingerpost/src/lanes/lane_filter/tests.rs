@@ -71,7 +71,7 @@ fn a_camera_that_looks_aside_is_learned_and_carries_no_lane_aside() {
             for ahead_m in [7.0, 9.0, 12.0, 16.0, 22.0] {
                 let place = Point2::new(ahead_m, 0.02 * ahead_m - 1.8 * side.outward());
                 let pixel = camera.pixel_of_ground(place).unwrap();
-                points.push(EdgePoint { side, pixel, sigma_px: 0.6, weight: 0.0 });
+                points.push(EdgePoint { side, pixel, sigma_px: 0.6, column_sigma_px: 0.6, weight: 0.0 });
             }
         }
         filter.update(&camera, &mut points);
