@@ -3,7 +3,7 @@
 
 use fingerpost_geometry::Camera;
 
-use super::{LaneFinder, MISSED_FRAMES, NEW_ROWS};
+use super::{CROSSED_M, LaneFinder, MISSED_FRAMES, NEW_ROWS};
 use crate::lanes::lane_filter::LaneFilter;
 use crate::lanes::road_view::RoadView;
 use crate::lanes::sections::{LineCandidate, LineVerdict};
@@ -187,8 +187,9 @@ impl LaneFinder {
         let fits = !other_known
             || stronger
             || (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
-        let inside = -side.outward() * settled.offset_m(side) <= 1.1 * self.config.max_offset_m;
-        fits && inside
+        // An edge across the vehicle's middle is the other side's.
+        let beside_m = -side.outward() * settled.offset_m(side);
+        fits && (-CROSSED_M..=1.1 * self.config.max_offset_m).contains(&beside_m)
     }
 }
 
