@@ -74,13 +74,13 @@ fn a_whole_and_a_broken_white_line() {
 #[test]
 fn a_yellow_and_a_broken_line_in_a_bend() {
     let accuracy_pct = mean_accuracy_pct("p5h_project_video_cut", "p5h.camera.toml");
-    assert!(accuracy_pct >= 95.0, "{accuracy_pct} %");
+    assert!(accuracy_pct >= 96.5, "{accuracy_pct} %");
 }
 
 #[test]
 fn from_asphalt_onto_concrete() {
     let accuracy_pct = mean_accuracy_pct("p5h_test_small1", "p5h.camera.toml");
-    assert!(accuracy_pct >= 96.5, "{accuracy_pct} %");
+    assert!(accuracy_pct >= 98.0, "{accuracy_pct} %");
 }
 
 /// The lanes of pictures that have nothing to do with each other, in their order.

@@ -222,3 +222,31 @@ fn pieces(readings: &[Reading]) -> impl Iterator<Item = Range<usize>> {
 fn length_m(readings: &[Reading], piece: &Range<usize>) -> f64 {
     readings.get(piece.end).map_or(f64::INFINITY, |after| after.ahead_m - readings[piece.start].ahead_m)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows half a metre apart that show paint where `painted` has a mark.
+    fn readings(painted: &str) -> Vec<Reading> {
+        let paint = PaintEdge { u: 0.0, width_px: 8.0, step: 100.0, second_px: None, yellowness: 0.0 };
+        let reading = |(index, mark): (usize, char)| Reading {
+            row: 400.0 - index as f64,
+            ahead_m: 6.0 + 0.5 * index as f64,
+            expected_u: 0.0,
+            reach_px: 10.0,
+            px_per_m: 100.0,
+            paint: (mark == '#').then_some(paint),
+        };
+        painted.chars().enumerate().map(reading).collect()
+    }
+
+    #[test]
+    fn paint_lies_in_pieces_and_the_last_one_may_go_on() {
+        let readings = readings("..###.#..##");
+        let found: Vec<_> =
+            pieces(&readings).map(|piece| (piece.clone(), length_m(&readings, &piece))).collect();
+        assert_eq!(found, [(2..5, 1.5), (6..7, 0.5), (9..11, f64::INFINITY)]);
+        assert_eq!(pieces(&[]).count(), 0);
+    }
+}
