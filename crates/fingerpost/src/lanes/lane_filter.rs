@@ -33,8 +33,13 @@ const WIDTH_WALK_M: f64 = 0.015;
 /// How much the heading wanders in a second beyond what the motion says, radians, and without a known motion.
 const HEADING_WALK_RAD: f64 = 0.008;
 const UNKNOWN_HEADING_WALK_RAD: f64 = 0.03;
-/// How much the curvature changes in a second, 1/m: a motorway's transition curve at speed.
+/// How much the curvature changes in a second, 1/m, where the speed is not known: a motorway's transition curve at speed.
 const CURVATURE_WALK_PER_M: f64 = 8e-4;
+/// How much the acceleration towards a bend's middle changes in a second, m/s2: the slower a road is driven, the sooner its
+/// bends begin and end.
+const LATERAL_JERK_MPS3: f64 = 0.72;
+/// Below this speed bends are as sharp as they are at it, and begin the slower, m/s.
+const SLOWEST_BEND_MPS: f64 = 15.0;
 /// How much the skew changes in a second: load, crosswind and slopes across the road, radians.
 const SKEW_WALK_RAD: f64 = 3e-4;
 /// Time in which the mean pitch is learned, seconds.
@@ -187,13 +192,18 @@ impl LaneFilter {
             (Some(_), Some(_)) => [DRIFT_WALK_M, HEADING_WALK_RAD],
             _ => [UNKNOWN_DRIFT_WALK_M, UNKNOWN_HEADING_WALK_RAD],
         };
+        let curvature_walk = motion.forward_m.map_or(CURVATURE_WALK_PER_M, |forward_m| {
+            let speed_mps = (forward_m / dt_s).abs();
+            let slowed = (speed_mps / SLOWEST_BEND_MPS).min(1.0);
+            slowed * LATERAL_JERK_MPS3 / speed_mps.max(SLOWEST_BEND_MPS).powi(2)
+        });
         let mut walk = SMatrix::<f64, STATES, STATES>::zeros();
         // The vehicle drifts against both edges alike, while the lane's width hardly changes.
         let [common, width] = [drift * drift * dt_s, 0.25 * WIDTH_WALK_M * WIDTH_WALK_M * dt_s];
         for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             walk[(row, column)] = if row == column { common + width } else { common - width };
         }
-        for (index, sigma) in [(HEADING, turn), (CURVATURE, CURVATURE_WALK_PER_M), (SKEW, SKEW_WALK_RAD)] {
+        for (index, sigma) in [(HEADING, turn), (CURVATURE, curvature_walk), (SKEW, SKEW_WALK_RAD)] {
             walk[(index, index)] = sigma * sigma * dt_s;
         }
         walk[(PITCH, PITCH)] = swing.variance_rad2;

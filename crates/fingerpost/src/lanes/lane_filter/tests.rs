@@ -42,6 +42,27 @@ fn a_turn_on_a_straight_road_moves_the_edges_as_an_arc_does() {
     assert!((filter.heading_rad() + 0.1).abs() < 1e-9);
 }
 
+/// A country road's curvature is doubted sooner than a motorway's, a known bend's not while the vehicle stands.
+#[test]
+fn bends_of_slow_roads_end_sooner() {
+    let doubt_per_m = |speed_mps: f64| {
+        let mut filter = LaneFilter::new();
+        filter.covariance[(CURVATURE, CURVATURE)] = 1e-10;
+        for _ in 0..10 {
+            filter.predict(&LaneMotion {
+                dt_s: Some(0.1),
+                forward_m: Some(0.1 * speed_mps),
+                yaw_rad: Some(0.0),
+                ..LaneMotion::default()
+            });
+        }
+        filter.covariance[(CURVATURE, CURVATURE)].sqrt()
+    };
+    assert!((doubt_per_m(30.0) - 8e-4).abs() < 2e-5, "{}", doubt_per_m(30.0));
+    assert!((doubt_per_m(15.0) - 3.2e-3).abs() < 1.3e-3, "{}", doubt_per_m(15.0));
+    assert!(doubt_per_m(0.0) < 2e-5, "{}", doubt_per_m(0.0));
+}
+
 /// A change of the pitch that the picture shows well is the pitch's own, but for what the road's slope may change.
 #[test]
 fn a_pitch_that_is_seen_to_change_changes() {
