@@ -59,7 +59,7 @@ fn bends_of_slow_roads_end_sooner() {
         filter.covariance[(CURVATURE, CURVATURE)].sqrt()
     };
     assert!((doubt_per_m(30.0) - 8e-4).abs() < 2e-5, "{}", doubt_per_m(30.0));
-    assert!((doubt_per_m(15.0) - 3.2e-3).abs() < 1.3e-3, "{}", doubt_per_m(15.0));
+    assert!((doubt_per_m(20.0) - 1.8e-3).abs() < 2e-5, "{}", doubt_per_m(20.0));
     assert!(doubt_per_m(0.0) < 2e-5, "{}", doubt_per_m(0.0));
 }
 
