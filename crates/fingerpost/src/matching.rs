@@ -151,6 +151,7 @@ pub struct Matcher {
     grid: GroundGrid,
     binary: Plane<u8>,
     binary_sums: RowSums,
+    grey_sums: RowSums,
 }
 
 impl Matcher {
@@ -161,6 +162,7 @@ impl Matcher {
             grid: *grid,
             binary: Plane::default(),
             binary_sums: RowSums::default(),
+            grey_sums: RowSums::default(),
         }
     }
 
@@ -173,21 +175,46 @@ impl Matcher {
         surface: &'a RoadSurface,
         validity: &ValidityMask,
     ) -> Result<LaidSurface<'a>, PictureError> {
+        self.threshold(surface, validity)?;
+        Ok(self.laid_over(surface, None))
+    }
+
+    /// The same, over all that is known of the surface, with the ground view's grey values where `seen` says that there are
+    /// any.
+    ///
+    /// # Errors
+    /// [`PictureError`] when surface and ground view differ in size.
+    pub fn laid_with<'a>(
+        &'a mut self,
+        surface: &'a RoadSurface,
+        (grey, seen): (&Plane<u8>, &ValidityMask),
+    ) -> Result<LaidSurface<'a>, PictureError> {
+        self.threshold(surface, surface.known())?;
+        self.grey_sums.rebuild(grey.view(), seen)?;
+        Ok(self.laid_over(surface, Some(&self.grey_sums)))
+    }
+
+    fn laid_over<'a>(&'a self, surface: &'a RoadSurface, grey: Option<&'a RowSums>) -> LaidSurface<'a> {
         let sums = match self.config.surface {
             MatchedSurface::Probability => &surface.sums,
-            MatchedSurface::Binary => {
-                let (width, height) = surface.probability.size();
-                self.binary.reset(width, height, 0);
-                let threshold = 255.0 * self.config.binary_threshold;
-                let pixels = surface.probability.as_slice().iter();
-                for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
-                    *out = if f64::from(p) >= threshold { 255 } else { 0 };
-                }
-                self.binary_sums.rebuild(self.binary.view(), validity)?;
-                &self.binary_sums
-            }
+            MatchedSurface::Binary => &self.binary_sums,
         };
-        Ok(LaidSurface { config: &self.config, grid: &self.grid, sums })
+        LaidSurface { config: &self.config, grid: &self.grid, sums, grey }
+    }
+
+    /// Makes the road mask, where one is wanted.
+    fn threshold(&mut self, surface: &RoadSurface, validity: &ValidityMask) -> Result<(), PictureError> {
+        if self.config.surface == MatchedSurface::Probability {
+            return Ok(());
+        }
+        let (width, height) = surface.probability.size();
+        self.binary.reset(width, height, 0);
+        let threshold = 255.0 * self.config.binary_threshold;
+        let pixels = surface.probability.as_slice().iter();
+        for (out, &p) in self.binary.as_mut_slice().iter_mut().zip(pixels) {
+            *out = if f64::from(p) >= threshold { 255 } else { 0 };
+        }
+        self.binary_sums.rebuild(self.binary.view(), validity)
     }
 }
 
@@ -197,6 +224,7 @@ pub struct LaidSurface<'a> {
     config: &'a MatchConfig,
     grid: &'a GroundGrid,
     sums: &'a RowSums,
+    grey: Option<&'a RowSums>,
 }
 
 impl LaidSurface<'_> {
@@ -208,6 +236,11 @@ impl LaidSurface<'_> {
     /// The prefix sums of the surface.
     pub const fn sums(&self) -> &RowSums {
         self.sums
+    }
+
+    /// The prefix sums of the ground view's grey values, 255 as 1; none where they were not given.
+    pub const fn grey(&self) -> Option<&RowSums> {
+        self.grey
     }
 
     /// The match of a feature at one pose with every sub-mask's part in it and what lies beside the arms, into `matched`, whose memory is reused.

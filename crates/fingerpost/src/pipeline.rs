@@ -264,7 +264,7 @@ impl Pipeline {
         let (centreline, centreline_evidence) = self.centreline.find(surface, motion.as_ref())?;
         finished(Stage::Centreline);
 
-        let laid = self.matcher.laid(surface, surface.known())?;
+        let laid = self.matcher.laid_with(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion: motion.as_ref(), turn };
         tracker.step(moved, &laid, gps_in_map, &mut output.track, track_evidence)?;

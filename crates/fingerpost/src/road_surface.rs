@@ -5,6 +5,7 @@
 
 mod backprojection;
 mod bank;
+mod colour_counts;
 mod colours;
 mod fused;
 mod memory;
@@ -14,6 +15,7 @@ mod online;
 mod perspective;
 mod region;
 mod verge_colours;
+mod way_colours;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;

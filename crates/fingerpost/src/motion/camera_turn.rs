@@ -9,10 +9,14 @@
 //! which returns to nothing. The alignment takes the filter's prediction as a prior, and gives back what the pictures alone
 //! say ([`SeenTurn`]), in information form, because most of it is known only together.
 //!
+//! A change of pitch is seen far better against the far scene, in the camera's own motion, than in that of the road. But it is
+//! the change against the sky: over a crest or through a dip the road turns the vehicle, and its pitch against the road stays.
+//! So the filter has the road's own change of slope as well, which lasts longer than a swing.
+//!
 //! Limits: what is seen as pitch is the direction of the camera against the road just ahead, so a crest or a dip counts as
 //! pitch; a verge higher than the road counts as roll.
 
-use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
+use nalgebra::{Matrix4, Matrix5, SMatrix, SVector, Vector4, Vector5};
 
 use crate::mount::{AttitudeObservation, ObservedAngle};
 
@@ -43,6 +47,10 @@ const ROLL: Way = Way {
     swing_sigma_rad: 0.4 * DEGREE,
     swing_kept: 0.85,
 };
+/// How the road's slope changes in a frame, one standard deviation, and how much of it is left in the next: a crest or a dip
+/// turns the camera against the far scene, not against the road, and lasts for seconds.
+const BEND_SIGMA_RAD: f64 = 0.03 * DEGREE;
+const BEND_KEPT: f64 = 0.95;
 /// What a frame by itself is given for pitch and roll, so that an angle of which nothing is seen has a variance.
 const UNSEEN_SIGMA_RAD: f64 = 10.0 * DEGREE;
 
@@ -60,29 +68,30 @@ pub(super) struct SeenTurn {
     pub(super) vector: Vector4<f64>,
 }
 
-/// Slow pitch, the swing's pitch, slow roll, the swing's roll, radians.
+/// Slow pitch, the swing's pitch, slow roll, the swing's roll, radians; change of the road's slope, nose down, radians a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TurnFilter {
-    mean: Vector4<f64>,
-    covariance: Matrix4<f64>,
+    mean: Vector5<f64>,
+    covariance: Matrix5<f64>,
 }
 
-/// The state before and after a frame's time: slow pitch, its swing before and after, slow roll, its swing before and after.
+/// The state before and after a frame's time: slow pitch, its swing before and after, slow roll, its swing before and after,
+/// and the change of the road's slope in between.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PredictedTurn {
-    mean: SVector<f64, 6>,
-    covariance: SMatrix<f64, 6, 6>,
+    mean: SVector<f64, 7>,
+    covariance: SMatrix<f64, 7, 7>,
 }
 
 /// What [`SeenTurn`] is about, from the state before and after a frame.
 #[rustfmt::skip]
-fn seen_from_state() -> SMatrix<f64, 4, 6> {
-    SMatrix::<f64, 4, 6>::new(
-        0.0, -1.0, 1.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0, -1.0, 1.0,
-        1.0, 1.0, 0.0, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 1.0, 1.0, 0.0,
-    )
+fn seen_from_state() -> SMatrix<f64, 4, 7> {
+    SMatrix::<f64, 4, 7>::from_row_slice(&[
+        0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0,
+        1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0,
+    ])
 }
 
 impl Default for TurnFilter {
@@ -92,9 +101,10 @@ impl Default for TurnFilter {
             PITCH.swing_sigma_rad,
             ROLL.configured_sigma_rad,
             ROLL.swing_sigma_rad,
+            BEND_SIGMA_RAD,
         ];
-        let sigma = Vector4::from(sigma);
-        Self { mean: Vector4::zeros(), covariance: Matrix4::from_diagonal(&sigma.component_mul(&sigma)) }
+        let sigma = Vector5::from(sigma);
+        Self { mean: Vector5::zeros(), covariance: Matrix5::from_diagonal(&sigma.component_mul(&sigma)) }
     }
 }
 
@@ -106,7 +116,7 @@ impl TurnFilter {
 
     /// What is expected of the next frame.
     pub(super) fn predicted(&self) -> PredictedTurn {
-        let mut forward = SMatrix::<f64, 6, 4>::zeros();
+        let mut forward = SMatrix::<f64, 7, 5>::zeros();
         for (row, column, share) in [
             (0, 0, 1.0),
             (1, 1, 1.0),
@@ -114,17 +124,19 @@ impl TurnFilter {
             (3, 2, 1.0),
             (4, 3, 1.0),
             (5, 3, ROLL.swing_kept),
+            (6, 4, BEND_KEPT),
         ] {
             forward[(row, column)] = share;
         }
         let slow = |way: &Way| way.slow_step_rad * way.slow_step_rad;
-        let steps = SVector::<f64, 6>::from([
+        let steps = SVector::<f64, 7>::from([
             slow(&PITCH),
             0.0,
             PITCH.swing_step_variance(),
             slow(&ROLL),
             0.0,
             ROLL.swing_step_variance(),
+            (1.0 - BEND_KEPT * BEND_KEPT) * BEND_SIGMA_RAD * BEND_SIGMA_RAD,
         ]);
         PredictedTurn {
             mean: forward * self.mean,
@@ -136,17 +148,32 @@ impl TurnFilter {
 /// Least standard deviation of a pitch that the picture shows: waves of the road turn the direction of driving by a third of
 /// it, and errors last for many frames.
 const ATTITUDE_FLOOR_RAD: f64 = 0.8 * DEGREE;
+/// Least standard deviation of a change of pitch that the picture shows between two frames.
+const CHANGE_FLOOR_RAD: f64 = 0.02 * DEGREE;
+/// What a change's own standard deviation is short by: corners of one thing err together.
+const CHANGE_UNDERRATED: f64 = 2.5;
 
 impl PredictedTurn {
-    /// With the pitch that the picture itself shows in the newer frame, from the point that the vehicle moves towards.
+    /// With what the picture itself shows: the pitch in the newer frame, from the point that the vehicle moves towards, and
+    /// its change since the older one against the far scene, which is far surer.
     pub(super) fn with(mut self, attitude: &AttitudeObservation) -> Self {
-        let Some(seen) = attitude.pitch else { return self };
-        let pitch = SVector::<f64, 6>::from([1.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
-        let across = self.covariance * pitch;
-        let gain = across / (pitch.dot(&across) + seen.variance_rad2.max(ATTITUDE_FLOOR_RAD.powi(2)));
-        self.mean += gain * (seen.angle_rad - pitch.dot(&self.mean));
-        self.covariance -= gain * across.transpose();
+        if let Some(ObservedAngle { angle_rad, variance_rad2 }) = attitude.pitch_change {
+            let variance_rad2 = CHANGE_UNDERRATED.powi(2) * variance_rad2;
+            let change = SVector::from([0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+            self.take(&change, angle_rad, variance_rad2.max(CHANGE_FLOOR_RAD.powi(2)));
+        }
+        if let Some(ObservedAngle { angle_rad, variance_rad2 }) = attitude.pitch {
+            let pitch = SVector::from([1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+            self.take(&pitch, angle_rad, variance_rad2.max(ATTITUDE_FLOOR_RAD.powi(2)));
+        }
         self
+    }
+
+    fn take(&mut self, of_state: &SVector<f64, 7>, angle_rad: f64, variance_rad2: f64) {
+        let across = self.covariance * of_state;
+        let gain = across / (of_state.dot(&across) + variance_rad2);
+        self.mean += gain * (angle_rad - of_state.dot(&self.mean));
+        self.covariance -= gain * across.transpose();
     }
 
     /// The prediction as a prior of the alignment; none when it is so sure of itself that it has no inverse.
@@ -173,10 +200,10 @@ impl PredictedTurn {
             }
             None => (self.mean, self.covariance),
         };
-        let kept = [0, 2, 3, 5];
-        let covariance = Matrix4::from_fn(|row, column| covariance[(kept[row], kept[column])]);
+        let kept = [0, 2, 3, 5, 6];
+        let covariance = Matrix5::from_fn(|row, column| covariance[(kept[row], kept[column])]);
         TurnFilter {
-            mean: Vector4::from(kept.map(|row| mean[row])),
+            mean: Vector5::from(kept.map(|row| mean[row])),
             covariance: 0.5 * (covariance + covariance.transpose()),
         }
     }
@@ -207,6 +234,38 @@ impl SeenTurn {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn changed_by(angle_rad: f64) -> AttitudeObservation {
+        let seen = ObservedAngle { angle_rad, variance_rad2: (0.005 * DEGREE).powi(2) };
+        AttitudeObservation { pitch_change: Some(seen), ..AttitudeObservation::default() }
+    }
+
+    #[test]
+    fn a_body_that_swings_turns_the_camera_as_the_picture_shows() {
+        let mut filter = TurnFilter::default();
+        let swing_rad = |frame: i32| 0.3 * DEGREE * (f64::from(frame) * 0.9).sin();
+        let mut worst_rad = 0.0_f64;
+        for frame in 1..60 {
+            let change = changed_by(swing_rad(frame) - swing_rad(frame - 1));
+            filter = filter.predicted().with(&change).updated(&SeenTurn::default());
+            if frame > 10 {
+                worst_rad = worst_rad.max((filter.turn_rad()[0] - swing_rad(frame)).abs());
+            }
+        }
+        assert!(worst_rad < 0.15 * DEGREE, "{worst_rad}");
+    }
+
+    #[test]
+    fn a_crest_turns_the_road_not_the_camera_against_it() {
+        let mut filter = TurnFilter::default();
+        for _ in 0..60 {
+            filter = filter.predicted().with(&changed_by(0.05 * DEGREE)).updated(&SeenTurn::default());
+        }
+        // The far scene shows 3 degrees in all.
+        assert!(filter.turn_rad()[0].abs() < 0.2 * DEGREE, "{}", filter.turn_rad()[0]);
+        let lasting_rad = filter.mean[4];
+        assert!((lasting_rad - 0.05 * DEGREE).abs() < 0.015 * DEGREE, "{lasting_rad}");
+    }
 
     #[test]
     fn a_pitch_that_the_picture_shows_turns_the_camera_that_way_and_leaves_its_roll() {

@@ -13,6 +13,7 @@ use fingerpost_vision::picture::Plane;
 use super::colours::RoadColours;
 use super::perspective::clear_unseen;
 use super::verge_colours::VergeColours;
+use super::way_colours::WayColours;
 use super::{
     Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
     RoadInput, SampleUse,
@@ -32,6 +33,7 @@ const TRAINED_EVERY: u64 = 5;
 pub(super) struct Fused {
     by_sample: Backprojection,
     verges: VergeColours,
+    way: WayColours,
     prior: f64,
     /// Running mean of the logarithm of the odds; none before the first frame.
     told: Option<f64>,
@@ -47,6 +49,7 @@ impl Fused {
         Ok(Self {
             by_sample: Backprojection::new(config)?,
             verges: VergeColours::new(config.bins()),
+            way: WayColours::new(config.bins()),
             prior: config.prior,
             told: None,
             frames: 0,
@@ -109,10 +112,12 @@ impl RoadDetector for Fused {
         }
         let by_sample = self.by_sample.learn_from(input)?;
         let tell = self.colours_tell(&by_sample);
+        self.way.learn(&input.picture.bin, input.validity, input.sample, self.verges.counts());
         let trains = self.frames.is_multiple_of(TRAINED_EVERY);
         self.frames += 1;
         if tell {
             self.by_sample.raise_to(self.verges.least_probability());
+            self.by_sample.raise_to(self.way.least_probability());
             self.by_sample.project(input, probability)?;
             self.verges.learn(&input.picture.bin, input.validity, probability);
             let online = if trains { self.classifier.learn_from(input)?.online } else { None };
@@ -126,6 +131,7 @@ impl RoadDetector for Fused {
     fn reset(&mut self) {
         self.by_sample.reset();
         self.verges.forget();
+        self.way.forget();
         self.told = None;
         self.frames = 0;
         self.classifier.reset();

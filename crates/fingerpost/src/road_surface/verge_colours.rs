@@ -2,13 +2,16 @@
 //!
 //! Back-projection calls every colour that the sample does not have no road. Where a road's covering changes, at a patch,
 //! a bridge, a junction with a road of another kind, it would end there. But what is beside roads is seen all along the
-//! drive: a colour that neither the road nor its verges have had is unknown, and as likely road as not.
+//! drive: a colour that neither the road nor its verges have had is unknown, and about as likely road as not. So are greys
+//! that the road has not: beside a gravel road a grey pavement is verge, and asphalt in the next side street has its colour.
 //!
 //! Limits: a verge that changes is unknown as well, until none of what is passed is like the verges of before and they are
 //! learned anew; a car or a wall of a colour of its own is.
 
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::picture::{Plane, ValidityMask};
+
+use super::colour_counts::ColourCounts;
 
 /// Probability of road below which a near pixel is taken for verge, of 255.
 const VERGE_BELOW: u8 = 64;
@@ -22,26 +25,33 @@ const KEPT: f32 = 0.99;
 const LEAST_COUNTED: f32 = 60_000.0;
 /// Share of a verge's colour, in those of an even spread over all bins, at which a colour is as likely unknown as verge's.
 const UNKNOWN_SHARE: f32 = 0.1;
-/// Probability of road of a colour that is quite unknown, of 255.
-const UNKNOWN_P: f32 = 127.0;
+/// Probability of road of a colour that is quite unknown, of 255: a little more likely than not, as most of the view is road.
+const UNKNOWN_P: f32 = 140.0;
+/// Colours less saturated are greys, of 1.
+const GREY_SATURATION: f32 = 0.1;
 
 /// Counts of the colours beside the road.
 #[derive(Debug)]
 pub(super) struct VergeColours {
     bins: HueSaturationBins,
-    counts: Vec<f32>,
+    counts: ColourCounts,
     unknown: Vec<u8>,
 }
 
 impl VergeColours {
     /// Nothing is known yet.
     pub(super) fn new(bins: HueSaturationBins) -> Self {
-        Self { bins, counts: vec![0.0; bins.count()], unknown: vec![0; bins.count()] }
+        Self { bins, counts: ColourCounts::new(bins), unknown: vec![0; bins.count()] }
     }
 
     pub(super) fn forget(&mut self) {
-        self.counts.fill(0.0);
+        self.counts.forget();
         self.unknown.fill(0);
+    }
+
+    /// The colours beside the road.
+    pub(super) const fn counts(&self) -> &ColourCounts {
+        &self.counts
     }
 
     /// Least probability of road for each bin, of 255: that of the colours that verges have not had.
@@ -51,46 +61,35 @@ impl VergeColours {
 
     /// Takes in where no road was found near the vehicle.
     pub(super) fn learn(&mut self, bin: &Plane<u16>, validity: &ValidityMask, probability: &Plane<u8>) {
-        self.counts.iter_mut().for_each(|count| *count *= KEPT);
+        self.counts.fade(KEPT);
         let height = probability.height().min(bin.height());
         for row in (height - height / NEAR_SHARE..height).step_by(STEP) {
             let (bins, p) = (bin.row(row), probability.row(row));
             for run in validity.runs(row) {
                 for column in (run.start..run.end).step_by(STEP) {
-                    let count = self.counts.get_mut(usize::from(bins[column]));
-                    if let Some(count) = count.filter(|_| p[column] < VERGE_BELOW) {
-                        *count += 1.0;
+                    if p[column] < VERGE_BELOW {
+                        self.counts.add(bins[column]);
                     }
                 }
             }
         }
-        let total: f32 = self.counts.iter().sum();
-        if total < LEAST_COUNTED {
+        if self.counts.total() < LEAST_COUNTED {
             // What is known of verges has grown old, or is not yet enough.
             self.unknown.fill(0);
             return;
         }
-        let even = total / self.counts.len() as f32;
-        for index in 0..self.unknown.len() {
-            let share = self.about(index) / even;
-            self.unknown[index] = (UNKNOWN_P * UNKNOWN_SHARE / (UNKNOWN_SHARE + share)) as u8;
+        let saturations = self.bins.saturation;
+        for (index, (unknown, share)) in self.unknown.iter_mut().zip(self.counts.densities()).enumerate() {
+            let known = if is_grey(index, saturations) { 0.0 } else { share };
+            *unknown = (UNKNOWN_P * UNKNOWN_SHARE / (UNKNOWN_SHARE + known)) as u8;
         }
     }
+}
 
-    /// Mean count of a bin and those beside it; hue goes round.
-    fn about(&self, index: usize) -> f32 {
-        let (hues, saturations) = (usize::from(self.bins.hue), usize::from(self.bins.saturation));
-        let (hue, saturation) = (index / saturations, index % saturations);
-        let mut sum = 0.0;
-        for hue in [hue + hues - 1, hue, hue + 1] {
-            for saturation in
-                [saturation.saturating_sub(1), saturation, (saturation + 1).min(saturations - 1)]
-            {
-                sum += self.counts[hue % hues * saturations + saturation];
-            }
-        }
-        sum / 9.0
-    }
+/// Whether a bin is that of greys, which most coverings have, and pavements.
+fn is_grey(index: usize, saturations: u16) -> bool {
+    let saturations = usize::from(saturations);
+    ((index % saturations) as f32) < GREY_SATURATION * saturations as f32
 }
 
 #[cfg(test)]
@@ -122,7 +121,20 @@ mod tests {
         let least = verges.least_probability();
         assert!(least[usize::from(GRASS)] < 5, "{}", least[usize::from(GRASS)]);
         assert!(least[usize::from(GRASS) + 1] < 5, "nor is one beside it");
-        assert_eq!(least[GRAVEL], 127);
+        assert_eq!(least[GRAVEL], 140);
+    }
+
+    #[test]
+    fn greys_are_not_told_from_other_coverings() {
+        let (mut bin, probability) = (Plane::new(320, 320, GRASS), Plane::new(320, 320, 10));
+        let grey = 20 * 32 + 1;
+        (0..320).for_each(|row| bin.row_mut(row)[..160].fill(grey));
+        let validity = ValidityMask::from_plane(Plane::new(320, 320, 1));
+        let mut verges = VergeColours::new(BINS);
+        (0..40).for_each(|_| verges.learn(&bin, &validity, &probability));
+        let least = verges.least_probability();
+        assert_eq!(least[usize::from(grey)], 140);
+        assert!(least[usize::from(GRASS)] < 5, "{}", least[usize::from(GRASS)]);
     }
 
     #[test]

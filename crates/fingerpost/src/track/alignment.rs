@@ -6,8 +6,11 @@
 //! falls give the road's middle, its width, and how far the arm lies from it. An arm thus measures the feature's
 //! place across itself, and arms at different angles fix it.
 //!
+//! A pavement of the road's colour makes it too wide: where the map and a change of the grey say so, the kerb is the edge.
+//!
 //! Limits: a road whose edges are not seen, or which is far from as wide as the map says, measures nothing.
 
+mod pavement;
 mod pieces;
 mod profile;
 mod section;
@@ -200,7 +203,7 @@ impl Aligner {
                 let flare_m = piece.flare_m[side]?;
                 let outwards = if side == 0 { 1.0 } else { -1.0 };
                 // The radius of a real kerb is anybody's guess within half.
-                let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m);
+                let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m).hypot(section.pavement_sigma_m[side]);
                 Some(Edge { left_m: measured_m - outwards * flare_m, sigma_m })
             });
             self.arm.push(Measured { section, along_m: piece.along_m, edges });

@@ -3,7 +3,9 @@
 //! An edge is a step of the probability, not a level of it: on real streets the level under the road is as low as that of
 //! a verge elsewhere.
 
-/// Mean probability under a piece at a shift to the left, metres; none where too little is seen.
+use std::ops::RangeInclusive;
+
+/// Mean probability, or grey value, under a piece at a shift to the left, metres; none where too little is seen.
 pub(super) type Sample = (f64, Option<f64>);
 
 /// Share of the greatest step that makes an edge: behind the verge may stand a wall, whose foot is a greater step.
@@ -78,6 +80,29 @@ impl Profile {
         let left = innermost(min_step, middle + 1..self.shifts_m.len(), |i| self.fall(i, window));
         let right = innermost(min_step, (1..=middle).rev(), |i| self.fall(i, window).map(|fall| -fall));
         [left, right].map(|edge| edge.map(|i| 0.5 * (self.shifts_m[i - 1] + self.shifts_m[i])))
+    }
+
+    /// The place in `between_m` at which the level changes most, and by what share of the levels' sum: from the mean over
+    /// `window_m` on one side to that on the other, but for `gap_m` next to it; none where too little is seen.
+    pub(super) fn greatest_change(
+        &self,
+        step_m: f64,
+        (window_m, gap_m): (f64, f64),
+        between_m: &RangeInclusive<f64>,
+    ) -> Option<(f64, f64)> {
+        let window = (window_m / step_m).round().max(2.0) as usize;
+        let gap = (gap_m / step_m).round() as usize;
+        let end = self.shifts_m.len();
+        let change = |i: usize| {
+            let right = self.level(i.saturating_sub(window + gap), i.saturating_sub(gap), window)?;
+            let left = self.level((i + gap).min(end), (i + gap + window).min(end), window)?;
+            Some((left - right).abs() / (left + right).max(f64::EPSILON))
+        };
+        (1..end)
+            .map(|i| (i, 0.5 * (self.shifts_m[i - 1] + self.shifts_m[i])))
+            .filter(|(_, at_m)| between_m.contains(at_m))
+            .filter_map(|(i, at_m)| Some((at_m, change(i)?)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Mean of the seen samples from `start` to before `end`; none of fewer than half a window.
@@ -169,6 +194,16 @@ mod tests {
         };
         let [left, right] = edges_m(|x| Some(p(x)));
         assert!(near(left, 2.55) && near(right, -2.55), "{left:?} {right:?}");
+    }
+
+    #[test]
+    fn the_greatest_change_is_where_the_levels_differ_most() {
+        let mut profile = Profile::default();
+        let grey = |x: f64| if x < 1.48 { 0.3 + 0.01 * x } else { 0.4 + 0.01 * x };
+        profile.take((-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, (x < 4.0).then(|| grey(x)))));
+        let (at_m, share) = profile.greatest_change(0.1, (0.5, 0.1), &(-3.0..=3.0)).unwrap();
+        assert!((at_m - 1.45).abs() < 0.11 && (share - 1.0 / 7.0).abs() < 0.01, "{at_m} {share}");
+        assert_eq!(profile.greatest_change(0.1, (0.5, 0.1), &(4.5..=4.8)), None, "out of view");
     }
 
     #[test]

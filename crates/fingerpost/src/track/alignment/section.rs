@@ -6,6 +6,7 @@ use fingerpost_vision::span::{RowSums, SpanError, SpanMask};
 use nalgebra::{Isometry2, Point2, Vector2};
 
 use super::AlignmentConfig;
+use super::pavement::{Pavements, RoadEdges, without_pavements};
 use super::pieces::{ArmPieces, CutPiece};
 use super::profile::{Profile, Sample};
 use crate::matching::LaidSurface;
@@ -21,6 +22,8 @@ pub struct CrossSection {
     pub left: Vector2<f64>,
     /// Left and right edge of the road, metres to the left of the arm; none where an edge is not seen.
     pub edges_m: [Option<f64>; 2],
+    /// What is not known of them because a pavement may lie inside, standard deviations, metres.
+    pub pavement_sigma_m: [f64; 2],
     /// Whether the arm leaves the line of the approach.
     pub leaves_the_line: bool,
     /// What became of the measurement.
@@ -67,6 +70,9 @@ pub(super) struct Slide {
     pixels: Vec<[f64; 2]>,
     mask: SpanMask,
     profile: Profile,
+    /// The grey values under it.
+    grey: Profile,
+    pavements: Pavements,
     /// The mean of the arm's pieces beyond its kerbs.
     whole: Profile,
     /// Where along the arm they lie, metres.
@@ -82,6 +88,8 @@ impl Slide {
             pixels: Vec::new(),
             mask,
             profile: Profile::default(),
+            grey: Profile::default(),
+            pavements: Pavements::default(),
             whole: Profile::default(),
             used_m: Vec::new(),
         }
@@ -111,11 +119,19 @@ impl Slide {
         let left_px_per_m = left / grid.metres_per_pixel();
         self.profile.take(profile(config, laid.sums(), &self.mask, left_px_per_m, reach_m));
         let edges_m = self.profile.edges_m(config.slide_step_m, WINDOW_M, config.min_edge_step);
+        let road = match laid.grey() {
+            Some(grey) => {
+                self.grey.take(profile(config, grey, &self.mask, left_px_per_m, reach_m));
+                let width = (arm.width_m, config.width_sigma_share * arm.width_m);
+                without_pavements(&self.grey, config.slide_step_m, width, edges_m, &mut self.pavements)
+            }
+            None => RoadEdges::certain(edges_m),
+        };
         if piece.flare_m.iter().all(|flare_m| flare_m.is_some_and(|flare_m| flare_m <= STRAIGHT_FLARE_M)) {
             self.whole.add(&self.profile);
             self.used_m.push(piece.along_m);
         }
-        Ok(Some(section(config, arm, vehicle_from_feature * piece.middle, left, edges_m)))
+        Ok(Some(section(config, arm, vehicle_from_feature * piece.middle, left, road)))
     }
 
     /// Starts a new arm.
@@ -137,7 +153,8 @@ impl Slide {
         let config = &self.config;
         let edges_m = self.whole.edges_m(config.slide_step_m, WHOLE_WINDOW_M, 0.5 * config.min_edge_step);
         let left = Vector2::new(-along.y, along.x);
-        Some((section(config, arm, vehicle_from_feature * piece.middle, left, edges_m), piece.along_m))
+        let road = RoadEdges::certain(edges_m);
+        Some((section(config, arm, vehicle_from_feature * piece.middle, left, road), piece.along_m))
     }
 }
 
@@ -147,7 +164,7 @@ fn section(
     arm: &ArmPieces,
     p_in_vehicle: Point2<f64>,
     left: Vector2<f64>,
-    edges_m: [Option<f64>; 2],
+    RoadEdges { edges_m, pavement_sigma_m }: RoadEdges,
 ) -> CrossSection {
     let believed = config.min_width_share * arm.width_m..=arm.width_m + config.max_wider_m;
     let section_use = match edges_m {
@@ -158,7 +175,7 @@ fn section(
         _ => CrossSectionUse::InTheMouth,
     };
     let (label, leaves_the_line) = (Arc::clone(&arm.label), arm.leaves_the_line);
-    CrossSection { label, p_in_vehicle, left, edges_m, leaves_the_line, section_use }
+    CrossSection { label, p_in_vehicle, left, edges_m, pavement_sigma_m, leaves_the_line, section_use }
 }
 
 /// What lies under the piece against its shift.
