@@ -77,7 +77,7 @@ impl DepartureWarning {
         let speed_mps = state.speed_mps.filter(|mps| mps.is_finite());
         let yaw_rate_rps = state.yaw_rate_rps.filter(|rps| rps.is_finite());
         let seen = self.filter.step(config, lane, VehicleMotion { speed_mps, yaw_rate_rps, dt_s });
-        self.hush.begin_frame(config, state, speed_mps, seen.lane_changed, dt_s);
+        self.hush.begin_frame(config, state, speed_mps, &seen, dt_s);
         let Some(lateral_mps) = self.filter.lateral_speed_mps() else {
             // What the driver meant goes on where no edge is seen: in the middle of a lane change often none is.
             self.hush.unsettle();

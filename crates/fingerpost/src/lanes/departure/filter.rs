@@ -53,6 +53,8 @@ const HEADING_CORRELATION_S: f64 = 0.6;
 const HUBER_SIGMAS: f64 = 1.0;
 /// From here an edge is another edge, metres: no edge of one lane moves so far between frames.
 const OTHER_EDGE_M: f64 = 1.0;
+/// From here it is that of another lane, metres: lanes are wider, and a seam or a patch that was taken for the edge lies nearer.
+const OTHER_LANE_M: f64 = 2.0;
 /// How long an edge may be off by more than the filter allows before it is taken as moved, seconds.
 const MOVED_EDGE_S: f64 = 1.5;
 /// Innovation from which an edge is off, standard deviations.
@@ -84,6 +86,8 @@ pub(super) struct VehicleMotion {
 pub(super) struct Seen {
     /// How far each edge was from where it was expected, metres.
     pub(super) innovation_m: [Option<f64>; 2],
+    /// Which edges are others than before: nothing is known of them from earlier frames.
+    pub(super) other_edge: [bool; 2],
     /// The edges are those of another lane.
     pub(super) lane_changed: bool,
 }
@@ -128,7 +132,8 @@ impl LateralFilter {
             let Some(edge) = edge.filter(|edge| edge.kept_frames == 0 && is_finite(edge)) else { continue };
             let moved = self.take_offset(config, side, edge.offset_m, dt_s);
             seen.innovation_m[side.index()] = moved.innovation_m;
-            seen.lane_changed |= moved.other_edge;
+            seen.other_edge[side.index()] = moved.other_edge;
+            seen.lane_changed |= moved.other_lane;
             if !can_be_followed(&edge, vehicle) {
                 continue;
             }
@@ -203,14 +208,14 @@ impl LateralFilter {
         let variance = config.offset_sigma_m * config.offset_sigma_m;
         let Some(watch) = self.known[place] else {
             self.start_edge(place, offset_m, variance);
-            return Moved::default();
+            return Moved { other_edge: true, ..Moved::default() };
         };
         let innovation_m = offset_m - self.state[place];
         // What one frame may be off; the filter itself counts frames that err alike as one.
         let spread_m = (self.covariance[(place, place)] + variance).sqrt();
         let off_s = if innovation_m.abs() > OFF_SIGMAS * spread_m { watch.off_s + dt_s } else { 0.0 };
-        let other_edge = innovation_m.abs() > OTHER_EDGE_M;
-        if other_edge || off_s > MOVED_EDGE_S {
+        let other_edge = innovation_m.abs() > OTHER_EDGE_M || off_s > MOVED_EDGE_S;
+        if other_edge {
             self.start_edge(place, offset_m, variance);
         } else {
             self.known[place] = Some(Watch { unseen_s: 0.0, off_s });
@@ -218,7 +223,8 @@ impl LateralFilter {
             of_state[place] = 1.0;
             self.update(&of_state, innovation_m, variance, alike(OFFSET_CORRELATION_S, dt_s));
         }
-        Moved { innovation_m: Some(innovation_m), other_edge }
+        let other_lane = innovation_m.abs() > OTHER_LANE_M;
+        Moved { innovation_m: Some(innovation_m), other_edge, other_lane }
     }
 
     /// Direction and curvature of an edge, at a speed that lets them say something.
@@ -274,6 +280,7 @@ fn alike(time_s: f64, dt_s: f64) -> f64 {
 struct Moved {
     innovation_m: Option<f64>,
     other_edge: bool,
+    other_lane: bool,
 }
 
 /// Whether a vehicle with this motion can be beside an edge that bends so.

@@ -2,6 +2,7 @@
 
 use super::super::Side;
 use super::DepartureConfig;
+use super::filter::Seen;
 use crate::vehicle_signals::{TurnSignal, VehicleState};
 
 /// How long a warning stays at the most, seconds: who has not reacted by then will not.
@@ -44,6 +45,8 @@ pub(super) struct Hush {
     slow: bool,
     /// While a lane is being changed, for how long the vehicle has been settled, seconds.
     changing: Option<f64>,
+    /// Whether the vehicle has been inside of the edge that is known on the left, on the right.
+    has_been_inside: [bool; 2],
 }
 
 impl Default for Hush {
@@ -53,6 +56,7 @@ impl Default for Hush {
             since_warning_s: f64::INFINITY,
             slow: false,
             changing: None,
+            has_been_inside: [false; 2],
         }
     }
 }
@@ -64,15 +68,18 @@ impl Hush {
         config: &DepartureConfig,
         state: &VehicleState,
         speed_mps: Option<f64>,
-        lane_changed: bool,
+        seen: &Seen,
         dt_s: f64,
     ) {
+        for (inside, other_edge) in self.has_been_inside.iter_mut().zip(seen.other_edge) {
+            *inside &= !other_edge;
+        }
         self.slow = speed_mps.is_some_and(|mps| mps < config.min_speed_mps);
         self.since_warning_s += dt_s;
         for (since_s, signal) in self.since_signal_s.iter_mut().zip([TurnSignal::Left, TurnSignal::Right]) {
             *since_s = if state.turn_signal == signal { 0.0 } else { *since_s + dt_s };
         }
-        if lane_changed {
+        if seen.lane_changed {
             self.changing = Some(0.0);
         }
     }
@@ -105,7 +112,8 @@ impl Hush {
         self.changing = self.changing.map(|_| 0.0);
     }
 
-    /// A wheel beyond an edge begins a lane change, warned of or not; it ends when the vehicle keeps between two edges.
+    /// A wheel that has come over an edge begins a lane change, warned of or not; it ends when the vehicle keeps between two
+    /// edges. An edge that comes into view under the vehicle is none that was crossed: it may be a seam.
     pub(super) fn end_frame(
         &mut self,
         config: &DepartureConfig,
@@ -114,7 +122,12 @@ impl Hush {
         dt_s: f64,
     ) {
         let least_m = clearance_m.into_iter().flatten().fold(f64::INFINITY, f64::min);
-        if least_m < 0.0 {
+        let mut crossed = false;
+        for (inside, clearance_m) in self.has_been_inside.iter_mut().zip(clearance_m) {
+            *inside |= clearance_m.is_some_and(|m| m >= 0.0);
+            crossed |= *inside && clearance_m.is_some_and(|m| m < 0.0);
+        }
+        if crossed {
             self.changing = Some(0.0);
         } else if let Some(settled_s) = &mut self.changing {
             let settled = least_m > config.hysteresis_m && lateral_mps.abs() < SETTLED_MPS;

@@ -108,3 +108,35 @@ fn a_lane_change_goes_on_where_no_edge_is_seen() {
     watch.see(6.0, 0.0, TurnSignal::Off);
     assert!(warned(&watch.see(4.0, 0.4, TurnSignal::Off)));
 }
+
+#[test]
+fn a_seam_that_is_taken_for_an_edge_for_a_moment_is_no_lane_change() {
+    let mut watch = Watch::default();
+    watch.see(2.0, 0.0, TurnSignal::Off);
+    let edge = |offset_m| Some(EdgeOnRoad { offset_m, ..EdgeOnRoad::default() });
+    let seam = LaneOnRoad { left: None, right: edge(-0.6) };
+    for _ in 0..2 {
+        assert!(!warned(&[watch.step(&seam, TurnSignal::Off)]));
+    }
+    let drift = watch.see(2.2, 0.5, TurnSignal::Off);
+    assert!(warned(&drift) && !silent_because(&drift, Silence::LaneChange), "{drift:?}");
+}
+
+#[test]
+fn edges_of_another_lane_are_a_lane_change() {
+    let drift_with_left_edge_moved_by = |farther_m: f64| {
+        let mut watch = Watch::default();
+        watch.see(2.0, 0.0, TurnSignal::Off);
+        watch.see(1.0, -0.4, TurnSignal::Off);
+        let edge = |offset_m| Some(EdgeOnRoad { offset_m, heading_rad: 0.02, ..EdgeOnRoad::default() });
+        let lane = |moved_m: f64| LaneOnRoad {
+            left: edge(HALF_LANE_M + 0.4 + moved_m + farther_m),
+            right: edge(-HALF_LANE_M + 0.4 + moved_m),
+        };
+        let moved_m = |frame| 0.4 * DT_S * f64::from(frame);
+        (1..40).map(|frame| watch.step(&lane(moved_m(frame)), TurnSignal::Off)).collect::<Vec<_>>()
+    };
+    let another_lane = drift_with_left_edge_moved_by(2.5);
+    assert!(!warned(&another_lane) && silent_because(&another_lane, Silence::LaneChange), "{another_lane:?}");
+    assert!(warned(&drift_with_left_edge_moved_by(1.5)));
+}
