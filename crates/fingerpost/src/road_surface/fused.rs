@@ -2,7 +2,8 @@
 //!
 //! Back-projection tells road from verge to the pixel where their colours differ, and knows nothing where both are grey. How
 //! much it knows it says itself: the odds that it gives to the road just ahead, over those of any place of the view. Where
-//! these are high, in the mean of the last frames, it decides. Elsewhere the classifier that is trained as the drive goes
+//! these are high, in the mean of the last frames, it decides, with what the drive has taught of verges ([`VergeColours`])
+//! and of the way ahead ([`WayColours`]). Elsewhere the classifier that is trained as the drive goes
 //! does: it knows where the road leads, but works on a reduced picture and lets go of the road slowly, so that edges seen
 //! from above are soft; the colours of what it found to be road, and of what it did not, sharpen them ([`RoadColours`]). In a
 //! camera picture, where nothing is enlarged, the classifier stands alone.
