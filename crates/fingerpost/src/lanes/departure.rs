@@ -94,11 +94,13 @@ impl DepartureWarning {
         // The next frame would be as much too late as this one is too early: half a frame is split.
         let at_edge = Side::BOTH.into_iter().find(|&side| {
             let closing_mps = closing_mps[side.index()];
-            clearance[side.index()].is_some_and(|(clearance_m, sigma_m)| {
-                closing_mps >= config.min_drift_mps
-                    && sigma_m <= MAX_SIGMA_M
-                    && clearance_m <= closing_mps * (config.lead_s + 0.5 * dt_s)
-            })
+            // An edge that comes into view under the vehicle may be a seam; one that is crossed was beside it before.
+            self.hush.has_been_inside(side)
+                && clearance[side.index()].is_some_and(|(clearance_m, sigma_m)| {
+                    closing_mps >= config.min_drift_mps
+                        && sigma_m <= MAX_SIGMA_M
+                        && clearance_m <= closing_mps * (config.lead_s + 0.5 * dt_s)
+                })
         });
         let silence = at_edge.and_then(|side| self.hush.silence(config, side));
         if let Some(side) = at_edge.filter(|_| silence.is_none()) {

@@ -30,6 +30,9 @@ const FRAME_SHARE: f64 = 0.1;
 /// While colours decide the classifier is trained in every so many-th frame, to be ready when they no longer do.
 const TRAINED_EVERY: u64 = 5;
 
+/// From here on a vehicle moves between two frames, metres.
+const MOVING_M: f64 = 0.05;
+
 /// Back-projection, and the classifier with the colours of what it finds.
 pub(super) struct Fused {
     by_sample: Backprojection,
@@ -113,7 +116,10 @@ impl RoadDetector for Fused {
         }
         let by_sample = self.by_sample.learn_from(input)?;
         let tell = self.colours_tell(&by_sample);
-        self.way.learn(&input.picture.bin, input.validity, input.sample, self.verges.counts());
+        // What stands still shows one place, not the way.
+        if input.motion.is_some_and(|motion| motion.previous_from_current.translation.x > MOVING_M) {
+            self.way.learn(&input.picture.bin, input.validity, input.sample, self.verges.counts());
+        }
         let trains = self.frames.is_multiple_of(TRAINED_EVERY);
         self.frames += 1;
         if tell {

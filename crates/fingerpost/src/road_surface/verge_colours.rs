@@ -23,6 +23,8 @@ const STEP: usize = 3;
 const KEPT: f32 = 0.99;
 /// Pixels that have to be counted before anything is said of verges: some seconds of a road between two of them.
 const LEAST_COUNTED: f32 = 60_000.0;
+/// As many have to be left for verges to stay known: greys, which are not told from coverings then, count no more.
+const LEAST_KEPT: f32 = 20_000.0;
 /// Share of a verge's colour, in those of an even spread over all bins, at which a colour is as likely unknown as verge's.
 const UNKNOWN_SHARE: f32 = 0.1;
 /// Probability of road of a colour that is quite unknown, of 255: a little more likely than not, as most of the view is road.
@@ -35,23 +37,25 @@ const GREY_SATURATION: f32 = 0.1;
 pub(super) struct VergeColours {
     bins: HueSaturationBins,
     counts: ColourCounts,
+    known: bool,
     unknown: Vec<u8>,
 }
 
 impl VergeColours {
     /// Nothing is known yet.
     pub(super) fn new(bins: HueSaturationBins) -> Self {
-        Self { bins, counts: ColourCounts::new(bins), unknown: vec![0; bins.count()] }
+        Self { bins, counts: ColourCounts::new(bins), known: false, unknown: vec![0; bins.count()] }
     }
 
     pub(super) fn forget(&mut self) {
         self.counts.forget();
+        self.known = false;
         self.unknown.fill(0);
     }
 
-    /// The colours beside the road.
-    pub(super) const fn counts(&self) -> &ColourCounts {
-        &self.counts
+    /// The colours beside the road; none before enough was seen of them.
+    pub(super) fn counts(&self) -> Option<&ColourCounts> {
+        self.known.then_some(&self.counts)
     }
 
     /// Least probability of road for each bin, of 255: that of the colours that verges have not had.
@@ -73,7 +77,8 @@ impl VergeColours {
                 }
             }
         }
-        if self.counts.total() < LEAST_COUNTED {
+        self.known = self.counts.total() >= if self.known { LEAST_KEPT } else { LEAST_COUNTED };
+        if !self.known {
             // What is known of verges has grown old, or is not yet enough.
             self.unknown.fill(0);
             return;

@@ -53,7 +53,8 @@ const HEADING_CORRELATION_S: f64 = 0.6;
 const HUBER_SIGMAS: f64 = 1.0;
 /// From here an edge is another edge, metres: no edge of one lane moves so far between frames.
 const OTHER_EDGE_M: f64 = 1.0;
-/// From here it is that of another lane, metres: lanes are wider, and a seam or a patch that was taken for the edge lies nearer.
+/// From here it is that of another lane, metres: lanes are wider, and seams and patches that are taken for an edge mostly lie
+/// nearer.
 const OTHER_LANE_M: f64 = 2.0;
 /// How long an edge may be off by more than the filter allows before it is taken as moved, seconds.
 const MOVED_EDGE_S: f64 = 1.5;

@@ -84,6 +84,11 @@ impl Hush {
         }
     }
 
+    /// Whether the vehicle has been inside of the edge that is known on that side.
+    pub(super) const fn has_been_inside(&self, side: Side) -> bool {
+        self.has_been_inside[side.index()]
+    }
+
     /// Why a wheel at the edge on that side is passed over.
     pub(super) fn silence(&self, config: &DepartureConfig, side: Side) -> Option<Silence> {
         if self.since_signal_s[side.index()] <= config.signal_hold_s {

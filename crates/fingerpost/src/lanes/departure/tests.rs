@@ -113,12 +113,14 @@ fn a_lane_change_goes_on_where_no_edge_is_seen() {
 fn a_seam_that_is_taken_for_an_edge_for_a_moment_is_no_lane_change() {
     let mut watch = Watch::default();
     watch.see(2.0, 0.0, TurnSignal::Off);
-    let edge = |offset_m| Some(EdgeOnRoad { offset_m, ..EdgeOnRoad::default() });
-    let seam = LaneOnRoad { left: None, right: edge(-0.6) };
+    // Towards the seam, faster than what is taken for a drift.
+    assert!(!warned(&watch.see(1.5, -0.3, TurnSignal::Off)));
+    let edge = |offset_m| Some(EdgeOnRoad { offset_m, heading_rad: 0.015, ..EdgeOnRoad::default() });
+    let seam = LaneOnRoad { left: None, right: edge(-0.3) };
     for _ in 0..2 {
         assert!(!warned(&[watch.step(&seam, TurnSignal::Off)]));
     }
-    let drift = watch.see(2.2, 0.5, TurnSignal::Off);
+    let drift = watch.see(3.2, 0.5, TurnSignal::Off);
     assert!(warned(&drift) && !silent_because(&drift, Silence::LaneChange), "{drift:?}");
 }
 

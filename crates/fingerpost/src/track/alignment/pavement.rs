@@ -22,7 +22,7 @@ const LEAST_CHANGE: f64 = 0.05;
 /// What a kerb must gain to be believed, square standard deviations of the width.
 const LEAST_GAIN: f64 = 1.0;
 
-/// How often edges had a pavement outside, by the sections of which both are seen.
+/// How often a change of the grey inside an edge was a kerb, by the sections of which both edges are seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pavements {
     with: f64,
@@ -31,10 +31,14 @@ pub(super) struct Pavements {
 
 /// Nothing is seen yet: a change of the grey just inside an edge is a kerb more often than not.
 const BEFORE_ANY: Pavements = Pavements { with: 1.0, without: 0.3 };
-/// What is left of what was counted, for each section that is: some hundred sections count.
-const KEPT: f64 = 0.998;
+/// What is left of what was counted, for each section that is: those of the last junctions count.
+const KEPT: f64 = 0.9995;
 /// A section counts when its width fits the map's to so many standard deviations.
 const FITS_SIGMAS: f64 = 2.0;
+/// However often edges were kerbs, or were none, the next one may differ.
+const NEVER_SURER: [f64; 2] = [0.05, 0.95];
+/// Least standard deviation of a width, metres.
+const LEAST_WIDTH_SIGMA_M: f64 = 0.1;
 
 impl Default for Pavements {
     fn default() -> Self {
@@ -43,14 +47,15 @@ impl Default for Pavements {
 }
 
 impl Pavements {
-    /// How probable it is that an edge with a change of the grey inside is a pavement's.
+    /// How probable it is that a change of the grey inside an edge is a kerb.
     fn probability(self) -> f64 {
-        self.with / (self.with + self.without)
+        (self.with / (self.with + self.without)).clamp(NEVER_SURER[0], NEVER_SURER[1])
     }
 
-    fn count_section(&mut self, kerbs: f64) {
+    /// Counts a section with so many changes inside its edges, of which so many are kerbs.
+    fn count_section(&mut self, changes: f64, kerbs: f64) {
         self.with = KEPT * self.with + kerbs;
-        self.without = KEPT * self.without + (2.0 - kerbs);
+        self.without = KEPT * self.without + (changes - kerbs);
     }
 }
 
@@ -71,7 +76,7 @@ impl RoadEdges {
 }
 
 /// The edges of a road, metres to its left, without the pavements that `edges_m` may hold. `grey` are the grey values across
-/// it, `step_m` apart; the map says how wide the road is, with a standard deviation, metres. `pavements` learns from what is
+/// it, `step_m` apart; `width_m` is the width to be expected there, with a standard deviation. `pavements` learns from what is
 /// seen of both edges.
 pub(super) fn without_pavements(
     grey: &Profile,
@@ -81,42 +86,53 @@ pub(super) fn without_pavements(
     pavements: &mut Pavements,
 ) -> RoadEdges {
     let [nearest_m, farthest_m] = PAVEMENT_M;
-    let kerb = |edge_m: f64, between_m| {
-        let change = grey.greatest_change(step_m, COMPARED_M, &between_m);
-        change.filter(|(_, share)| *share >= LEAST_CHANGE).map_or(edge_m, |(at_m, _)| at_m)
+    // Further in lie the road's own middle and its other lane.
+    let farthest_m = farthest_m.min(0.5 * width_m);
+    let kerb_inside = |edge_m: f64, inwards: f64| {
+        let (a, b) = (edge_m + inwards * nearest_m, edge_m + inwards * farthest_m);
+        let change = grey.greatest_change(step_m, COMPARED_M, &(a.min(b)..=a.max(b)));
+        change.filter(|(_, share)| *share >= LEAST_CHANGE).map(|(at_m, _)| at_m)
     };
     let kerbs_m = [
-        edges_m[0].map(|left_m| kerb(left_m, left_m - farthest_m..=left_m - nearest_m)),
-        edges_m[1].map(|right_m| kerb(right_m, right_m + nearest_m..=right_m + farthest_m)),
+        edges_m[0].and_then(|left_m| kerb_inside(left_m, -1.0)),
+        edges_m[1].and_then(|right_m| kerb_inside(right_m, 1.0)),
     ];
-    let ([Some(left_m), Some(right_m)], [Some(left_kerb_m), Some(right_kerb_m)]) = (edges_m, kerbs_m) else {
-        return either_or(pavements.probability(), edges_m, kerbs_m);
-    };
-    let misfit = |left_m: f64, right_m: f64| ((left_m - right_m - width_m) / width_sigma_m).powi(2);
-    let ways = [
-        (left_m, right_m, 0.0),
-        (left_kerb_m, right_m, 1.0),
-        (left_m, right_kerb_m, 1.0),
-        (left_kerb_m, right_kerb_m, 2.0),
-    ];
-    let cost = |&(left_m, right_m, kerbs): &(f64, f64, f64)| misfit(left_m, right_m) + LEAST_GAIN * kerbs;
-    let Some((left_m, right_m, kerbs)) = ways.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
-        return RoadEdges::certain(edges_m);
-    };
-    if misfit(left_m, right_m) < FITS_SIGMAS * FITS_SIGMAS {
-        pavements.count_section(kerbs);
+    if edges_m.iter().any(Option::is_none) {
+        return either_or([pavements.probability(); 2], edges_m, kerbs_m);
     }
-    RoadEdges::certain([Some(left_m), Some(right_m)])
+    let width_sigma_m = width_sigma_m.max(LEAST_WIDTH_SIGMA_M);
+    let misfit = |left_m: f64, right_m: f64| ((left_m - right_m - width_m) / width_sigma_m).powi(2);
+    // Every way in which the edges can be kerbs counts by how well it explains the width.
+    let (mut weight, mut kerb_weight, mut least_misfit) = (0.0, [0.0; 2], f64::INFINITY);
+    for is_kerb in [[false, false], [true, false], [false, true], [true, true]] {
+        let place_m = |side: usize| if is_kerb[side] { kerbs_m[side] } else { edges_m[side] };
+        let (Some(left_m), Some(right_m)) = (place_m(0), place_m(1)) else { continue };
+        let kerbs = f64::from(u8::from(is_kerb[0]) + u8::from(is_kerb[1]));
+        let misfit = misfit(left_m, right_m);
+        let likelihood = (-0.5 * (misfit + LEAST_GAIN * kerbs)).exp();
+        weight += likelihood;
+        for side in 0..2 {
+            kerb_weight[side] += if is_kerb[side] { likelihood } else { 0.0 };
+        }
+        least_misfit = least_misfit.min(misfit);
+    }
+    if least_misfit > FITS_SIGMAS * FITS_SIGMAS || weight <= 0.0 {
+        return RoadEdges::certain(edges_m);
+    }
+    let probability = kerb_weight.map(|kerb| kerb / weight);
+    let changes = kerbs_m.iter().flatten().count() as f64;
+    pavements.count_section(changes, probability[0] + probability[1]);
+    either_or(probability, edges_m, kerbs_m)
 }
 
-/// Edges of which each is a kerb with this probability: mean and standard deviation of the two places.
-fn either_or(probability: f64, edges_m: [Option<f64>; 2], kerbs_m: [Option<f64>; 2]) -> RoadEdges {
+/// Edges of which each is a kerb with its probability: mean and standard deviation of the two places.
+fn either_or(probability: [f64; 2], edges_m: [Option<f64>; 2], kerbs_m: [Option<f64>; 2]) -> RoadEdges {
     let mut road = RoadEdges::certain(edges_m);
     for side in 0..2 {
         if let (Some(edge_m), Some(kerb_m)) = (edges_m[side], kerbs_m[side]) {
-            road.edges_m[side] = Some(edge_m + probability * (kerb_m - edge_m));
-            road.pavement_sigma_m[side] =
-                (probability * (1.0 - probability)).sqrt() * (kerb_m - edge_m).abs();
+            let p = probability[side];
+            road.edges_m[side] = Some(edge_m + p * (kerb_m - edge_m));
+            road.pavement_sigma_m[side] = (p * (1.0 - p)).sqrt() * (kerb_m - edge_m).abs();
         }
     }
     road
@@ -138,24 +154,35 @@ mod tests {
         without_pavements(grey, 0.1, (5.5, 0.88), edges_m, &mut Pavements::default()).edges_m
     }
 
-    fn near(edge: Option<f64>, expected_m: f64) -> bool {
-        edge.is_some_and(|m| (m - expected_m).abs() < 0.11)
+    fn near(edge: Option<f64>, expected_m: f64, within_m: f64) -> bool {
+        edge.is_some_and(|m| (m - expected_m).abs() < within_m)
     }
 
     #[test]
     fn a_pavement_on_one_side_is_left_out() {
-        let left = edges_m(&road(2.75, -2.75), [Some(4.75), Some(-2.75)]);
-        assert!(near(left[0], 2.75) && near(left[1], -2.75), "{left:?}");
-        let right = edges_m(&road(2.75, -2.75), [Some(2.75), Some(-4.75)]);
-        assert!(near(right[0], 2.75) && near(right[1], -2.75), "{right:?}");
-        let both = edges_m(&road(2.75, -2.75), [Some(4.75), Some(-4.75)]);
-        assert!(near(both[0], 2.75) && near(both[1], -2.75), "{both:?}");
+        let is_road = |edges: [Option<f64>; 2]| near(edges[0], 2.75, 0.3) && near(edges[1], -2.75, 0.3);
+        for (left_m, right_m) in [(4.75, -2.75), (2.75, -4.75), (4.75, -4.75)] {
+            let edges = edges_m(&road(2.75, -2.75), [Some(left_m), Some(right_m)]);
+            assert!(is_road(edges), "{edges:?}");
+        }
+    }
+
+    #[test]
+    fn which_side_has_the_pavement_can_be_left_open() {
+        // The grey changes inside both edges, and the width allows for one pavement.
+        let (grey, mut pavements) = (road(1.75, -1.75), Pavements::default());
+        let seen = without_pavements(&grey, 0.1, (5.5, 0.5), [Some(3.75), Some(-3.75)], &mut pavements);
+        let ([Some(left_m), Some(right_m)], sigmas_m) = (seen.edges_m, seen.pavement_sigma_m) else {
+            panic!("{seen:?}")
+        };
+        assert!((left_m + right_m).abs() < 0.05 && (left_m - 2.75).abs() < 0.2, "{seen:?}");
+        assert!(sigmas_m.iter().all(|sigma_m| *sigma_m > 0.8), "{seen:?}");
     }
 
     #[test]
     fn a_road_as_wide_as_on_the_map_keeps_its_edges() {
-        let inside = road(1.2, -9.0);
-        assert_eq!(edges_m(&inside, [Some(2.75), Some(-2.75)]), [Some(2.75), Some(-2.75)]);
+        let inside = edges_m(&road(1.2, -9.0), [Some(2.75), Some(-2.75)]);
+        assert!(near(inside[0], 2.75, 0.25) && near(inside[1], -2.75, 1e-9), "{inside:?}");
     }
 
     #[test]
@@ -173,19 +200,17 @@ mod tests {
         let unsure = single(&mut pavements);
         assert!(unsure.edges_m[1].is_some_and(|m| m > -4.0 && m < -2.8), "{unsure:?}");
         assert!(unsure.pavement_sigma_m[1] > 0.5, "{unsure:?}");
-        let both = [Some(4.75), Some(-4.75)];
-        for _ in 0..100 {
-            without_pavements(&road(2.75, -2.75), 0.1, (5.5, 0.88), both, &mut pavements);
-        }
-        let kerb = single(&mut pavements);
-        assert!(near(kerb.edges_m[1], -2.75) && kerb.pavement_sigma_m[1] < 0.15, "{kerb:?}");
-        let mut verges = Pavements::default();
-        for _ in 0..100 {
-            let narrow = [Some(2.75), Some(-2.75)];
-            without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), narrow, &mut verges);
-        }
-        let edge = single(&mut verges);
-        assert!(near(edge.edges_m[1], -4.75) && edge.pavement_sigma_m[1] < 0.2, "{edge:?}");
+        let learn = |grey: &Profile, edges_m: [f64; 2]| {
+            let mut pavements = Pavements::default();
+            for _ in 0..100 {
+                without_pavements(grey, 0.1, (5.5, 0.88), edges_m.map(Some), &mut pavements);
+            }
+            single(&mut pavements)
+        };
+        let kerb = learn(&road(2.75, -2.75), [4.75, -4.75]);
+        assert!(near(kerb.edges_m[1], -2.75, 0.3) && kerb.pavement_sigma_m[1] < 0.65, "{kerb:?}");
+        let edge = learn(&road(1.2, -1.2), [2.75, -2.75]);
+        assert!(near(edge.edges_m[1], -4.75, 0.4) && edge.pavement_sigma_m[1] < 0.7, "{edge:?}");
         let even = without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), [Some(2.0), None], &mut pavements);
         assert_eq!(even, RoadEdges::certain([Some(2.0), None]));
     }

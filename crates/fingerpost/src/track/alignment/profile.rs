@@ -5,9 +5,13 @@
 
 use std::ops::RangeInclusive;
 
+use super::mean;
+
 /// Mean probability, or grey value, under a piece at a shift to the left, metres; none where too little is seen.
 pub(super) type Sample = (f64, Option<f64>);
 
+/// Changes of the level of at least this share of the greatest are as great.
+const SAME_CHANGE: f64 = 0.95;
 /// Share of the greatest step that makes an edge: behind the verge may stand a wall, whose foot is a greater step.
 const MUCH_OF_GREATEST: f64 = 0.7;
 /// Places whose level is within this of the highest are as much road as it.
@@ -98,11 +102,17 @@ impl Profile {
             let left = self.level((i + gap).min(end), (i + gap + window).min(end), window)?;
             Some((left - right).abs() / (left + right).max(f64::EPSILON))
         };
-        (1..end)
-            .map(|i| (i, 0.5 * (self.shifts_m[i - 1] + self.shifts_m[i])))
-            .filter(|(_, at_m)| between_m.contains(at_m))
-            .filter_map(|(i, at_m)| Some((at_m, change(i)?)))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
+        let changes = || {
+            (1..end)
+                .map(|i| (i, 0.5 * (self.shifts_m[i - 1] + self.shifts_m[i])))
+                .filter(|(_, at_m)| between_m.contains(at_m))
+                .filter_map(|(i, at_m)| Some((at_m, change(i)?)))
+        };
+        let (best_m, share) = changes().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        // A sharp step is about as great wherever it lies in the gap: the middle of those places counts.
+        let is_same =
+            |(at_m, s): &(f64, f64)| *s >= SAME_CHANGE * share && (at_m - best_m).abs() <= 2.5 * gap_m;
+        Some((mean(changes().filter(is_same).map(|(at_m, _)| at_m))?, share))
     }
 
     /// Mean of the seen samples from `start` to before `end`; none of fewer than half a window.
@@ -202,7 +212,7 @@ mod tests {
         let grey = |x: f64| if x < 1.48 { 0.3 + 0.01 * x } else { 0.4 + 0.01 * x };
         profile.take((-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, (x < 4.0).then(|| grey(x)))));
         let (at_m, share) = profile.greatest_change(0.1, (0.5, 0.1), &(-3.0..=3.0)).unwrap();
-        assert!((at_m - 1.45).abs() < 0.11 && (share - 1.0 / 7.0).abs() < 0.01, "{at_m} {share}");
+        assert!((at_m - 1.45).abs() < 0.06 && (share - 1.0 / 7.0).abs() < 0.01, "{at_m} {share}");
         assert_eq!(profile.greatest_change(0.1, (0.5, 0.1), &(4.5..=4.8)), None, "out of view");
     }
 

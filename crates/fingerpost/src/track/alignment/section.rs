@@ -20,7 +20,8 @@ pub struct CrossSection {
     pub p_in_vehicle: Point2<f64>,
     /// Left of the arm when one looks outwards along it, vehicle frame, unit vector.
     pub left: Vector2<f64>,
-    /// Left and right edge of the road, metres to the left of the arm; none where an edge is not seen.
+    /// Left and right edge of the road, metres to the left of the arm; none where an edge is not seen. Where a pavement may lie
+    /// inside an edge, the mean of the two places.
     pub edges_m: [Option<f64>; 2],
     /// What is not known of them because a pavement may lie inside, standard deviations, metres.
     pub pavement_sigma_m: [f64; 2],
@@ -119,13 +120,15 @@ impl Slide {
         let left_px_per_m = left / grid.metres_per_pixel();
         self.profile.take(profile(config, laid.sums(), &self.mask, left_px_per_m, reach_m));
         let edges_m = self.profile.edges_m(config.slide_step_m, WINDOW_M, config.min_edge_step);
-        let road = match laid.grey() {
-            Some(grey) => {
+        // Where the other side of a kerb's curve is open nothing is known of the width.
+        let road = match (laid.grey(), piece.flare_m) {
+            (Some(grey), [Some(left_flare_m), Some(right_flare_m)]) => {
                 self.grey.take(profile(config, grey, &self.mask, left_px_per_m, reach_m));
-                let width = (arm.width_m, config.width_sigma_share * arm.width_m);
+                let width_m = arm.width_m + left_flare_m + right_flare_m;
+                let width = (width_m, config.width_sigma_share * arm.width_m);
                 without_pavements(&self.grey, config.slide_step_m, width, edges_m, &mut self.pavements)
             }
-            None => RoadEdges::certain(edges_m),
+            _ => RoadEdges::certain(edges_m),
         };
         if piece.flare_m.iter().all(|flare_m| flare_m.is_some_and(|flare_m| flare_m <= STRAIGHT_FLARE_M)) {
             self.whole.add(&self.profile);
