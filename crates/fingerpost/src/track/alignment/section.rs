@@ -120,15 +120,13 @@ impl Slide {
         let left_px_per_m = left / grid.metres_per_pixel();
         self.profile.take(profile(config, laid.sums(), &self.mask, left_px_per_m, reach_m));
         let edges_m = self.profile.edges_m(config.slide_step_m, WINDOW_M, config.min_edge_step);
-        // Where the other side of a kerb's curve is open nothing is known of the width.
-        let road = match (laid.grey(), piece.flare_m) {
-            (Some(grey), [Some(left_flare_m), Some(right_flare_m)]) => {
+        let road = match laid.grey() {
+            Some(grey) => {
                 self.grey.take(profile(config, grey, &self.mask, left_px_per_m, reach_m));
-                let width_m = arm.width_m + left_flare_m + right_flare_m;
-                let width = (width_m, config.width_sigma_share * arm.width_m);
+                let width = (arm.width_m, config.width_sigma_share * arm.width_m);
                 without_pavements(&self.grey, config.slide_step_m, width, edges_m, &mut self.pavements)
             }
-            _ => RoadEdges::certain(edges_m),
+            None => RoadEdges::certain(edges_m),
         };
         if piece.flare_m.iter().all(|flare_m| flare_m.is_some_and(|flare_m| flare_m <= STRAIGHT_FLARE_M)) {
             self.whole.add(&self.profile);
