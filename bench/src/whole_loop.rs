@@ -177,7 +177,7 @@ impl Loop {
             RoadInput { picture: &self.ground, validity, sample, perspective, motion: self.moved.as_ref() };
         self.detector.detect(input, &mut self.surface)?;
         lap(1);
-        let laid = self.matcher.laid(&self.surface, self.surface.known())?;
+        let laid = self.matcher.laid_with(&self.surface, (&self.ground.grey, validity))?;
         laid.score(&mut self.masks, &self.node, 0.0)?;
         lap(2);
         self.moved = self

@@ -116,7 +116,7 @@ fn a_seam_that_is_taken_for_an_edge_for_a_moment_is_no_lane_change() {
     // Towards the seam, faster than what is taken for a drift.
     assert!(!warned(&watch.see(1.5, -0.3, TurnSignal::Off)));
     let edge = |offset_m| Some(EdgeOnRoad { offset_m, heading_rad: 0.015, ..EdgeOnRoad::default() });
-    let seam = LaneOnRoad { left: None, right: edge(-0.3) };
+    let seam = LaneOnRoad { left: None, right: edge(0.1) };
     for _ in 0..2 {
         assert!(!warned(&[watch.step(&seam, TurnSignal::Off)]));
     }
