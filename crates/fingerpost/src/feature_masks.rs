@@ -202,6 +202,21 @@ impl MaskCache {
         self.drawn_verges.get(&self.key(heading_rad)).map(Vec::as_slice)
     }
 
+    /// Draws all that a vehicle asks for while its heading stays within `reach_rad` of `heading_rad`, so that no frame in
+    /// which it does has to.
+    ///
+    /// # Errors
+    /// [`SpanError`] as for [`MaskCache::at`].
+    pub(crate) fn draw_about(&mut self, heading_rad: f64, reach_rad: f64) -> Result<(), SpanError> {
+        let steps = (reach_rad / self.heading_step_rad).ceil() as i32;
+        for step in -steps..=steps {
+            let heading_rad = heading_rad + self.heading_step_rad * f64::from(step);
+            self.at(heading_rad)?;
+            self.verges_at(heading_rad)?;
+        }
+        Ok(())
+    }
+
     /// Frees the drawings of a feature that lies behind.
     pub(crate) fn clear(&mut self) {
         self.drawn.clear();

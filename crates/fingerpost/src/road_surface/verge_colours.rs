@@ -53,9 +53,9 @@ impl VergeColours {
         self.unknown.fill(0);
     }
 
-    /// The colours beside the road; none before enough was seen of them.
-    pub(super) fn counts(&self) -> Option<&ColourCounts> {
-        self.known.then_some(&self.counts)
+    /// The colours that were seen beside the road.
+    pub(super) fn counts(&self) -> &ColourCounts {
+        &self.counts
     }
 
     /// Least probability of road for each bin, of 255: that of the colours that verges have not had.

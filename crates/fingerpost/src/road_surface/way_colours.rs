@@ -52,14 +52,13 @@ impl WayColours {
         &self.likely
     }
 
-    /// Takes in what lies ahead of the `sample` and in it, against the colours beside the road; says nothing while those are
-    /// not known.
+    /// Takes in what lies ahead of the `sample` and in it, against the colours that were seen beside the road.
     pub(super) fn learn(
         &mut self,
         bin: &Plane<u16>,
         validity: &ValidityMask,
         sample: Rect,
-        verges: Option<&ColourCounts>,
+        verges: &ColourCounts,
     ) {
         self.ahead.fade(KEPT);
         let before = self.ahead.total();
@@ -72,10 +71,10 @@ impl WayColours {
             }
         }
         let total = self.ahead.total();
-        let Some(verges) = verges.filter(|_| total >= LEAST_FRAMES * (total - before).max(1.0)) else {
+        if total < LEAST_FRAMES * (total - before).max(1.0) {
             self.likely.fill(0);
             return;
-        };
+        }
         let densities = self.ahead.densities().zip(verges.densities());
         for (likely, (ahead, verge)) in self.likely.iter_mut().zip(densities) {
             let believed = ahead / (ahead + HALF_BELIEVED);
@@ -105,7 +104,7 @@ mod tests {
         (0..1000).for_each(|_| verges.add(verge));
         let validity = ValidityMask::from_plane(Plane::new(320, 320, 1));
         let mut way = WayColours::new(BINS);
-        (0..frames).for_each(|_| way.learn(&bin, &validity, SAMPLE, Some(&verges)));
+        (0..frames).for_each(|_| way.learn(&bin, &validity, SAMPLE, &verges));
         way
     }
 
@@ -123,13 +122,19 @@ mod tests {
     }
 
     #[test]
+    fn what_lies_ahead_is_road_though_no_verge_was_seen_yet() {
+        let bin = Plane::new(320, 320, LIT);
+        let validity = ValidityMask::from_plane(Plane::new(320, 320, 1));
+        let mut way = WayColours::new(BINS);
+        (0..40).for_each(|_| way.learn(&bin, &validity, SAMPLE, &ColourCounts::new(BINS)));
+        let [lit, grass] = [LIT, GRASS].map(|bin| way.least_probability()[usize::from(bin)]);
+        assert!(lit > 230 && grass == 0, "{lit} {grass}");
+    }
+
+    #[test]
     fn nothing_is_said_before_enough_was_seen_nor_when_it_is_forgotten() {
         let silent = |way: &WayColours| way.least_probability().iter().all(|&p| p == 0);
         assert!(silent(&learned(5, GRASS)));
-        let mut way = learned(40, GRASS);
-        let (bin, validity) = (Plane::new(320, 320, LIT), ValidityMask::from_plane(Plane::new(320, 320, 1)));
-        way.learn(&bin, &validity, SAMPLE, None);
-        assert!(silent(&way), "nothing is known of the verges");
         let mut way = learned(40, GRASS);
         way.forget();
         assert!(silent(&way));

@@ -25,6 +25,8 @@ const SEARCHED_SIGMAS: [f64; 3] = [1.8, 1.2, 0.1];
 const CANDIDATE_PATIENCE: usize = 10;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
 const ON_ROAD_SIGMA_RAD: f64 = 0.052;
+/// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
+const STEERED_RAD: f64 = 0.052;
 /// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
 /// beside the road.
 const OFF_ROAD_M: f64 = 1.0;
@@ -161,6 +163,7 @@ impl Tracker {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p };
             *candidate = Some(Candidate { filter, frames, weight });
         } else {
+            masks.draw_about(filter.pose().rotation.angle(), STEERED_RAD)?;
             evidence.decision = Decision::Detected;
             self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
             self.mode = Mode::Tracking { filter, unconfirmed: 0 };
