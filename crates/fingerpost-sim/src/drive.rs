@@ -140,6 +140,12 @@ impl Drive {
         self.path.iter().zip(&self.times_s).map(|(point, t_s)| (point.route_m, *t_s)).collect()
     }
 
+    /// How far along the route one that drives alike is `t_s` seconds after its start, metres; after the drive it goes on.
+    pub(crate) fn route_m_at(&self, t_s: f64) -> f64 {
+        let state = self.at(t_s);
+        state.route_m + state.speed_mps * (t_s - self.duration_s()).max(0.0)
+    }
+
     /// The vehicle `t_s` seconds after its start; clamped to the drive.
     pub(crate) fn at(&self, t_s: f64) -> VehicleState {
         let t_s = t_s.clamp(0.0, self.duration_s());
@@ -253,6 +259,16 @@ mod tests {
             last = Some(state);
         }
         assert!(drive.at(drive.duration_s()).speed_mps < 4.1);
+    }
+
+    #[test]
+    fn one_that_drives_ahead_is_never_reached() {
+        let drive = Drive::new(path(), &[], 8.0, &Conditions::CLEAR, 1).unwrap();
+        let end_s = drive.duration_s();
+        for t_s in [0.0, 0.5 * end_s, end_s - 1.0, end_s] {
+            let between_m = drive.route_m_at(t_s + 2.0) - drive.route_m_at(t_s);
+            assert!(between_m > 7.0, "{between_m} m at {t_s} s");
+        }
     }
 
     #[test]

@@ -220,7 +220,7 @@ impl Simulator {
 
     /// The other vehicles that can be seen in a frame.
     fn vehicles(&self, state: &VehicleState, index: usize) -> Vec<Object> {
-        let route_at = |t_s: f64| self.drive.at(t_s).route_m;
+        let route_at = |t_s: f64| self.drive.route_m_at(t_s);
         self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, &self.relief)
     }
 

@@ -193,6 +193,41 @@ fn an_edge_that_disappears_is_kept_for_a_while_and_then_dropped() {
     assert!(found(&camera, &pictures).edge(Side::Left).is_none());
 }
 
+/// Where the left edge is said to be after a lane was seen for long, its left line then not at all, and then `last`.
+fn left_after_a_gap(camera: &Camera, last: &[RgbImage]) -> f64 {
+    let road = Road { edges_m: [1.7, -1.7], heading_rad: 0.0, curvature_per_m: 0.0, painted: |_| true };
+    let gap = Road { edges_m: [50.0, -1.7], ..road };
+    let mut pictures = vec![road.picture(camera); 14];
+    pictures.extend(vec![gap.picture(camera); 3]);
+    pictures.extend_from_slice(last);
+    found(camera, &pictures).edge(Side::Left).unwrap().offset_m
+}
+
+#[test]
+fn what_flashes_beside_an_edge_in_its_gap_is_not_the_edge_and_what_lasts_is() {
+    let camera = camera(3.0);
+    let elsewhere = Road { edges_m: [1.0, -1.7], heading_rad: 0.0, curvature_per_m: 0.0, painted: |_| true };
+    let elsewhere = elsewhere.picture(&camera);
+    let flashed_m = left_after_a_gap(&camera, &vec![elsewhere.clone(); 2]);
+    assert!((flashed_m - 1.7).abs() < 0.1, "{flashed_m}");
+    let lasted_m = left_after_a_gap(&camera, &vec![elsewhere; 6]);
+    assert!((lasted_m - 1.0).abs() < 0.1, "{lasted_m}");
+}
+
+#[test]
+fn what_flashes_inside_an_edge_that_is_seen_again_makes_it_no_double_line() {
+    let camera = camera(3.0);
+    let road = Road { edges_m: [1.7, -1.7], heading_rad: 0.0, curvature_per_m: 0.0, painted: |_| true };
+    let (mut both, inner) = (road.picture(&camera), Road { edges_m: [1.3, -1.7], ..road }.picture(&camera));
+    for row in 0..HEIGHT {
+        both.row_mut(row).iter_mut().zip(inner.row(row)).for_each(|(a, b)| *a = (*a).max(*b));
+    }
+    let flashed_m = left_after_a_gap(&camera, std::slice::from_ref(&both));
+    assert!((flashed_m - 1.7).abs() < 0.1, "{flashed_m}");
+    let lasted_m = left_after_a_gap(&camera, &vec![both; 6]);
+    assert!((lasted_m - 1.3).abs() < 0.1, "{lasted_m}");
+}
+
 #[test]
 fn the_yaw_rate_says_to_which_side_the_lane_leads() {
     let camera = camera(3.0);

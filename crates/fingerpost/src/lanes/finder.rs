@@ -46,6 +46,8 @@ struct Followed {
     /// Frames in a row that showed it, and frames since one did.
     seen_frames: u32,
     kept_frames: u32,
+    /// Frames that showed it in all.
+    times_seen: u32,
     shown: bool,
     rival_frames: u32,
     inside_frames: u32,
@@ -61,7 +63,8 @@ impl Followed {
         self.shown = false;
         self.quality = Quality::default();
         self.look = PaintLook::default();
-        (self.seen_frames, self.kept_frames, self.rival_frames, self.inside_frames) = (0, 0, 0, 0);
+        (self.seen_frames, self.kept_frames, self.times_seen) = (0, 0, 0);
+        (self.rival_frames, self.inside_frames) = (0, 0);
         self.notes.clear();
     }
 }
@@ -251,6 +254,7 @@ impl LaneFinder {
         }
         if quality.used >= SEEN_ROWS && quality.near_m >= SEEN_NEAR_M {
             followed.seen_frames += 1;
+            followed.times_seen += 1;
             followed.kept_frames = 0;
         } else {
             followed.seen_frames = 0;

@@ -27,6 +27,8 @@ const STRONGER: usize = 2;
 const SAME_M: f64 = 0.3;
 /// Frames in which a line elsewhere must be the better one before it replaces the edge that is followed.
 const RIVAL_FRAMES: u32 = 5;
+/// Frames that must have shown an edge before another line has to last to replace it while it is kept.
+const ESTABLISHED_TIMES: u32 = 10;
 /// A rival must show at least this part of the rows of the edge that it replaces: a half.
 const RIVAL_PART: usize = 2;
 /// How far off a rival is, metres.
@@ -55,6 +57,16 @@ struct Trial {
     look: PaintLook,
 }
 
+/// What became of a candidate.
+enum Tried {
+    /// It is the edge that is followed now.
+    Taken,
+    /// It lies beside an edge that has been seen for long and is kept: a light's image in a wet road does not last.
+    NotYet,
+    /// It bounds no marking.
+    NoMarking,
+}
+
 impl LaneFinder {
     /// Looks for an edge where none is followed, or where a better one shows.
     pub(super) fn acquire(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side) {
@@ -66,9 +78,9 @@ impl LaneFinder {
             let followed = &mut self.followed[side.index()];
             followed.rival_frames = if rival.is_some() { followed.rival_frames + 1 } else { 0 };
             if let Some(index) = rival.filter(|_| followed.rival_frames >= RIVAL_FRAMES) {
-                followed.rival_frames = 0;
                 let least_rows = followed.quality.used / RIVAL_PART;
                 self.try_candidate(camera, input, side, index, least_rows);
+                self.followed[side.index()].rival_frames = 0;
             }
             return;
         }
@@ -92,11 +104,16 @@ impl LaneFinder {
             let inner = a.beside_m.total_cmp(&b.beside_m).then(a.index.cmp(&b.index));
             faint(a).cmp(&faint(b)).then(inner)
         });
+        let mut rival = false;
         for trial in 0..TRIALS.min(self.painted.len()) {
-            if self.try_candidate(camera, input, side, self.painted[trial].index, NEW_ROWS) {
-                return;
+            match self.try_candidate(camera, input, side, self.painted[trial].index, NEW_ROWS) {
+                Tried::Taken => return,
+                Tried::NotYet => rival = true,
+                Tried::NoMarking => {}
             }
         }
+        let followed = &mut self.followed[side.index()];
+        followed.rival_frames = if rival { followed.rival_frames + 1 } else { 0 };
     }
 
     fn is_rival(&self, camera: &Camera, candidate: &LineCandidate) -> bool {
@@ -113,13 +130,21 @@ impl LaneFinder {
         side: Side,
         index: usize,
         least_rows: usize,
-    ) -> bool {
+    ) -> Tried {
         let candidate = self.lines.candidates()[index];
         let trial = self.trial(camera, input, &candidate);
         let Some(mut trial) = trial.filter(|trial| trial.quality.used >= least_rows) else {
             self.lines.candidates_mut()[index].verdict = LineVerdict::NoPaint;
-            return false;
+            return Tried::NoMarking;
         };
+        let followed = &self.followed[side.index()];
+        let off_m = trial.filter.offset_m(side) - self.filter.offset_m(side);
+        let is_same = followed.active && off_m.abs() <= SAME_M;
+        let is_established = followed.active && followed.times_seen >= ESTABLISHED_TIMES;
+        if is_established && !is_same && followed.rival_frames + 1 < RIVAL_FRAMES {
+            return Tried::NotYet;
+        }
+        let times_seen = if is_same { followed.times_seen } else { 0 };
         let width_m = trial.filter.offset_m(Side::Left) - trial.filter.offset_m(Side::Right);
         let makes_lane = (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
         let other = &mut self.followed[side.other().index()];
@@ -134,14 +159,16 @@ impl LaneFinder {
         followed.forget();
         followed.active = true;
         followed.look = trial.look;
+        followed.times_seen = times_seen;
         self.lines.candidates_mut()[index].verdict = LineVerdict::Kept;
         self.tracer.evidence(&[side], &mut self.evidence.traced);
         self.note_quality(side, trial.quality);
         self.shape.note(camera, &self.filter, side, self.tracer.points());
-        if let Some(inside_m) = self.inner_line_m(camera, input, side) {
+        // Inside an edge that is seen again a line has to last, as inside one that is followed.
+        if !is_same && let Some(inside_m) = self.inner_line_m(camera, input, side) {
             self.step_inside(camera, input, side, inside_m);
         }
-        true
+        Tried::Taken
     }
 
     fn trial(&mut self, camera: &Camera, input: &LaneInput<'_>, candidate: &LineCandidate) -> Option<Trial> {
