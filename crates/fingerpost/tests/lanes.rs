@@ -215,20 +215,6 @@ fn what_flashes_beside_an_edge_in_its_gap_is_not_the_edge_and_what_lasts_is() {
 }
 
 #[test]
-fn what_flashes_inside_an_edge_that_is_seen_again_makes_it_no_double_line() {
-    let camera = camera(3.0);
-    let road = Road { edges_m: [1.7, -1.7], heading_rad: 0.0, curvature_per_m: 0.0, painted: |_| true };
-    let (mut both, inner) = (road.picture(&camera), Road { edges_m: [1.3, -1.7], ..road }.picture(&camera));
-    for row in 0..HEIGHT {
-        both.row_mut(row).iter_mut().zip(inner.row(row)).for_each(|(a, b)| *a = (*a).max(*b));
-    }
-    let flashed_m = left_after_a_gap(&camera, std::slice::from_ref(&both));
-    assert!((flashed_m - 1.7).abs() < 0.1, "{flashed_m}");
-    let lasted_m = left_after_a_gap(&camera, &vec![both; 6]);
-    assert!((lasted_m - 1.3).abs() < 0.1, "{lasted_m}");
-}
-
-#[test]
 fn the_yaw_rate_says_to_which_side_the_lane_leads() {
     let camera = camera(3.0);
     for curvature_per_m in [1.0 / 45.0, -1.0 / 45.0] {

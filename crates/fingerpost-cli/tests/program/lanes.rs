@@ -62,6 +62,22 @@ fn strips_and_rain_move_no_edge() {
     }
 }
 
+/// Two images of lights in a wet road: half a metre inside the edge of a broken line, and in the middle of the lane.
+#[test]
+fn headlights_in_a_wet_road_are_no_lines() {
+    for seed in [43, 61] {
+        let folder = driven(&format!(
+            "--course country --conditions lane_rain --driving keeping --seed {seed} --length-m 110 --frames 42 --fps 10"
+        ));
+        let lanes = records(&folder).into_iter().filter_map(|(record, _)| record.lanes);
+        let lefts: Vec<f64> = lanes.filter_map(|lane| lane.left.map(|edge| edge.offset_m)).collect();
+        assert!(lefts.len() >= 40, "seed {seed}: the left edge is seen in {} frames", lefts.len());
+        for pair in lefts.windows(2) {
+            assert!((pair[1] - pair[0]).abs() < 0.3, "seed {seed}: from {} m to {} m", pair[0], pair[1]);
+        }
+    }
+}
+
 #[test]
 fn a_road_without_lines_has_no_lane() {
     let folder = driven("--course highway --conditions lane_none --frames 60 --fps 15");
