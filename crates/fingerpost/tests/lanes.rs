@@ -197,7 +197,7 @@ fn an_edge_that_disappears_is_kept_for_a_while_and_then_dropped() {
 fn left_after_a_gap(camera: &Camera, last: &[RgbImage]) -> f64 {
     let road = Road { edges_m: [1.7, -1.7], heading_rad: 0.0, curvature_per_m: 0.0, painted: |_| true };
     let gap = Road { edges_m: [50.0, -1.7], ..road };
-    let mut pictures = vec![road.picture(camera); 14];
+    let mut pictures = vec![road.picture(camera); 24];
     pictures.extend(vec![gap.picture(camera); 3]);
     pictures.extend_from_slice(last);
     found(camera, &pictures).edge(Side::Left).unwrap().offset_m

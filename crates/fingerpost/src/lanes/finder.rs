@@ -46,7 +46,7 @@ struct Followed {
     /// Frames in a row that showed it, and frames since one did.
     seen_frames: u32,
     kept_frames: u32,
-    /// Frames that showed it in all.
+    /// Frames that showed it in all, where it is now.
     times_seen: u32,
     shown: bool,
     rival_frames: u32,
@@ -223,7 +223,7 @@ impl LaneFinder {
     /// Goes over to the inner line of a double marking.
     fn step_inside(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side, inside_m: f64) {
         let followed = &mut self.followed[side.index()];
-        followed.inside_frames = 0;
+        (followed.inside_frames, followed.times_seen) = (0, 0);
         let look = PaintLook { second_m: Some(inside_m), ..followed.look };
         followed.look = look;
         let offset_m = self.filter.offset_m(side) + side.outward() * inside_m;

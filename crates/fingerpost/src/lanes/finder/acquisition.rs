@@ -28,7 +28,7 @@ const SAME_M: f64 = 0.3;
 /// Frames in which a line elsewhere must be the better one before it replaces the edge that is followed.
 const RIVAL_FRAMES: u32 = 5;
 /// Frames that must have shown an edge before another line has to last to replace it while it is kept.
-const ESTABLISHED_TIMES: u32 = 10;
+const ESTABLISHED_TIMES: u32 = 20;
 /// A rival must show at least this part of the rows of the edge that it replaces: a half.
 const RIVAL_PART: usize = 2;
 /// How far off a rival is, metres.
