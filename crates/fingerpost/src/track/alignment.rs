@@ -10,10 +10,13 @@
 //!
 //! Limits: a road whose edges are not seen, or which is far from as wide as the map says, measures nothing.
 
+mod lines;
+mod measured;
 mod pavement;
 mod pieces;
 mod profile;
 mod section;
+mod slide;
 
 use fingerpost_vision::span::SpanError;
 use nalgebra::Isometry2;
@@ -24,7 +27,8 @@ use super::pitch_doubt::PitchDoubt;
 use super::pose_filter::{LineMeasurement, PoseFilter, Update};
 use crate::ground_view::Viewpoint;
 use crate::matching::LaidSurface;
-use section::Slide;
+use measured::{Edge, Measured, heading, leave_out_beside_lines, measured_width_m};
+use slide::Slide;
 
 pub(super) use pieces::ArmPieces;
 pub use section::{CrossSection, CrossSectionUse};
@@ -78,29 +82,10 @@ impl Default for AlignmentConfig {
     }
 }
 
-/// Standard deviation of an edge within a piece, metres: what the direction of an arm is measured with.
-const EDGE_SIGMA_M: f64 = 0.12;
 /// Standard deviation of an edge of a whole arm of which no piece shows one, metres: far and soft.
 const SOFT_EDGE_SIGMA_M: f64 = 0.6;
 /// Standard deviation of a width that was measured on the same arm, metres.
 const MEASURED_WIDTH_SIGMA_M: f64 = 0.25;
-
-/// One piece of an arm with what was measured on it.
-#[derive(Debug)]
-struct Measured {
-    section: CrossSection,
-    /// Distance of its middle from the node along the arm, metres.
-    along_m: f64,
-    /// Edges without what the kerbs widen the road by, metres to the left of the arm.
-    edges: [Option<Edge>; 2],
-}
-
-/// One edge of a road.
-#[derive(Debug, Clone, Copy)]
-struct Edge {
-    left_m: f64,
-    sigma_m: f64,
-}
 
 /// Measures the arms of features and moves their poses accordingly; its memory is reused from frame to frame.
 #[derive(Debug)]
@@ -196,18 +181,11 @@ impl Aligner {
         self.arm.clear();
         self.slide.start_arm();
         for piece in &arm.pieces {
-            let Some(section) = self.slide.across(laid, arm, piece, vehicle_from_feature)? else { continue };
-            let believable = section.section_use == CrossSectionUse::InTheMouth;
-            let edges = [0, 1].map(|side| {
-                let measured_m = section.edges_m[side].filter(|_| believable)?;
-                let flare_m = piece.flare_m[side]?;
-                let outwards = if side == 0 { 1.0 } else { -1.0 };
-                // The radius of a real kerb is anybody's guess within half.
-                let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m).hypot(section.pavement_sigma_m[side]);
-                Some(Edge { left_m: measured_m - outwards * flare_m, sigma_m })
-            });
-            self.arm.push(Measured { section, along_m: piece.along_m, edges });
+            self.slide.across(laid, arm, piece, vehicle_from_feature)?;
         }
+        let measured = &mut self.arm;
+        self.slide.slid(arm, &mut |slid| measured.push(Measured::of(slid)));
+        leave_out_beside_lines(&mut self.arm);
         if self.arm.iter().all(|piece| piece.section.edges_m == [None, None])
             && let Some((section, along_m)) = self.slide.whole_arm(arm, vehicle_from_feature)
         {
@@ -220,54 +198,11 @@ impl Aligner {
     }
 }
 
-/// The arm's width where both of its edges are seen, metres.
-fn measured_width_m(pieces: &[Measured]) -> Option<f64> {
-    let widths_m = pieces.iter().filter_map(|piece| match piece.edges {
-        [Some(left), Some(right)] if left.is_sharp() && right.is_sharp() => Some(left.left_m - right.left_m),
-        _ => None,
-    });
-    mean(widths_m)
-}
-
 /// The width of an arm of which one edge is seen at most, and its standard deviation, metres: the map's, which is
 /// believed the less the more the arms with two edges are wider or narrower than it says.
 fn assumed_width(config: &AlignmentConfig, map_width_m: f64, wider: Option<f64>) -> (f64, f64) {
     let beyond = (wider.unwrap_or(1.0) - 1.0).abs() - config.width_sigma_share;
     (map_width_m, map_width_m * config.width_sigma_share.hypot(beyond.max(0.0)))
-}
-
-impl Edge {
-    /// Whether the edge is the road's own, not a kerb that curves.
-    fn is_sharp(self) -> bool {
-        self.sigma_m < 1.5 * EDGE_SIGMA_M
-    }
-}
-
-/// How far the feature must turn for the arm to run along each of its edges, and the standard deviation, radians.
-fn heading(pieces: &[Measured]) -> Option<(f64, f64)> {
-    let side = |side: usize| {
-        let sharp = |piece: &Measured| piece.edges[side].filter(|edge| edge.is_sharp());
-        slope(pieces.iter().filter_map(move |piece| Some((piece.along_m, sharp(piece)?.left_m))))
-    };
-    match (side(0), side(1)) {
-        (Some(left), Some(right)) => Some((0.5 * (left.0 + right.0), 0.5 * left.1.hypot(right.1))),
-        (left, right) => left.or(right),
-    }
-}
-
-/// Slope of the line through an edge's places, and its standard deviation, radians: that of the edges, or more where they
-/// scatter more, as beside parked cars.
-fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
-    let (along_m, left_m) = (mean(edge.clone().map(|p| p.0))?, mean(edge.clone().map(|p| p.1))?);
-    let sum = |of: fn(f64, f64) -> f64| edge.clone().map(|(x, y)| of(x - along_m, y - left_m)).sum::<f64>();
-    let (spread, count) = (sum(|x, _| x * x), edge.clone().count() as f64);
-    if spread <= 0.0 {
-        return None;
-    }
-    let slope = sum(|x, y| x * y) / spread;
-    let unexplained = (sum(|_, y| y * y) - slope * slope * spread).max(0.0);
-    let scatter_m = (unexplained / (count - 2.0).max(1.0)).sqrt();
-    Some((slope.atan(), EDGE_SIGMA_M.max(scatter_m) / spread.sqrt()))
 }
 
 /// The mean; none of nothing.

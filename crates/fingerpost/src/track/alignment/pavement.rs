@@ -6,8 +6,9 @@
 //! is seen the map cannot tell: then it is as likely a kerb as the edges of the drive's other sections were, and its place
 //! lies between the two, with a doubt that covers both.
 //!
-//! Limits: a painted line, the border of a shadow or of a patch along the road is a change of the grey as well; lines along
-//! a road's edge lie where the kerb does.
+//! Where a line along the road shows its edge (`lines.rs`) no kerb is asked.
+//!
+//! Limits: the border of a shadow or of a patch along the road is a change of the grey as well.
 
 use super::profile::Profile;
 
@@ -66,56 +67,66 @@ pub(super) struct RoadEdges {
     pub(super) edges_m: [Option<f64>; 2],
     /// What is not known of them because a pavement may lie inside, standard deviations, metres.
     pub(super) pavement_sigma_m: [f64; 2],
+    /// Whether a line on the road shows the edge.
+    pub(super) by_line: [bool; 2],
 }
 
 impl RoadEdges {
     /// Edges without a doubt of pavements.
     pub(super) const fn certain(edges_m: [Option<f64>; 2]) -> Self {
-        Self { edges_m, pavement_sigma_m: [0.0; 2] }
+        Self { edges_m, pavement_sigma_m: [0.0; 2], by_line: [false; 2] }
     }
 }
 
 /// The edges of a road, metres to its left, without the pavements that `edges_m` may hold. `grey` are the grey values across
-/// it, `step_m` apart; the map says how wide the road is, with a standard deviation, metres. `pavements` learns from what is
-/// seen of both edges.
+/// it, `step_m` apart; `lines_m` are the edges that lines show, which hold; the map says how wide the road is, with a standard
+/// deviation, metres. `pavements` learns from what is seen of both edges.
 pub(super) fn without_pavements(
     grey: &Profile,
     step_m: f64,
     (width_m, width_sigma_m): (f64, f64),
-    edges_m: [Option<f64>; 2],
+    (edges_m, lines_m): ([Option<f64>; 2], [Option<f64>; 2]),
     pavements: &mut Pavements,
 ) -> RoadEdges {
     let [nearest_m, farthest_m] = PAVEMENT_M;
     // Further in lie the road's own middle and its other lane.
     let farthest_m = farthest_m.min(0.5 * width_m);
-    let kerb_inside = |edge_m: f64, inwards: f64| {
+    let kerb_inside = |side: usize| {
+        let (edge_m, inwards) = (edges_m[side]?, if side == 0 { -1.0 } else { 1.0 });
         let (a, b) = (edge_m + inwards * nearest_m, edge_m + inwards * farthest_m);
         let change = grey.greatest_change(step_m, COMPARED_M, &(a.min(b)..=a.max(b)));
         change.filter(|(_, share)| *share >= LEAST_CHANGE).map(|(at_m, _)| at_m)
     };
-    let kerbs_m = [
-        edges_m[0].and_then(|left_m| kerb_inside(left_m, -1.0)),
-        edges_m[1].and_then(|right_m| kerb_inside(right_m, 1.0)),
-    ];
-    if edges_m.iter().any(Option::is_none) {
-        return either_or([pavements.probability(); 2], edges_m, kerbs_m);
+    let by_line = lines_m.map(|line_m| line_m.is_some());
+    let kerbs_m = [0, 1].map(|side| lines_m[side].or_else(|| kerb_inside(side)));
+    let seen_m = [0, 1].map(|side| edges_m[side].or(lines_m[side]));
+    if seen_m.iter().any(Option::is_none) {
+        let p = by_line.map(|by_line| if by_line { 1.0 } else { pavements.probability() });
+        return RoadEdges { by_line, ..either_or(p, seen_m, kerbs_m) };
     }
     let width_sigma_m = width_sigma_m.max(LEAST_WIDTH_SIGMA_M);
     let ways =
         [[false, false], [true, false], [false, true], [true, true]].into_iter().filter_map(|is_kerb| {
-            let place_m = |side: usize| if is_kerb[side] { kerbs_m[side] } else { edges_m[side] };
+            let place_m =
+                |side: usize| if is_kerb[side] || by_line[side] { kerbs_m[side] } else { seen_m[side] };
             let misfit = ((place_m(0)? - place_m(1)? - width_m) / width_sigma_m).powi(2);
             let kerbs = is_kerb.map(|kerb| f64::from(u8::from(kerb)));
             Some((misfit, kerbs))
         });
     let cost = |(misfit, kerbs): &(f64, [f64; 2])| misfit + LEAST_GAIN * (kerbs[0] + kerbs[1]);
-    let Some((misfit, kerbs)) = ways.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
-        return RoadEdges::certain(edges_m);
+    let Some((misfit, mut kerbs)) = ways.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+        return RoadEdges { by_line, ..RoadEdges::certain(seen_m) };
     };
+    for side in 0..2 {
+        if let (Some(line_m), Some(edge_m)) = (lines_m[side], seen_m[side]) {
+            kerbs[side] = f64::from(u8::from((edge_m - line_m).abs() >= nearest_m));
+        }
+    }
     if misfit < FITS_SIGMAS * FITS_SIGMAS {
         pavements.count_section(kerbs[0] + kerbs[1]);
     }
-    either_or(kerbs, edges_m, kerbs_m)
+    let p = [0, 1].map(|side| if by_line[side] { 1.0 } else { kerbs[side] });
+    RoadEdges { by_line, ..either_or(p, seen_m, kerbs_m) }
 }
 
 /// Edges of which each is a kerb with its probability: mean and standard deviation of the two places.
@@ -144,7 +155,8 @@ mod tests {
     }
 
     fn edges_m(grey: &Profile, edges_m: [Option<f64>; 2]) -> [Option<f64>; 2] {
-        without_pavements(grey, 0.1, (5.5, 0.88), edges_m, &mut Pavements::default()).edges_m
+        let no_lines = [None, None];
+        without_pavements(grey, 0.1, (5.5, 0.88), (edges_m, no_lines), &mut Pavements::default()).edges_m
     }
 
     fn near(edge: Option<f64>, expected_m: f64, within_m: f64) -> bool {
@@ -175,7 +187,8 @@ mod tests {
     #[test]
     fn a_single_edge_lies_between_itself_and_the_kerb_as_other_edges_did() {
         let single = |pavements: &mut Pavements| {
-            without_pavements(&road(9.0, -2.75), 0.1, (5.5, 0.88), [None, Some(-4.75)], pavements)
+            let edges_m = ([None, Some(-4.75)], [None, None]);
+            without_pavements(&road(9.0, -2.75), 0.1, (5.5, 0.88), edges_m, pavements)
         };
         let mut pavements = Pavements::default();
         let unsure = single(&mut pavements);
@@ -184,7 +197,8 @@ mod tests {
         let learn = |grey: &Profile, edges_m: [f64; 2]| {
             let mut pavements = Pavements::default();
             for _ in 0..100 {
-                without_pavements(grey, 0.1, (5.5, 0.88), edges_m.map(Some), &mut pavements);
+                let edges_m = (edges_m.map(Some), [None, None]);
+                without_pavements(grey, 0.1, (5.5, 0.88), edges_m, &mut pavements);
             }
             single(&mut pavements)
         };
@@ -192,7 +206,27 @@ mod tests {
         assert!(near(kerb.edges_m[1], -2.75, 0.3) && kerb.pavement_sigma_m[1] < 0.65, "{kerb:?}");
         let edge = learn(&road(1.2, -1.2), [2.75, -2.75]);
         assert!(near(edge.edges_m[1], -4.75, 0.4) && edge.pavement_sigma_m[1] < 0.7, "{edge:?}");
-        let even = without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), [Some(2.0), None], &mut pavements);
+        let edges_m = ([Some(2.0), None], [None, None]);
+        let even = without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), edges_m, &mut pavements);
         assert_eq!(even, RoadEdges::certain([Some(2.0), None]));
+    }
+    #[test]
+    fn a_line_holds_and_says_whether_a_pavement_lies_beside_it() {
+        let edge_of = |edges_m: [Option<f64>; 2], lines_m: [Option<f64>; 2], pavements: &mut Pavements| {
+            without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), (edges_m, lines_m), pavements)
+        };
+        let mut pavements = Pavements::default();
+        let single = edge_of([Some(4.75), None], [Some(2.75), None], &mut pavements);
+        assert_eq!((single.edges_m, single.by_line), ([Some(2.75), None], [true, false]));
+        assert_eq!(single.pavement_sigma_m, [0.0; 2]);
+        let both = edge_of([None, None], [Some(2.75), Some(-2.75)], &mut pavements);
+        assert_eq!((both.edges_m, both.by_line), ([Some(2.75), Some(-2.75)], [true, true]));
+        for (outer_m, probability) in [(4.75, 0.5..1.0), (2.8, 0.0..0.5)] {
+            let mut pavements = Pavements::default();
+            for _ in 0..10 {
+                edge_of([Some(outer_m), Some(-outer_m)], [Some(2.75), Some(-2.75)], &mut pavements);
+            }
+            assert!(probability.contains(&pavements.probability()), "{outer_m} {pavements:?}");
+        }
     }
 }

@@ -115,8 +115,21 @@ impl Profile {
         Some((mean(changes().filter(is_same).map(|(at_m, _)| at_m))?, share))
     }
 
+    /// The shifts of the samples, metres to the left.
+    pub(super) fn shifts_m(&self) -> &[f64] {
+        &self.shifts_m
+    }
+
+    /// Whether the samples within `window_m` of a place, `step_m` apart, are seen, or half of them.
+    pub(super) fn is_seen_at(&self, at_m: f64, step_m: f64, window_m: f64) -> bool {
+        let window = (window_m / step_m).round() as usize;
+        let at = self.shifts_m.partition_point(|shift_m| *shift_m < at_m);
+        let end = (at + window).min(self.shifts_m.len());
+        self.level(at.saturating_sub(window), end, 2 * window).is_some()
+    }
+
     /// Mean of the seen samples from `start` to before `end`; none of fewer than half a window.
-    fn level(&self, start: usize, end: usize, window: usize) -> Option<f64> {
+    pub(super) fn level(&self, start: usize, end: usize, window: usize) -> Option<f64> {
         let ((sum, count), (sum_before, before)) = (*self.before.get(end)?, *self.before.get(start)?);
         (2.0 * (count - before) >= window as f64).then(|| (sum - sum_before) / (count - before))
     }
@@ -214,6 +227,16 @@ mod tests {
         let (at_m, share) = profile.greatest_change(0.1, (0.5, 0.1), &(-3.0..=3.0)).unwrap();
         assert!((at_m - 1.45).abs() < 0.06 && (share - 1.0 / 7.0).abs() < 0.01, "{at_m} {share}");
         assert_eq!(profile.greatest_change(0.1, (0.5, 0.1), &(4.5..=4.8)), None, "out of view");
+    }
+
+    #[test]
+    fn a_place_is_seen_where_half_of_what_is_about_it_is() {
+        let mut profile = Profile::default();
+        profile.take((-50..=50).map(|k| 0.1 * f64::from(k)).map(|x| (x, (x < 1.95).then_some(0.5))));
+        let is_seen = |at_m: f64| profile.is_seen_at(at_m, 0.1, 0.3);
+        assert!(is_seen(-5.0) && is_seen(0.0) && is_seen(1.9), "in view");
+        assert!(!is_seen(2.2) && !is_seen(4.0) && !is_seen(9.0), "out of view");
+        assert!(!Profile::default().is_seen_at(0.0, 0.1, 0.3));
     }
 
     #[test]
