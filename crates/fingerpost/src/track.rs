@@ -193,7 +193,8 @@ pub enum Decision {
         /// P(F).
         p: f64,
     },
-    /// It matched, but what lies beside the arms that tell it is road as well.
+    /// It matched, but what lies beside the arms that tell it is road as well, or not verge enough so far from where the
+    /// feature is expected.
     NoVerge {
         /// Index of the feature.
         index: usize,
@@ -201,6 +202,8 @@ pub enum Decision {
         p: f64,
         /// How much more the arms are road than what lies beside them.
         contrast: f64,
+        /// What more is needed because the feature is not expected there.
+        surprise: f64,
     },
     /// It matched, but not where the edges of its arms say that it would have to be.
     EdgesDisagree {
@@ -210,6 +213,15 @@ pub enum Decision {
         p: f64,
         /// P(F) at the place that the edges say.
         aligned_p: f64,
+    },
+    /// It matched, but more edges of the arms that tell it lie too far from there than near it.
+    EdgesElsewhere {
+        /// Index of the feature.
+        index: usize,
+        /// P(F) at the best place.
+        p: f64,
+        /// How many edges lie too far off.
+        gated: usize,
     },
     /// The feature matched in enough frames: it is tracked from now on.
     Detected,

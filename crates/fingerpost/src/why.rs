@@ -96,16 +96,25 @@ impl Why<'_> {
                 "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road or a verge",
                 name(index)
             ),
-            (Decision::NoVerge { index, p, contrast }, _) => write!(
+            (Decision::NoVerge { index, p, contrast, surprise }, _) => write!(
                 f,
-                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {contrast:.2}, {:.2} is needed: a paved \
-                 area would look alike",
+                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {contrast:.2}, {:.2} is needed: {}",
                 name(index),
-                0.5 * config.detect_contrast
+                0.5 * config.detect_contrast + surprise,
+                if *contrast > 0.5 * config.detect_contrast {
+                    "it is expected elsewhere"
+                } else {
+                    "a paved area would look alike"
+                }
             ),
             (Decision::EdgesDisagree { index, p, aligned_p }, _) => write!(
                 f,
                 "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
+                name(index)
+            ),
+            (Decision::EdgesElsewhere { index, p, gated }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2} at the best place, but {gated} edges of its arms lie too far from there",
                 name(index)
             ),
             (Decision::Lost { index }, _) => write!(

@@ -6,6 +6,8 @@ use super::slide::Slid;
 
 /// Standard deviation of an edge within a piece, metres: what the direction of an arm is measured with.
 const EDGE_SIGMA_M: f64 = 0.12;
+/// How many times what is not known of a pavement counts: it is the same from frame to frame, and does not average out.
+const PAVEMENT_LASTS: f64 = 2.0;
 /// An edge that lies farther from where the arm's lines show it is another thing: mostly a pavement's, metres.
 const BESIDE_LINES_M: f64 = 0.6;
 
@@ -36,7 +38,8 @@ impl Measured {
             let flare_m = if section.by_line[side] { flare_m[side].map(|_| 0.0) } else { flare_m[side] }?;
             let outwards = if side == 0 { 1.0 } else { -1.0 };
             // The radius of a real kerb is anybody's guess within half.
-            let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m).hypot(section.pavement_sigma_m[side]);
+            let pavement_sigma_m = PAVEMENT_LASTS * section.pavement_sigma_m[side];
+            let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m).hypot(pavement_sigma_m);
             Some(Edge { left_m: measured_m - outwards * flare_m, sigma_m })
         });
         Self { section, along_m, edges }

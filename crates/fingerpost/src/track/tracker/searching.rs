@@ -107,6 +107,10 @@ impl Tracker {
             // is known of the distance, that alone would make a junction of any road that widens.
             filter.update_pose(&found_pose, STANDS_OUT_SIGMAS, by_pitch);
         }
+        if let Some(gated) = edges_elsewhere(&evidence.sections) {
+            evidence.decision = Decision::EdgesElsewhere { index, p, gated };
+            return Ok(());
+        }
         // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; where
         // the feature is expected, the search alone then says where it is, less surely.
         let surprise = |filter: &PoseFilter| {
@@ -143,15 +147,13 @@ impl Tracker {
             evidence.decision = Decision::Unbounded { index, p: aligned_p };
             return Ok(());
         }
-        let (frames, weight) = (
-            before.0 + 1,
-            before.1 + frame_weight(config, aligned_p, contrast, surprise(&filter).unwrap_or(0.0)),
-        );
+        let surprise = surprise(&filter).unwrap_or(0.0);
+        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast, surprise));
         let enough =
             config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
         if weight <= 0.0 {
             evidence.decision = match contrast {
-                Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast },
+                Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast, surprise },
                 None => Decision::EdgesDisagree { index, p, aligned_p },
             };
         } else if frames > CANDIDATE_PATIENCE * config.detect_frames {
@@ -234,6 +236,17 @@ fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>, surprise: f
 /// A vehicle that has not come to the feature yet drives along the approach: its heading says how the feature is turned.
 fn stay_on_the_road(model: &FeatureModel, filter: &mut PoseFilter) {
     filter.update_heading(model.heading_off_approach_rad(filter.pose()), ON_ROAD_SIGMA_RAD);
+}
+
+/// How many edges of the arms that tell the feature lie too far from where it would be; none unless they are more than lie
+/// where it would be.
+fn edges_elsewhere(sections: &[CrossSection]) -> Option<usize> {
+    let telling = |is: fn(&CrossSectionUse) -> bool| {
+        sections.iter().filter(|section| section.leaves_the_line && is(&section.section_use)).count()
+    };
+    let gated = telling(|section_use| matches!(section_use, CrossSectionUse::Gated { .. }));
+    let accepted = telling(|section_use| *section_use == CrossSectionUse::Accepted);
+    (gated > accepted).then_some(gated)
 }
 
 /// Whether a cross-section shows an edge of an arm that tells the feature from a plain road.
