@@ -74,7 +74,7 @@ pub struct Tracker {
 }
 
 /// Standard deviations of a place found by a search: metres, metres, radians.
-const FOUND_SIGMAS: [f64; 3] = [2.0, 0.8, 0.1];
+const FOUND_SIGMAS: [f64; 3] = [1.6, 0.8, 0.1];
 /// A node at least this far behind by all that is known has been passed, metres.
 const PASSED_M: f64 = 3.0;
 /// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
