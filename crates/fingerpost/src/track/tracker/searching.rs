@@ -255,3 +255,36 @@ fn tells_it(section: &CrossSection) -> bool {
         && section.edges_m != [None, None]
         && !matches!(section.section_use, CrossSectionUse::WidthDisagrees { .. })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    fn section(leaves_the_line: bool, section_use: CrossSectionUse) -> CrossSection {
+        CrossSection {
+            label: Arc::from("arm"),
+            p_in_vehicle: Point2::origin(),
+            left: Vector2::y(),
+            edges_m: [Some(2.0), None],
+            pavement_sigma_m: [0.0; 2],
+            by_line: [false; 2],
+            leaves_the_line,
+            section_use,
+        }
+    }
+
+    #[test]
+    fn a_feature_is_elsewhere_when_most_edges_of_the_arms_that_tell_it_are() {
+        let (near, far) = (CrossSectionUse::Accepted, CrossSectionUse::Gated { sigmas: 4.0 });
+        let telling = |uses: &[CrossSectionUse]| uses.iter().map(|u| section(true, *u)).collect::<Vec<_>>();
+        assert_eq!(edges_elsewhere(&telling(&[far, near, far])), Some(2));
+        assert_eq!(edges_elsewhere(&telling(&[far, near])), None, "as many near it");
+        assert_eq!(edges_elsewhere(&telling(&[CrossSectionUse::NoEdges])), None, "nothing is seen");
+        let along = [section(false, far), section(false, far), section(true, near)];
+        assert_eq!(edges_elsewhere(&along), None, "the road ahead does not tell the feature");
+    }
+}
