@@ -23,7 +23,7 @@ const LEAST_CHANGE: f64 = 0.05;
 /// What a kerb must gain to be believed, square standard deviations of the width.
 const LEAST_GAIN: f64 = 1.0;
 
-/// How often edges were kerbs, by the sections of which both are seen.
+/// How often edges of the surface were a pavement's, by the sections of which both edges are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pavements {
     with: f64,
@@ -32,8 +32,8 @@ pub(super) struct Pavements {
 
 /// Nothing is seen yet: a change of the grey just inside an edge is a kerb more often than not.
 const BEFORE_ANY: Pavements = Pavements { with: 1.0, without: 0.3 };
-/// What is left of what was counted, for each section that is: those of the last junctions count.
-const KEPT: f64 = 0.9995;
+/// What is left of what was counted, for each edge that is: those of the last junctions count.
+const KEPT: f64 = 0.99975;
 /// A section counts when its width fits the map's to so many standard deviations.
 const FITS_SIGMAS: f64 = 2.0;
 /// However often edges were kerbs, or were none, the next one may differ.
@@ -53,10 +53,11 @@ impl Pavements {
         (self.with / (self.with + self.without)).clamp(NEVER_SURER[0], NEVER_SURER[1])
     }
 
-    /// Counts a section of whose edges so many are kerbs.
-    fn count_section(&mut self, kerbs: f64) {
-        self.with = KEPT * self.with + kerbs;
-        self.without = KEPT * self.without + (2.0 - kerbs);
+    /// Counts an edge of the surface, which is a kerb or a pavement's.
+    fn count(&mut self, has_pavement: bool) {
+        self.with *= KEPT;
+        self.without *= KEPT;
+        *(if has_pavement { &mut self.with } else { &mut self.without }) += 1.0;
     }
 }
 
@@ -105,28 +106,28 @@ pub(super) fn without_pavements(
         return RoadEdges { by_line, ..either_or(p, seen_m, kerbs_m) };
     }
     let width_sigma_m = width_sigma_m.max(LEAST_WIDTH_SIGMA_M);
-    let ways =
-        [[false, false], [true, false], [false, true], [true, true]].into_iter().filter_map(|is_kerb| {
-            let place_m =
-                |side: usize| if is_kerb[side] || by_line[side] { kerbs_m[side] } else { seen_m[side] };
-            let misfit = ((place_m(0)? - place_m(1)? - width_m) / width_sigma_m).powi(2);
-            let kerbs = is_kerb.map(|kerb| f64::from(u8::from(kerb)));
-            Some((misfit, kerbs))
-        });
-    let cost = |(misfit, kerbs): &(f64, [f64; 2])| misfit + LEAST_GAIN * (kerbs[0] + kerbs[1]);
-    let Some((misfit, mut kerbs)) = ways.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+    let ways = [[false, false], [true, false], [false, true], [true, true]];
+    let ways = ways.into_iter().filter(|is_kerb| (0..2).all(|side| is_kerb[side] || !by_line[side]));
+    let misfits = ways.filter_map(|is_kerb| {
+        let place_m = |side: usize| if is_kerb[side] { kerbs_m[side] } else { seen_m[side] };
+        let misfit = ((place_m(0)? - place_m(1)? - width_m) / width_sigma_m).powi(2);
+        Some((misfit, is_kerb))
+    });
+    let cost = |(misfit, is_kerb): &(f64, [bool; 2])| {
+        misfit + LEAST_GAIN * is_kerb.iter().filter(|is_kerb| **is_kerb).count() as f64
+    };
+    let Some((misfit, is_kerb)) = misfits.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
         return RoadEdges { by_line, ..RoadEdges::certain(seen_m) };
     };
-    for side in 0..2 {
-        if let (Some(line_m), Some(edge_m)) = (lines_m[side], seen_m[side]) {
-            kerbs[side] = f64::from(u8::from((edge_m - line_m).abs() >= nearest_m));
+    if misfit < FITS_SIGMAS * FITS_SIGMAS {
+        for (side, outwards) in [(0, 1.0), (1, -1.0)] {
+            // Beside a line without an edge of the surface nothing is known of a pavement.
+            let (Some(edge_m), kerb_m) = (edges_m[side], kerbs_m[side]) else { continue };
+            let beside_m = kerb_m.map_or(0.0, |kerb_m| outwards * (edge_m - kerb_m));
+            pavements.count(is_kerb[side] && beside_m >= nearest_m);
         }
     }
-    if misfit < FITS_SIGMAS * FITS_SIGMAS {
-        pavements.count_section(kerbs[0] + kerbs[1]);
-    }
-    let p = [0, 1].map(|side| if by_line[side] { 1.0 } else { kerbs[side] });
-    RoadEdges { by_line, ..either_or(p, seen_m, kerbs_m) }
+    RoadEdges { by_line, ..either_or(is_kerb.map(|is_kerb| f64::from(u8::from(is_kerb))), seen_m, kerbs_m) }
 }
 
 /// Edges of which each is a kerb with its probability: mean and standard deviation of the two places.
@@ -210,6 +211,7 @@ mod tests {
         let even = without_pavements(&road(9.0, -9.0), 0.1, (5.5, 0.88), edges_m, &mut pavements);
         assert_eq!(even, RoadEdges::certain([Some(2.0), None]));
     }
+
     #[test]
     fn a_line_holds_and_says_whether_a_pavement_lies_beside_it() {
         let edge_of = |edges_m: [Option<f64>; 2], lines_m: [Option<f64>; 2], pavements: &mut Pavements| {
@@ -228,5 +230,8 @@ mod tests {
             }
             assert!(probability.contains(&pavements.probability()), "{outer_m} {pavements:?}");
         }
+        let mut pavements = Pavements::default();
+        edge_of([None, None], [Some(2.75), Some(-2.75)], &mut pavements);
+        assert_eq!(pavements, Pavements::default(), "without an edge of the surface no pavement is known");
     }
 }
