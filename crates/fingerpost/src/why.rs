@@ -308,4 +308,32 @@ mod tests {
             "; a wheel is at an edge, no warning because the driver signals"
         );
     }
+
+    fn feature_words(decision: Decision) -> String {
+        let (track, config) = (TrackOutput::default(), TrackConfig::default());
+        let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
+        let why = Why {
+            track: &track,
+            evidence: &evidence,
+            stops: &[],
+            config: &config,
+            mount: None,
+            lane: None,
+            departure: None,
+        };
+        why.to_string()
+    }
+
+    #[test]
+    fn a_feature_that_is_not_taken_says_what_speaks_against_it() {
+        let half = 0.5 * TrackConfig::default().detect_contrast;
+        let paved = Decision::NoVerge { index: 0, p: 0.9, contrast: half - 0.02, surprise: 0.0 };
+        assert!(feature_words(paved).contains("a paved area would look alike"));
+        let elsewhere = Decision::NoVerge { index: 0, p: 0.9, contrast: half + 0.05, surprise: 0.2 };
+        let words = feature_words(elsewhere);
+        assert!(words.contains(&format!("{:.2} is needed", half + 0.2)), "{words}");
+        assert!(words.contains("it is expected elsewhere"), "{words}");
+        let words = feature_words(Decision::EdgesElsewhere { index: 0, p: 0.9, gated: 3 });
+        assert!(words.contains("P(F) 0.90 at the best place, but 3 edges of its arms"), "{words}");
+    }
 }

@@ -212,3 +212,60 @@ fn profile(
         (shift_m, cover.probability().filter(|_| cover.seen_share() >= MIN_SEEN_SHARE))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use fingerpost_geometry::{GroundGrid, GroundPixel, Polyline};
+    use fingerpost_vision::picture::{Plane, ValidityMask};
+
+    use super::*;
+    use crate::matching::{MatchConfig, Matcher};
+    use crate::road_surface::RoadSurface;
+
+    /// The ground ahead, each pixel by how far it lies to the left, metres.
+    fn plane(grid: &GroundGrid, of: impl Fn(f64) -> u8) -> Plane<u8> {
+        let mut plane = Plane::new(grid.columns(), grid.rows(), 0);
+        for row in 0..grid.rows() {
+            for (column, value) in plane.row_mut(row).iter_mut().enumerate() {
+                let pixel = GroundPixel { column: column as f64, row: row as f64 };
+                *value = of(grid.vehicle_from_ground(pixel).y);
+            }
+        }
+        plane
+    }
+
+    /// The edges of a road 6 m wide, on a piece of it, where the frame shows what lies left of `seen_from_m`.
+    fn edges_m(seen_from_m: f64) -> [Option<f64>; 2] {
+        let grid = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
+        let road = plane(&grid, |left_m| if left_m.abs() < 3.0 { 240 } else { 10 });
+        let everywhere = ValidityMask::from_plane(plane(&grid, |_| 1));
+        let seen = ValidityMask::from_plane(plane(&grid, |left_m| u8::from(left_m > seen_from_m)));
+        let mut surface = RoadSurface { probability: road, ..RoadSurface::default() };
+        surface.sums.rebuild(surface.probability.view(), &everywhere).unwrap();
+        let grey = plane(&grid, |_| 90);
+        let mut matcher = Matcher::new(&MatchConfig::default(), &grid);
+        let laid = matcher.laid_with(&surface, (&grey, &seen)).unwrap();
+        let (middle, along) = (Point2::new(10.75, 0.0), Vector2::new(1.0, 0.0));
+        let course = Polyline::new(vec![Point2::new(10.0, 0.0), Point2::new(11.5, 0.0)]).unwrap();
+        let piece = CutPiece { course, middle, along, along_m: 10.75, flare_m: [Some(0.0); 2] };
+        let label = Arc::from("exit");
+        let arm = ArmPieces { label, width_m: 6.0, leaves_the_line: false, pieces: Vec::new() };
+        let mut slide = Slide::new(&AlignmentConfig::default());
+        slide.start_arm();
+        slide.across(&laid, &arm, &piece, &Isometry2::identity()).unwrap();
+        let mut edges_m = [None; 2];
+        slide.slid(&arm, &mut |slid| edges_m = slid.section.edges_m);
+        edges_m
+    }
+
+    #[test]
+    fn an_edge_that_is_only_remembered_is_not_measured_again() {
+        let near = |edge_m: Option<f64>, m: f64| edge_m.is_some_and(|edge_m| (edge_m - m).abs() < 0.15);
+        let [left_m, right_m] = edges_m(-12.0);
+        assert!(near(left_m, 3.0) && near(right_m, -3.0), "{left_m:?} {right_m:?}");
+        let [left_m, right_m] = edges_m(-1.0);
+        assert!(near(left_m, 3.0) && right_m.is_none(), "{left_m:?} {right_m:?}");
+    }
+}
