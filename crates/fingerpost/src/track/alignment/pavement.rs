@@ -53,7 +53,7 @@ impl Pavements {
         (self.with / (self.with + self.without)).clamp(NEVER_SURER[0], NEVER_SURER[1])
     }
 
-    /// Counts an edge of the surface, which is a kerb or a pavement's.
+    /// Counts an edge of the surface: a pavement's, or the road's own.
     fn count(&mut self, has_pavement: bool) {
         self.with *= KEPT;
         self.without *= KEPT;
@@ -223,7 +223,7 @@ mod tests {
         assert!(single.pavement_sigma_m[0] < 1e-9, "{single:?}");
         let both = edge_of([None, None], [Some(2.75), Some(-2.75)], &mut pavements);
         assert_eq!((both.edges_m, both.by_line), ([Some(2.75), Some(-2.75)], [true, true]));
-        for (outer_m, probability) in [(4.75, 0.5..1.0), (2.8, 0.0..0.5)] {
+        for (outer_m, probability) in [(4.75, 0.5..1.0), (2.8, 0.0..0.5), (0.8, 0.0..0.5)] {
             let mut pavements = Pavements::default();
             for _ in 0..10 {
                 edge_of([Some(outer_m), Some(-outer_m)], [Some(2.75), Some(-2.75)], &mut pavements);
