@@ -9,7 +9,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_format::marks_from_json;
-use fingerpost_mark::{Desk, LaneMarks, MarkServer};
+use fingerpost_mark::{Desk, LaneMarks};
+use fingerpost_server::{Limits, LocalServer};
 
 use self::folder::{MarksFolder, write_truth};
 use self::footage::Footage;
@@ -63,7 +64,7 @@ fn export(args: &MarkArgs, path: &Path, folder: &Path) -> Result<()> {
 
 fn serve(args: &MarkArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| default_folder(&args.input));
-    let server = MarkServer::open(args.port)?;
+    let server = LocalServer::open(args.port, Limits::default())?;
     fingerpost_io::create_folder(&out)?;
     let footage = Footage::open(&args.input, args.fps, &out)?;
     let folder = MarksFolder::new(out, footage.clone());
@@ -76,8 +77,7 @@ fn serve(args: &MarkArgs) -> Result<()> {
     output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
     let desk = Arc::new(Desk::new(marks, Box::new(footage), Box::new(folder)));
     let interrupt = Interrupt::listen()?;
-    server.serve(&desk, interrupt.flag());
-    Ok(())
+    Ok(server.serve(&desk, interrupt.flag())?)
 }
 
 /// Marks of this footage.

@@ -5,6 +5,7 @@ use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fingerpost_format::{MarksFile, Side};
+use fingerpost_server::{Answer, Handler, Request};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -51,49 +52,6 @@ pub trait Keeper: Send {
     fn export(&mut self, marks: &LaneMarks) -> Result<Vec<String>, Cause>;
 }
 
-/// A request of the page.
-#[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
-    /// `GET` or `POST`.
-    pub method: &'a str,
-    /// Path, with its leading slash and without a query.
-    pub path: &'a str,
-    /// What it carries.
-    pub body: &'a [u8],
-}
-
-/// What is answered.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
-    /// HTTP status.
-    pub status: u16,
-    /// Type of the body.
-    pub content_type: &'static str,
-    /// The body.
-    pub body: Vec<u8>,
-}
-
-impl Answer {
-    /// An error that the page shows.
-    pub fn refused(status: u16, cause: &str) -> Self {
-        Self::json(status, &json!({ "error": cause }))
-    }
-
-    fn text(content_type: &'static str, text: &str) -> Self {
-        Self { status: 200, content_type, body: text.as_bytes().to_vec() }
-    }
-
-    fn json<T: Serialize>(status: u16, data: &T) -> Self {
-        match serde_json::to_vec(data) {
-            Ok(body) => Self { status, content_type: "application/json", body },
-            Err(cause) => {
-                let body = format!("{{\"error\": \"no JSON: {cause}\"}}").into_bytes();
-                Self { status: 500, content_type: "application/json", body }
-            }
-        }
-    }
-}
-
 /// An edit as the page sends it.
 #[derive(Debug, Deserialize)]
 struct PageEdit {
@@ -131,9 +89,10 @@ impl Desk {
     pub fn new(marks: LaneMarks, pictures: Box<dyn Pictures>, keeper: Box<dyn Keeper>) -> Self {
         Self { work: Mutex::new(Work { session: Session::new(marks), keeper }), pictures }
     }
+}
 
-    /// Answers a request.
-    pub fn answer(&self, request: Request<'_>) -> Answer {
+impl Handler for Desk {
+    fn answer(&self, request: Request<'_>) -> Answer {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
             ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/mark.html")),
@@ -161,7 +120,9 @@ impl Desk {
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }
     }
+}
 
+impl Desk {
     /// A thread that broke off in the middle leaves whole marks: an edit is one step.
     fn work(&self) -> MutexGuard<'_, Work> {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)

@@ -6,8 +6,8 @@
 //! - [`LaneMarks`]: the marks, the curve through an edge's points and what an edge is in any frame; [`truth_of_marks`] and
 //!   [`tusimple_of_marks`] make truth of them.
 //! - [`Session`]: edits that can be undone.
-//! - [`Desk`]: questions and edits as they come from a page, answered; [`MarkServer`] serves page and desk on the loopback
-//!   address alone. Another server can take the desk in.
+//! - [`Desk`]: the page, and questions and edits as they come from it, answered; `fingerpost-server` puts it on the loopback
+//!   address.
 //!
 //! Nothing here opens a file: pictures come from [`Pictures`], marks and truth leave through [`Keeper`].
 
@@ -15,12 +15,10 @@ mod desk;
 mod edge_curve;
 mod export;
 mod lane_marks;
-mod server;
 mod session;
 
-pub use desk::{Answer, Cause, Desk, Keeper, Picture, Pictures, Request};
+pub use desk::{Cause, Desk, Keeper, Picture, Pictures};
 pub use edge_curve::EdgeCurve;
 pub use export::{ExportError, truth_of_marks, tusimple_of_marks};
 pub use lane_marks::{EdgeInFrame, LaneMarks, Marked};
-pub use server::{MarkServer, ServerError};
 pub use session::{Edit, Session};

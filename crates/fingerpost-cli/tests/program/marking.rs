@@ -2,7 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use fingerpost_eval::{column_at_row, evaluate_lanes};
 use fingerpost_format::{
@@ -152,4 +156,37 @@ fn the_shipped_marks_evaluate() {
         // 16 squared pixels: true at the threshold of 20 alone.
         assert!((accuracy(4.0) - 100.0 / 3.0).abs() < 1e-9, "{name}");
     }
+}
+
+#[test]
+fn more_idle_connections_than_open_files_leave_the_page_alive() {
+    let folder = TempDir::new().unwrap();
+    let (pictures, _) = marked(folder.path());
+    // A limit that the server's own number of connections does not keep under.
+    let script = "ulimit -n 40; exec \"$0\" mark \"$1\" --port 0 --out \"$2\"";
+    let mut program = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_fingerpost")])
+        .args([&pictures, &folder.path().join("marks")])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(program.stderr.take().unwrap()).lines();
+    let address = said.find_map(|line| {
+        let line = line.unwrap();
+        Some(line.strip_prefix("open http://")?.split('/').next()?.to_owned())
+    });
+    let address = address.unwrap();
+    let page = || {
+        let mut stream = TcpStream::connect(&address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        write!(stream, "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    };
+    assert!(page().starts_with("HTTP/1.1 200"));
+    let idle: Vec<TcpStream> = (0..200).map(|_| TcpStream::connect(&address).unwrap()).collect();
+    assert!(page().starts_with("HTTP/1.1 200"), "with {} idle connections", idle.len());
+    program.kill().unwrap();
+    program.wait().unwrap();
 }

@@ -1,0 +1,14 @@
+//! Pages of the program, served on the loopback address to this machine alone.
+//!
+//! What is served is a [`Handler`]: a request in, an answer out, no network in it. [`LocalServer`] does the rest with hyper:
+//! connections, limits and who may ask. Whatever a connection sends or leaves undone costs at most what [`Limits`] says.
+
+mod connections;
+mod guard;
+mod limits;
+mod message;
+mod server;
+
+pub use limits::Limits;
+pub use message::{Answer, Handler, Request};
+pub use server::{LocalServer, ServerError};
