@@ -17,6 +17,7 @@ use crate::record::{FrameTime, feature_identities, frame_record};
 use crate::recorder::{Pictures, Subject, Wishes};
 use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};
+use crate::version::WRITTEN_BY;
 
 /// What a run is about.
 #[derive(Debug, Clone, Copy)]
@@ -108,6 +109,7 @@ impl Driver {
     pub(crate) fn subject(&self, setting: RunSetting<'_>) -> Result<Subject> {
         Ok(Subject {
             config_toml: toml::to_string(setting.config)
+                .map(|settings| format!("{WRITTEN_BY}{settings}"))
                 .context("the configuration cannot be written as TOML")?,
             thresholds: Thresholds {
                 detect: setting.config.track.detect_threshold,

@@ -15,6 +15,7 @@ mod gps;
 mod inputs;
 mod interrupt;
 mod lanes_record;
+mod licences;
 mod mark;
 #[cfg(feature = "onnx")]
 mod onnx;
@@ -28,6 +29,7 @@ mod run;
 mod schema;
 mod simulate;
 mod stage_clock;
+mod version;
 
 use std::process::ExitCode;
 
@@ -35,7 +37,7 @@ use clap::{Parser, Subcommand};
 
 /// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
 #[derive(Debug, Parser)]
-#[command(version, about, arg_required_else_help = true)]
+#[command(name = "fingerpost", version = version::VERSION, about, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -55,6 +57,7 @@ enum Command {
     Mark(mark::MarkArgs),
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
+    Licences(licences::LicencesArgs),
 }
 
 fn main() -> ExitCode {
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Command::Mark(args) => mark::mark(&args),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
+        Command::Licences(args) => licences::licences(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,6 +3,7 @@
 // A helper that unwraps is part of the test that calls it.
 #![allow(clippy::unwrap_used)]
 
+mod about;
 mod bad_inputs;
 mod broken_frames;
 mod calibrating;
