@@ -19,6 +19,7 @@ mod mark;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;
+mod output_path;
 mod overlap;
 mod record;
 mod recorder;
