@@ -59,7 +59,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let command = Cli::parse().command;
+    let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
@@ -70,7 +71,7 @@ fn main() -> ExitCode {
         Command::Mark(args) => mark::mark(&args),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
