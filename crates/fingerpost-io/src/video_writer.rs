@@ -38,16 +38,15 @@ impl VideoWriter {
     /// Odd sides, which the format does not know, get one black row or column more.
     ///
     /// # Errors
-    /// [`VideoError::NotInstalled`] without ffmpeg, [`VideoError::Run`] when it does not start. What ffmpeg dislikes
-    /// about the path comes with the next call.
+    /// [`VideoError::NotInstalled`] without ffmpeg, [`VideoError::Run`] when it does not start, [`VideoError::File`] when
+    /// the file cannot be made.
     pub fn create(
         path: &Path,
         (width, height): (usize, usize),
         fps: f64,
         programs: &FfmpegPrograms,
     ) -> Result<Self, VideoError> {
-        let in_work = FileInWork::begin(path)
-            .map_err(|cause| VideoError::Write { path: path.to_owned(), cause: cause.to_string() })?;
+        let in_work = FileInWork::begin(path)?;
         let mut command = Command::new(&programs.ffmpeg);
         command
             .args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])

@@ -7,9 +7,11 @@ use std::{
     fs::{self, File},
     io::{self, ErrorKind, Write},
     path::{Path, PathBuf},
+    process,
+    sync::atomic::{AtomicU64, Ordering},
 };
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::file::FileError;
 
@@ -45,15 +47,21 @@ fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
 /// Makes an empty temporary file in the target's folder. It is locked for as long as it is open, which tells it from one
 /// whose writer was killed.
 pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+    /// Makes names of files that are written at the same time differ.
+    static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = target.file_name().ok_or(ErrorKind::IsADirectory)?.to_string_lossy();
     let prefix = temporary_prefix(&name);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(TEMPORARY_ENDING);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(folder_of(target))?;
-    temporary.as_file().lock()?;
-    Ok(temporary)
+    let file = loop {
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = folder_of(target).join(format!("{prefix}{}-{count}{TEMPORARY_ENDING}", process::id()));
+        match File::create_new(&path) {
+            // Left by a killed process that had the same number.
+            Err(cause) if cause.kind() == ErrorKind::AlreadyExists => {}
+            file => break NamedTempFile::from_parts(file?, TempPath::try_from_path(path)?),
+        }
+    };
+    file.as_file().lock()?;
+    Ok(file)
 }
 
 /// Brings a temporary file's contents to the disk and gives it the target's name.
