@@ -39,8 +39,9 @@ fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
         Ok(_) => path.canonicalize()?,
         Err(_) => path.to_owned(),
     };
-    let mut temporary = temporary_beside(&target)?;
-    temporary.write_all(contents)?;
+    let temporary = temporary_beside(&target)?;
+    // Written as a plain file: errors are to name the target, not this file.
+    temporary.as_file().write_all(contents)?;
     put_in_place(temporary, &target)
 }
 

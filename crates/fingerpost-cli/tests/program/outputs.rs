@@ -187,8 +187,9 @@ fn a_full_disk_keeps_the_files_that_were_there() {
     for (line, path) in lines.iter().zip([&route, &camera, &signals]) {
         let program = env!("CARGO_BIN_EXE_fingerpost");
         let script = format!("ulimit -f 0; exec {program} {}", line.replace(';', "\\;"));
-        Called::from(Command::new("sh").args(["-c", &script]).output().unwrap())
-            .refused(1, &["cannot be written", "ulimit -f"]);
+        let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
+        called.refused(1, &["cannot be written", "ulimit -f"]);
+        assert!(!called.stderr.contains("fingerpost-tmp"), "{}", called.stderr);
         assert_eq!(fs::read_to_string(path).unwrap(), before);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "a temporary file is left");
         call_line(line).done();
