@@ -69,8 +69,8 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;
     let bar = output::progress(frames, "frames");
-    let mut recorder =
-        Recorder::create(RunFolder::create(&args.out)?, driver.subject(setting)?, wishes, bar)?;
+    let subject = driver.subject(setting)?;
+    let mut recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let mut truth = Vec::with_capacity(simulator.frames());
     let (sender, receiver) = sync_channel(WAITING_FRAMES);

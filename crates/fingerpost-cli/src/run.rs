@@ -127,7 +127,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         learn_from(&mut driver, bank)?;
     }
     let bar = output::progress(frames, "frames");
-    let recorder = Recorder::create(RunFolder::create(&args.out)?, driver.subject(setting)?, wishes, bar)?;
+    let subject = driver.subject(setting)?;
+    let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt };
     drive.run(recorder, args, truth.as_deref())

@@ -47,7 +47,7 @@ struct Holder {
 
 /// A folder that no other program with such a lock writes.
 #[derive(Debug)]
-pub struct FolderLock {
+pub(crate) struct FolderLock {
     path: PathBuf,
     /// Locked for as long as it is open.
     _file: File,
@@ -58,7 +58,7 @@ impl FolderLock {
     ///
     /// # Errors
     /// [`FolderLockError::InUse`] when another program holds it, [`FolderLockError::File`] when the folder takes no lock.
-    pub fn take(folder: &Path) -> Result<Self, FolderLockError> {
+    pub(crate) fn take(folder: &Path) -> Result<Self, FolderLockError> {
         let path = folder.join(LOCK_FILE);
         loop {
             let mut options = OpenOptions::new();

@@ -14,10 +14,15 @@ use crate::{
 
 /// An output that would replace an input.
 #[derive(Debug, Error)]
-#[error("{} would be replaced by the results; choose another --out", .input.display())]
+#[error(
+    "{} would be replaced by the results; choose another place than {} for them (--out, or the option that names it)",
+    .input.display(), .output.display()
+)]
 pub struct OverInput {
     /// The input.
     pub input: PathBuf,
+    /// The file or folder that was to be written.
+    pub output: PathBuf,
 }
 
 /// Refuses inputs that stand where results of a kind go in a folder, or that are the folder itself; links are followed.
@@ -31,13 +36,13 @@ pub fn folder_keeps_inputs<'a>(
     kind: FolderKind,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> Result<(), OverInput> {
-    let folder = resolved(folder);
+    let place = resolved(folder);
     let is_in_the_way = |input: &&Path| {
         let input = resolved(input);
-        let inside = input.strip_prefix(&folder).ok();
+        let inside = input.strip_prefix(&place).ok();
         inside.is_some_and(|inside| inside.as_os_str().is_empty() || kind.writes(inside))
     };
-    first_refused(inputs.into_iter().find(is_in_the_way))
+    refuse(folder, inputs.into_iter().find(is_in_the_way))
 }
 
 /// Refuses an output file that is one of the inputs, a picture or the times of an input folder, by whatever name or link.
@@ -59,11 +64,11 @@ pub fn file_keeps_inputs<'a>(
         })
     };
     // What does not exist yet is nobody's input.
-    if output.is_file() { first_refused(inputs.into_iter().find(is_in_the_way)) } else { Ok(()) }
+    if output.is_file() { refuse(output, inputs.into_iter().find(is_in_the_way)) } else { Ok(()) }
 }
 
-fn first_refused(input: Option<&Path>) -> Result<(), OverInput> {
-    input.map_or(Ok(()), |input| Err(OverInput { input: input.to_owned() }))
+fn refuse(output: &Path, input: Option<&Path>) -> Result<(), OverInput> {
+    input.map_or(Ok(()), |input| Err(OverInput { input: input.to_owned(), output: output.to_owned() }))
 }
 
 /// A path without links, also of a file that does not exist yet.

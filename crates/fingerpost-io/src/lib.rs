@@ -34,7 +34,7 @@ pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, Tru
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_text};
 pub use folder_kind::{CROSSINGS_FILE, FolderKind, MARKED_FRAMES_FOLDER};
-pub use folder_lock::{FolderLock, FolderLockError};
+pub use folder_lock::FolderLockError;
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
 pub use output_folder::{OutputFolder, OutputFolderError};

@@ -29,12 +29,19 @@ fn signal(name: &str, child: &Child) {
     assert!(sent.success());
 }
 
-/// A run without end, once it has some frames.
-fn endless_run(stub: &VideoStub, out: &Path) -> Child {
-    let child = stub.run(out).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let lines = || fs::read_to_string(out.join("frames.jsonl")).unwrap_or_default().lines().count();
-    wait_until("the run does not get going", || lines() >= 3);
+/// A run without end, once it has some frames, started by `through`, which gets its command line as arguments.
+fn endless_run(stub: &VideoStub, out: &Path, through: &[&str]) -> Child {
+    let run = stub.run(out);
+    let mut command = Command::new(through[0]);
+    command.args(&through[1..]).arg(run.get_program()).args(run.get_args());
+    command.envs(run.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until("the run does not get going", || lines(out) >= 3);
     child
+}
+
+fn lines(out: &Path) -> usize {
+    fs::read_to_string(out.join("frames.jsonl")).unwrap_or_default().lines().count()
 }
 
 #[test]
@@ -48,7 +55,7 @@ fn a_folder_of_the_users_is_no_folder_for_results() {
         let called = command().current_dir(own).args(line.split_whitespace()).output().unwrap();
         Called::from(called)
     };
-    run(".").refused(1, &["would be replaced", "choose another --out"]);
+    run(".").refused(1, &["would be replaced", "choose another place", "--out"]);
     let (map, route) = (drive.map(), drive.route());
     let simulate = format!("simulate --map {} --route {} --frames 1", map.display(), route.display());
     let campaign = "campaign --drives 1".to_owned();
@@ -107,7 +114,7 @@ fn a_file_that_is_read_is_not_written() {
 fn a_folder_in_use_is_refused_and_a_killed_holder_holds_nothing() {
     let stub = VideoStub::new("while cat $PICTURE; do :; done");
     let out = TempDir::new().unwrap();
-    let mut child = endless_run(&stub, out.path());
+    let mut child = endless_run(&stub, out.path(), &["env"]);
     let second = Drive::get().run_line(&Drive::get().path(), out.path());
     call_line(&second).refused(1, &["is in use by process", &child.id().to_string(), " run ", "since 20"]);
     signal("-KILL", &child);
@@ -125,8 +132,8 @@ fn two_people_do_not_mark_in_one_folder() {
     let mut first = command().args(line.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
     wait_until("the page is not served", || out.path().join(".fingerpost.json").exists());
     call_line(&line).refused(1, &["is in use by process", &first.id().to_string(), " mark "]);
-    signal("-INT", &first);
-    assert!(first.wait().unwrap().success());
+    signal("-KILL", &first);
+    first.wait().unwrap();
 }
 
 #[test]
@@ -134,7 +141,8 @@ fn every_signal_that_ends_programs_leaves_a_finished_run_folder() {
     let stub = VideoStub::new("while cat $PICTURE; do :; done");
     for name in ["-INT", "-TERM", "-HUP"] {
         let out = TempDir::new().unwrap();
-        let child = endless_run(&stub, out.path());
+        // The tests themselves may run under nohup.
+        let child = endless_run(&stub, out.path(), &["env", "--default-signal=HUP"]);
         signal(name, &child);
         let called = Called::from(child.wait_with_output().unwrap());
         called.refused(1, &["interrupted after", "results so far are in"]);
@@ -148,16 +156,10 @@ fn every_signal_that_ends_programs_leaves_a_finished_run_folder() {
 fn a_program_that_outlives_its_terminal_goes_on() {
     let stub = VideoStub::new("while cat $PICTURE; do :; done");
     let out = TempDir::new().unwrap();
-    let run = stub.run(out.path());
-    let mut under_nohup = Command::new("nohup");
-    under_nohup.arg(run.get_program()).args(run.get_args());
-    under_nohup.envs(run.get_envs().filter_map(|(name, value)| Some((name, value?))));
-    let child = under_nohup.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let lines = || fs::read_to_string(out.path().join("frames.jsonl")).unwrap_or_default().lines().count();
-    wait_until("the run does not get going", || lines() >= 3);
+    let child = endless_run(&stub, out.path(), &["nohup"]);
     signal("-HUP", &child);
-    let before = lines();
-    wait_until("the run ended with its terminal", || lines() >= before + 5);
+    let before = lines(out.path());
+    wait_until("the run ended with its terminal", || lines(out.path()) >= before + 5);
     signal("-TERM", &child);
     Called::from(child.wait_with_output().unwrap()).refused(1, &["interrupted after"]);
 }
