@@ -19,7 +19,7 @@ use fingerpost::Config;
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{Campaign, CampaignGroup};
 use fingerpost_geometry::Camera;
-use fingerpost_io::{create_folder, replace_file};
+use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
@@ -28,7 +28,7 @@ use crate::arguments::PictureSize;
 use crate::demo::TOWN_OSM;
 use crate::interrupt::Interrupt;
 use crate::simulate::{Lens, default_camera};
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Simulate many short drives, run the method on each and count: features found, falsely found and arrived at, errors of
 /// place and of motion, by conditions. The truth is only used to measure the results.
@@ -62,7 +62,8 @@ pub(crate) struct CampaignArgs {
     /// Write a run folder with report, pictures, route and truth for every drive.
     #[arg(long)]
     reports: bool,
-    /// Folder to write campaign.json and the run folders into.
+    /// Folder to write campaign.json and the run folders into: a new or empty one, or one of an earlier campaign, which is
+    /// replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print what campaign.json holds on standard output.
@@ -98,7 +99,9 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
         config: inputs::config(args.config.as_deref())?,
         interrupt: Interrupt::listen()?,
     };
-    create_folder(&args.out)?;
+    let inputs = [&args.map, &args.config].into_iter().flatten().map(PathBuf::as_path);
+    output_path::check_folder(&args.out, FolderKind::Campaign, inputs)?;
+    let _folder = OutputFolder::take(&args.out, FolderKind::Campaign)?;
     let bar = output::progress(Some(args.drives), "drives");
     let campaign = drive_all(&setting, &bar)?;
     bar.finish_and_clear();
@@ -166,7 +169,7 @@ fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
     let mut text =
         serde_json::to_string_pretty(campaign).context("the campaign cannot be written as JSON")?;
     text.push('\n');
-    Ok(replace_file(&args.out.join(RESULT_FILE), text)?)
+    Ok(write_file(&args.out.join(RESULT_FILE), text)?)
 }
 
 fn print_table(campaign: &Campaign) {

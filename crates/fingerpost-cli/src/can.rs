@@ -9,7 +9,7 @@ use fingerpost_io::{SignalLog, SignalSample, write_file};
 use serde::Serialize;
 
 use crate::can_signals::{CanSignals, Meaning};
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Decode the configured signals of a CAN log, say how often each came and between what values, and write them as CSV: to
 /// check names, units and signs before a run.
@@ -46,6 +46,9 @@ struct SignalFacts {
 
 /// Decodes.
 pub(crate) fn can(args: &CanArgs) -> Result<()> {
+    if let Some(out) = &args.out {
+        output_path::check_file(out, [&args.log, &args.dbc, &args.config].map(PathBuf::as_path))?;
+    }
     let config = inputs::config(Some(&args.config))?.can;
     let signals = CanSignals::find(&config, &args.dbc)?;
     let log = SignalLog::read(&args.log, config.interface.as_deref(), &signals.layouts)?;

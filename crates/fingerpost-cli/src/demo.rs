@@ -7,6 +7,7 @@ use std::thread;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost::{Config, Sensors};
+use fingerpost_io::RunFolder;
 use fingerpost_map::{OsmData, RoadGraph, read_route};
 use fingerpost_sim::{SimConfig, SimFrame, Simulator};
 use rayon::prelude::*;
@@ -24,7 +25,7 @@ use crate::simulate::{Lens, default_camera};
 /// truth is only used to measure the results.
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// Folder to write; results of an earlier run in it are replaced.
+    /// Folder to write: a new or empty one, or one of an earlier run, whose results are replaced.
     #[arg(long, value_name = "DIR", default_value = "fingerpost-demo")]
     out: PathBuf,
     /// Print what summary.json holds on standard output.
@@ -68,7 +69,8 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;
     let bar = output::progress(frames, "frames");
-    let mut recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
+    let subject = driver.subject(setting)?;
+    let mut recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let mut truth = Vec::with_capacity(simulator.frames());
     let (sender, receiver) = sync_channel(WAITING_FRAMES);

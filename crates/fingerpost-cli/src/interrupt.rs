@@ -1,39 +1,64 @@
-//! Ctrl-C: the first ends the work in hand cleanly, the second ends the program.
+//! Signals that end the program: the first ends the work in hand cleanly, the second ends the program.
 
+use std::fs;
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use anyhow::{Context, Result};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::iterator::Signals;
 
-/// Exit code of a program that a second Ctrl-C ended, as shells count it.
-const KILLED_BY_INTERRUPT: i32 = 130;
+/// What shells add to a signal's number for the exit code of a program that it ended.
+const KILLED_BY_SIGNAL: i32 = 128;
 
-/// Whether the user wants the work to end.
+/// Whether the user or the system wants the work to end.
 #[derive(Debug, Clone)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens from now on; once a program.
+    /// Listens from now on to Ctrl-C, to SIGTERM, and to SIGHUP where that is not ignored, as under nohup; once a program.
     pub(crate) fn listen() -> Result<Self> {
         let wanted = Arc::new(AtomicBool::new(false));
         let heard = Arc::clone(&wanted);
-        ctrlc::set_handler(move || {
-            if heard.swap(true, Ordering::SeqCst) {
-                process::exit(KILLED_BY_INTERRUPT);
+        let ending: &[i32] = if is_ignored(SIGHUP) { &[SIGINT, SIGTERM] } else { &[SIGINT, SIGTERM, SIGHUP] };
+        let mut signals = Signals::new(ending).context("signals cannot be listened to")?;
+        let listen = move || {
+            for signal in signals.forever() {
+                if heard.swap(true, Ordering::SeqCst) {
+                    process::exit(KILLED_BY_SIGNAL + signal);
+                }
             }
-        })
-        .context("Ctrl-C cannot be listened to")?;
+        };
+        thread::Builder::new().name("signals".to_owned()).spawn(listen).context("no thread for signals")?;
         Ok(Self(wanted))
     }
 
-    /// What is set when Ctrl-C is pressed.
+    /// What is set when the work is to end.
     pub(crate) fn flag(&self) -> &AtomicBool {
         &self.0
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Whether the work is to end.
     pub(crate) fn wanted(&self) -> bool {
         self.0.load(Ordering::SeqCst)
     }
+}
+
+/// Makes a file that reaches its size limit (`ulimit -f`) an error of writing, as a full disk is, instead of the end of
+/// the program.
+pub(crate) fn survive_file_size_limit() -> Result<()> {
+    // Nobody looks at the flag: being handled is what keeps the signal from ending the program.
+    signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))
+        .context("the signal of the file size limit cannot be handled")?;
+    Ok(())
+}
+
+/// Whether the program was started with a signal ignored; where the system does not say, it was not.
+fn is_ignored(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

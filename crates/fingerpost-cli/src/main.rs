@@ -20,6 +20,7 @@ mod mark;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;
+mod output_path;
 mod overlap;
 mod record;
 mod recorder;
@@ -61,7 +62,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let command = Cli::parse().command;
+    let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
@@ -73,7 +75,7 @@ fn main() -> ExitCode {
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -9,10 +9,11 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_format::marks_from_json;
+use fingerpost_io::{FolderKind, OutputFolder};
 use fingerpost_mark::{Desk, LaneMarks};
 use fingerpost_server::{Limits, LocalServer};
 
-use self::folder::{MarksFolder, write_truth};
+use self::folder::{MarksFolder, TruthTexts};
 use self::footage::Footage;
 use crate::interrupt::Interrupt;
 use crate::output;
@@ -56,7 +57,15 @@ pub(crate) fn mark(args: &MarkArgs) -> Result<()> {
 fn export(args: &MarkArgs, path: &Path, folder: &Path) -> Result<()> {
     let footage = Footage::look_through(&args.input, args.fps)?;
     let marks = read_marks(path, &footage)?;
-    for file in write_truth(folder, &marks, &footage)? {
+    if folder.join("road_masks").is_dir() {
+        bail!(
+            "{} is a simulated drive, whose truth would be replaced; choose another folder",
+            folder.display()
+        );
+    }
+    let texts = TruthTexts::of_marks(&marks, &footage)?;
+    let folder = OutputFolder::go_on_with(folder, FolderKind::Marks)?;
+    for file in texts.write(&folder)? {
         output::message(&format!("written: {file}"));
     }
     Ok(())
@@ -65,9 +74,9 @@ fn export(args: &MarkArgs, path: &Path, folder: &Path) -> Result<()> {
 fn serve(args: &MarkArgs) -> Result<()> {
     let out = args.out.clone().unwrap_or_else(|| default_folder(&args.input));
     let server = LocalServer::open(args.port, Limits::default())?;
-    fingerpost_io::create_folder(&out)?;
+    let folder = OutputFolder::go_on_with(&out, FolderKind::Marks)?;
     let footage = Footage::open(&args.input, args.fps, &out)?;
-    let folder = MarksFolder::new(out, footage.clone());
+    let folder = MarksFolder::new(folder, footage.clone());
     let marks = if folder.marks_path().exists() {
         read_marks(&folder.marks_path(), &footage)?
     } else {

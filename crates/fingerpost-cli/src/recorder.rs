@@ -2,7 +2,6 @@
 //! ends.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
@@ -93,9 +92,13 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    /// Makes the run folder, replacing earlier results in it, and writes the configuration. `bar` goes on with every frame.
-    pub(crate) fn create(out: &Path, subject: Subject, wishes: Wishes, bar: ProgressBar) -> Result<Self> {
-        let folder = RunFolder::create(out)?;
+    /// Begins with an empty run folder and writes the configuration. `bar` goes on with every frame.
+    pub(crate) fn create(
+        folder: RunFolder,
+        subject: Subject,
+        wishes: Wishes,
+        bar: ProgressBar,
+    ) -> Result<Self> {
         folder.write_config(&subject.config_toml)?;
         let size = (COMPOSED_WIDTH_PX, COMPOSED_HEIGHT_PX);
         let video = wishes
@@ -146,7 +149,7 @@ impl Recorder {
         }
         if let Some(annotated) = annotated {
             if self.wishes.pictures.want(time.frame) {
-                self.folder.write_picture(&format!("frame_{:06}", time.frame), &annotated)?;
+                self.folder.write_picture(time.frame, &annotated)?;
             }
             if let Some(video) = &mut self.video {
                 video.write(&annotated)?;
@@ -208,6 +211,7 @@ impl Recorder {
             key_frames: &self.key_frames,
         });
         self.folder.write_report(&report)?;
+        self.folder.finish()?;
         evaluation?;
         video?;
         Ok(summary)

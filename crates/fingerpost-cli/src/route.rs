@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::arguments::Place;
 use crate::record::kind_name;
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Plan a route on an OpenStreetMap map, or match a GPX track to it, and write it with its junctions, side roads and
 /// bends as route.geojson.
@@ -63,6 +63,8 @@ struct FeatureReport<'a> {
 
 /// Makes the route file.
 pub(crate) fn route(args: &RouteArgs) -> Result<()> {
+    let inputs = [Some(&args.map), args.gpx.as_ref()].into_iter().flatten().map(PathBuf::as_path);
+    output_path::check_file(&args.out, inputs)?;
     let graph = inputs::road_graph(&args.map)?;
     let options = FeatureOptions::default();
     let route = match &args.gpx {

@@ -8,7 +8,9 @@ use clap::Args;
 use fingerpost::Sensors;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost_format::TruthRecord;
-use fingerpost_io::{Frame, FrameError, FrameSource, SourceOptions, read_camera, read_truth};
+use fingerpost_io::{
+    FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, read_camera, read_truth,
+};
 use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
@@ -21,7 +23,7 @@ use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
 use crate::stage_clock::milliseconds;
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
 /// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,
@@ -76,7 +78,7 @@ pub(crate) struct RunArgs {
     /// Write the annotated pictures of these frames into the folder pictures.
     #[arg(long, value_name = "FROM-TO")]
     pictures: Option<FrameRange>,
-    /// Folder to write; results of an earlier run in it are replaced.
+    /// Folder to write: a new or empty one, or one of an earlier run, whose results are replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Threads that decode, ffmpeg's with them; with 1, decoding, method and writing also take turns in one thread instead
@@ -94,7 +96,7 @@ pub(crate) struct RunArgs {
 
 /// Runs the method.
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
-    check_out(Path::new(&args.input), &args.out)?;
+    check_outputs(args)?;
     limit_instruction_set(args.instruction_set)?;
     let config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
@@ -125,7 +127,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         learn_from(&mut driver, bank)?;
     }
     let bar = output::progress(frames, "frames");
-    let recorder = Recorder::create(&args.out, driver.subject(setting)?, wishes, bar)?;
+    let subject = driver.subject(setting)?;
+    let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt };
     drive.run(recorder, args, truth.as_deref())
@@ -142,15 +145,14 @@ fn limit_instruction_set(most: Option<InstructionSetName>) -> Result<()> {
     Ok(())
 }
 
-/// An input that stands where the results go would be replaced by them.
-fn check_out(input: &Path, out: &Path) -> Result<()> {
-    let (Ok(input), Ok(out)) = (input.canonicalize(), out.canonicalize()) else {
-        return Ok(());
-    };
-    if input.starts_with(out.join("pictures")) || input == out.join("annotated.mp4") {
-        bail!("{} would be replaced by the results; choose another --out", input.display());
-    }
-    Ok(())
+/// Refuses outputs that would replace an input. The file of known surfaces is both: it is read and brought up to date.
+fn check_outputs(args: &RunArgs) -> Result<()> {
+    let optional = [&args.route, &args.config, &args.gps, &args.dbc, &args.truth].into_iter().flatten();
+    let streams = [Some(args.input.as_str()), args.can.as_deref()].into_iter().flatten().map(Path::new);
+    let inputs: Vec<&Path> = optional.chain([&args.camera]).map(PathBuf::as_path).chain(streams).collect();
+    let bank = args.bank.as_deref();
+    bank.map_or(Ok(()), |bank| output_path::check_file(bank, inputs.iter().copied()))?;
+    output_path::check_folder(&args.out, FolderKind::Run, inputs.into_iter().chain(bank))
 }
 
 /// Gives the method the surfaces of an earlier drive, where there was one.

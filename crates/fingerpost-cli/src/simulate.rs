@@ -9,7 +9,9 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, View};
-use fingerpost_io::{BusTexts, CROSSINGS_FILE, DriveFolder, FrameFormat, JsonLinesFile, read_camera};
+use fingerpost_io::{
+    BusTexts, CROSSINGS_FILE, DriveFolder, FolderKind, FrameFormat, JsonLinesFile, read_camera,
+};
 use fingerpost_map::write_route;
 use fingerpost_sim::{
     BUS_DATABASE, BUS_SETTINGS, Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera,
@@ -19,7 +21,7 @@ use rayon::prelude::*;
 use self::course::CourseArgs;
 use crate::arguments::PictureSize;
 use crate::interrupt::Interrupt;
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Drive a simulated vehicle along a route and write what its camera sees, with the truth: frames, camera.toml,
 /// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame; and what its bus says: can.log,
@@ -63,7 +65,7 @@ pub(crate) struct SimulateArgs {
     /// Store frames without loss, five times as large.
     #[arg(long)]
     png: bool,
-    /// Folder to write; an earlier drive in it is replaced.
+    /// Folder to write: a new or empty one, or one of an earlier `simulate`, whose drive is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -155,6 +157,8 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         (None, None) => default_camera(args.size, args.lens)?,
     };
     let simulator = Simulator::new(&graph, &route, &camera, &config)?;
+    let inputs = [&args.map, &args.route, &args.camera].into_iter().flatten().map(PathBuf::as_path);
+    output_path::check_folder(&args.out, FolderKind::Drive, inputs)?;
     let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
@@ -165,6 +169,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         let path = args.out.join(CROSSINGS_FILE);
         let mut lines = JsonLinesFile::create(&path)?;
         simulator.crossings().iter().try_for_each(|crossing| lines.append(crossing))?;
+        lines.finish()?;
     }
 
     let interrupt = Interrupt::listen()?;

@@ -10,20 +10,15 @@ use fingerpost_vision::picture::{Plane, RgbImage};
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder, read_text, remove_if_there, write_file},
+    file::{FileError, create_folder, read_text},
+    folder_kind::{BUS_FILES, FolderKind, MASKS_FOLDER, TRUTH_FILE},
     json_lines::{AppendError, JsonLinesFile},
+    output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_grey_png, write_jpeg, write_png},
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
+    whole_file::write_file,
 };
 
-/// Name of the file of the moments in which a wheel crosses a line.
-pub const CROSSINGS_FILE: &str = "crossings.jsonl";
-/// Names of the vehicle's bus as a drive holds it: the log, its database, and the settings that name its signals.
-const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
-/// Name of the file of truth.
-const TRUTH_FILE: &str = "truth.jsonl";
-/// Folder of the road-surface masks.
-const MASKS_FOLDER: &str = "road_masks";
 /// JPEG quality of frames: the noise of a camera survives it. From 90 on the encoder keeps colour at full resolution,
 /// which takes two thirds more time and which hardly any camera's recording has.
 const FRAME_QUALITY: u8 = 89;
@@ -31,7 +26,10 @@ const FRAME_QUALITY: u8 = 89;
 /// A drive that cannot be written.
 #[derive(Debug, Error)]
 pub enum DriveFolderError {
-    /// The folder or one of its files cannot be written.
+    /// The folder cannot be taken for a drive.
+    #[error(transparent)]
+    Folder(#[from] OutputFolderError),
+    /// One of its files cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
     /// A truth record cannot be added; those before are whole.
@@ -83,38 +81,30 @@ pub struct BusTexts<'a> {
 /// `route.geojson`, and the vehicle's bus: `can.log`, `car.dbc`, `can.toml`.
 #[derive(Debug)]
 pub struct DriveFolder {
-    path: PathBuf,
     format: FrameFormat,
     truth: JsonLinesFile,
     times: String,
+    /// Nobody else writes it meanwhile.
+    folder: OutputFolder,
 }
 
 impl DriveFolder {
-    /// Makes the folder, or takes one that exists: frames, masks and files of an earlier drive are removed, all other
-    /// files stay. Pictures are taken for an earlier drive's only beside its `truth.jsonl`.
+    /// Makes the folder, or takes one of an earlier drive, whose files are removed; see [`OutputFolder::take`].
     ///
     /// # Errors
-    /// [`DriveFolderError::File`] when the folder cannot be made or earlier files cannot be removed.
+    /// [`DriveFolderError`] when the folder cannot be made, holds something else or is in use.
     pub fn create(path: &Path, format: FrameFormat) -> Result<Self, DriveFolderError> {
-        let truth_path = path.join(TRUTH_FILE);
-        let has_drive = truth_path.exists();
-        for folder in [FRAMES_FOLDER, MASKS_FOLDER] {
-            let folder = path.join(folder);
-            create_folder(&folder)?;
-            if has_drive {
-                remove_numbered_pictures(&folder)?;
-            }
+        let folder = OutputFolder::take(path, FolderKind::Drive)?;
+        for name in [FRAMES_FOLDER, MASKS_FOLDER] {
+            create_folder(&path.join(name))?;
         }
-        for name in [TIMES_FILE, CROSSINGS_FILE, "camera.toml", "route.geojson"].iter().chain(&BUS_FILES) {
-            remove_if_there(&path.join(name))?;
-        }
-        let truth = JsonLinesFile::create(&truth_path)?;
-        Ok(Self { path: path.to_owned(), format, truth, times: String::new() })
+        let truth = JsonLinesFile::create(&path.join(TRUTH_FILE))?;
+        Ok(Self { format, truth, times: String::new(), folder })
     }
 
     /// Where `truth.jsonl` is.
     pub fn truth_path(&self) -> PathBuf {
-        self.path.join(TRUTH_FILE)
+        self.folder.path().join(TRUTH_FILE)
     }
 
     /// Writes `camera.toml` and gives its path.
@@ -149,7 +139,7 @@ impl DriveFolder {
     /// # Errors
     /// [`DriveFolderError::Picture`] when it cannot be written.
     pub fn write_frame(&self, index: u64, picture: &RgbImage) -> Result<(), DriveFolderError> {
-        let folder = self.path.join(FRAMES_FOLDER);
+        let folder = self.folder.path().join(FRAMES_FOLDER);
         match self.format {
             FrameFormat::Jpeg => write_jpeg(&folder.join(format!("{index:06}.jpg")), picture, FRAME_QUALITY)?,
             FrameFormat::Png => write_png(&folder.join(format!("{index:06}.png")), picture)?,
@@ -163,7 +153,7 @@ impl DriveFolder {
     /// [`DriveFolderError::Picture`] when it cannot be written.
     pub fn write_road_mask(&self, index: u64, mask: &Plane<u8>) -> Result<(), DriveFolderError> {
         let name = format!("{index:06}.png");
-        Ok(write_grey_png(&self.path.join(MASKS_FOLDER).join(name), mask)?)
+        Ok(write_grey_png(&self.folder.path().join(MASKS_FOLDER).join(name), mask)?)
     }
 
     /// Adds the truth of the next frame, and its time to `times.txt`.
@@ -177,16 +167,17 @@ impl DriveFolder {
         Ok(())
     }
 
-    /// Ends the drive: writes `times.txt`.
+    /// Ends the drive: brings `truth.jsonl` to the disk and writes `times.txt`.
     ///
     /// # Errors
-    /// [`DriveFolderError::File`] when it cannot be written.
+    /// [`DriveFolderError::File`] when they cannot be written.
     pub fn finish(self) -> Result<(), DriveFolderError> {
-        Ok(write_file(&self.path.join(TIMES_FILE), self.times)?)
+        self.truth.finish()?;
+        Ok(write_file(&self.folder.path().join(TIMES_FILE), self.times)?)
     }
 
     fn write_text(&self, name: &str, text: &str) -> Result<PathBuf, DriveFolderError> {
-        let path = self.path.join(name);
+        let path = self.folder.path().join(name);
         write_file(&path, text)?;
         Ok(path)
     }
@@ -199,20 +190,4 @@ impl DriveFolder {
 pub fn read_truth(path: &Path) -> Result<Vec<TruthRecord>, TruthFileError> {
     let text = read_text(path)?;
     from_json_lines(&text).map_err(|cause| TruthFileError::Lines { path: path.to_owned(), cause })
-}
-
-/// Removes pictures named like an earlier drive's frames, six digits.
-fn remove_numbered_pictures(folder: &Path) -> Result<(), FileError> {
-    let reading = || FileError::reading(folder);
-    for entry in std::fs::read_dir(folder).map_err(reading())? {
-        let path = entry.map_err(reading())?.path();
-        let is_numbered = path
-            .file_stem()
-            .and_then(|stem| stem.to_str())
-            .is_some_and(|stem| stem.len() == 6 && stem.bytes().all(|byte| byte.is_ascii_digit()));
-        if is_numbered && path.extension().is_some_and(|ending| ending == "jpg" || ending == "png") {
-            remove_if_there(&path)?;
-        }
-    }
-    Ok(())
 }

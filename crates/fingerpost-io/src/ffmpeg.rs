@@ -12,6 +12,8 @@ use std::{
 
 use thiserror::Error;
 
+use crate::file::FileError;
+
 /// Names or paths of the two programs; the defaults are looked up where the system looks for programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FfmpegPrograms {
@@ -75,6 +77,9 @@ pub enum VideoError {
         /// What ffmpeg or the system says.
         cause: String,
     },
+    /// The file of a video cannot be made.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A picture has another size than the video that it should go into.
     #[error(
         "a picture of {width} x {height} pixels does not fit a video of {expected_width} x {expected_height}; \

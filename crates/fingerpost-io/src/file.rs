@@ -55,6 +55,9 @@ fn advice(cause: &io::Error) -> &'static str {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "the disk is full: free some space or choose another place, then run again"
         }
+        ErrorKind::FileTooLarge => {
+            "a file may not grow further here: raise the limit (ulimit -f) or choose another place, then run again"
+        }
         ErrorKind::IsADirectory => "name a file in it",
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
             "a file stands where a folder is needed: move it or choose another place"
@@ -80,27 +83,6 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// [`FileError::Read`] when it cannot be read.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     fs::read(path).map_err(FileError::reading(path))
-}
-
-/// Writes a whole file, replacing it where it exists.
-///
-/// # Errors
-/// [`FileError::Write`] when it cannot be written.
-pub fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
-    fs::write(path, contents).map_err(FileError::writing(path))
-}
-
-/// Writes a whole file beside the one of that name and puts it in its place: whatever ends the program, the file is the
-/// old one or the new one.
-///
-/// # Errors
-/// [`FileError::Write`] when it cannot be written.
-pub fn replace_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".new");
-    let beside = PathBuf::from(beside);
-    write_file(&beside, contents)?;
-    fs::rename(&beside, path).map_err(FileError::writing(path))
 }
 
 /// Makes a folder with everything above it; one that exists stays as it is.

@@ -4,13 +4,18 @@ use std::{
     fs::File,
     io::{self, Write},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use fingerpost_format::{LinesError, to_json_line};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::file::FileError;
+use crate::{file::FileError, periodic_sync::PeriodicSync, whole_file::sync_folder};
+
+/// Time between two syncs of a file of lines: a machine that loses its power loses no more than a second of them, with
+/// as much again for a slow disk.
+const SYNC_INTERVAL: Duration = Duration::from_millis(500);
 
 /// A record that cannot be added to its file.
 #[derive(Debug, Error)]
@@ -48,13 +53,15 @@ impl LineSink for File {
 /// A file of JSON lines being written.
 ///
 /// Every line goes out in one piece as it comes: a program that ends between two lines leaves a valid file. A line that
-/// can be written only in part (a full disk) is cut off again.
+/// can be written only in part (a full disk) is cut off again. A file that was made with [`JsonLinesFile::create`] is
+/// brought to the disk twice a second and at its end.
 #[derive(Debug)]
 pub struct JsonLinesFile<S = File> {
     path: PathBuf,
     sink: S,
     whole_bytes: u64,
     torn: bool,
+    sync: Option<PeriodicSync>,
 }
 
 impl JsonLinesFile {
@@ -63,15 +70,21 @@ impl JsonLinesFile {
     /// # Errors
     /// [`FileError::Write`] when it cannot be made.
     pub fn create(path: &Path) -> Result<Self, FileError> {
-        let file = File::create(path).map_err(FileError::writing(path))?;
-        Ok(Self::over(path, file))
+        let writing = || FileError::writing(path);
+        let file = File::create(path).map_err(writing())?;
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            sync_folder(folder).map_err(writing())?;
+        }
+        let synced = file.try_clone().map_err(writing())?;
+        let sync = PeriodicSync::start(SYNC_INTERVAL, move || synced.sync_data()).map_err(writing())?;
+        Ok(Self { sync: Some(sync), ..Self::over(path, file) })
     }
 }
 
 impl<S: LineSink> JsonLinesFile<S> {
     /// Writes to an empty sink; `path` is what messages call it.
     pub fn over(path: &Path, sink: S) -> Self {
-        Self { path: path.to_owned(), sink, whole_bytes: 0, torn: false }
+        Self { path: path.to_owned(), sink, whole_bytes: 0, torn: false, sync: None }
     }
 
     /// Adds a record as one line.
@@ -82,6 +95,9 @@ impl<S: LineSink> JsonLinesFile<S> {
     pub fn append<T: Serialize>(&mut self, record: &T) -> Result<(), AppendError> {
         let line =
             to_json_line(record).map_err(|cause| AppendError::Record { path: self.path.clone(), cause })?;
+        if let Some(sync) = &self.sync {
+            sync.failure().map_err(FileError::writing(&self.path))?;
+        }
         if self.torn {
             self.sink.cut_back(self.whole_bytes).map_err(FileError::writing(&self.path))?;
             self.torn = false;
@@ -97,6 +113,14 @@ impl<S: LineSink> JsonLinesFile<S> {
                 Err(FileError::Write { path: self.path.clone(), cause }.into())
             }
         }
+    }
+
+    /// Ends the file: its lines are on the disk.
+    ///
+    /// # Errors
+    /// [`FileError::Write`] when they cannot be brought there.
+    pub fn finish(mut self) -> Result<(), FileError> {
+        self.sync.take().map_or(Ok(()), PeriodicSync::finish).map_err(FileError::writing(&self.path))
     }
 
     /// The sink, as far as it was written.

@@ -9,13 +9,19 @@ mod decoders;
 mod drive_folder;
 mod ffmpeg;
 mod file;
+mod folder_kind;
+mod folder_lock;
 mod json_lines;
+mod kept_inputs;
+mod output_folder;
+mod periodic_sync;
 mod picture_file;
 mod picture_folder;
 mod run_folder;
 mod source;
 mod video;
 mod video_writer;
+mod whole_file;
 
 pub use camera::{CameraReadError, read_camera};
 pub use can::{
@@ -24,12 +30,14 @@ pub use can::{
 };
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
-pub use drive_folder::{
-    BusTexts, CROSSINGS_FILE, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth,
-};
+pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
-pub use file::{FileError, create_folder, read_bytes, read_text, replace_file, write_file};
+pub use file::{FileError, create_folder, read_bytes, read_text};
+pub use folder_kind::{CROSSINGS_FILE, FolderKind, MARKED_FRAMES_FOLDER};
+pub use folder_lock::FolderLockError;
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
+pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
+pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg,
     write_png,
@@ -38,3 +46,4 @@ pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
 pub use video_writer::VideoWriter;
+pub use whole_file::{remove_abandoned, write_file};

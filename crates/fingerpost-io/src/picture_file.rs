@@ -15,7 +15,10 @@ use zune_jpeg::{
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
 };
 
-use crate::file::{FileError, read_bytes, write_file};
+use crate::{
+    file::{FileError, read_bytes},
+    whole_file::write_file,
+};
 
 /// Largest side of a picture that is read or written, pixels: no camera's is larger, a broken header's may be.
 pub(crate) const MAX_SIDE_PX: usize = 16_384;

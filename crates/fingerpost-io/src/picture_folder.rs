@@ -93,7 +93,8 @@ pub fn picture_paths(folder: &Path) -> Result<Vec<PathBuf>, PictureFolderError> 
     Ok(PictureFolder::open(folder)?.paths)
 }
 
-fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+/// The picture files of one folder, in natural order of their names.
+pub(crate) fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let entries = fs::read_dir(folder).map_err(FileError::reading(folder))?;
     let mut named = Vec::new();
     for entry in entries {

@@ -7,23 +7,21 @@ use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder, remove_if_there, write_file},
+    file::{FileError, create_folder},
+    folder_kind::{FRAMES_FILE, FolderKind, PICTURES_FOLDER},
     json_lines::{AppendError, JsonLinesFile},
+    output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_png},
+    whole_file::write_file,
 };
-
-/// File of a run's frames, the first that it makes.
-const FRAMES_FILE: &str = "frames.jsonl";
-/// Files of a run, beside its pictures.
-const RESULT_FILES: [&str; 6] =
-    ["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", "run.mcap"];
-/// Folder of a run's pictures.
-const PICTURES_FOLDER: &str = "pictures";
 
 /// A result that cannot be written.
 #[derive(Debug, Error)]
 pub enum RunFolderError {
-    /// The folder or one of its files cannot be written.
+    /// The folder cannot be taken for results.
+    #[error(transparent)]
+    Folder(#[from] OutputFolderError),
+    /// One of its files cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
     /// A frame cannot be added; those before are whole.
@@ -46,32 +44,37 @@ pub enum RunFolderError {
 /// the path of `annotated.mp4`.
 #[derive(Debug)]
 pub struct RunFolder {
-    path: PathBuf,
     frames: JsonLinesFile,
+    /// Nobody else writes it meanwhile.
+    folder: OutputFolder,
 }
 
 impl RunFolder {
-    /// Makes the folder, or takes one that exists: results of an earlier run are removed, all other files stay. Pictures
-    /// are taken for an earlier run's only beside its `frames.jsonl`.
+    /// Makes the folder, or takes one of an earlier run, whose results are removed; see [`OutputFolder::take`].
     ///
     /// # Errors
-    /// [`RunFolderError::File`] when the folder cannot be made or an earlier result cannot be removed.
+    /// [`RunFolderError`] when the folder cannot be made, holds something else or is in use.
     pub fn create(path: &Path) -> Result<Self, RunFolderError> {
-        create_folder(path)?;
-        let frames_path = path.join(FRAMES_FILE);
-        if frames_path.exists() {
-            remove_pictures(&path.join(PICTURES_FOLDER))?;
-        }
-        for name in RESULT_FILES {
-            remove_if_there(&path.join(name))?;
-        }
-        let frames = JsonLinesFile::create(&frames_path)?;
-        Ok(Self { path: path.to_owned(), frames })
+        Self::of_kind(path, FolderKind::Run)
+    }
+
+    /// The same for a run of a campaign.
+    ///
+    /// # Errors
+    /// As [`RunFolder::create`].
+    pub fn create_in_campaign(path: &Path) -> Result<Self, RunFolderError> {
+        Self::of_kind(path, FolderKind::CampaignRun)
+    }
+
+    fn of_kind(path: &Path, kind: FolderKind) -> Result<Self, RunFolderError> {
+        let folder = OutputFolder::take(path, kind)?;
+        let frames = JsonLinesFile::create(&path.join(FRAMES_FILE))?;
+        Ok(Self { frames, folder })
     }
 
     /// The folder.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.folder.path()
     }
 
     /// Writes the effective configuration, `config.toml`.
@@ -79,7 +82,7 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError::File`] when it cannot be written.
     pub fn write_config(&self, text: &str) -> Result<(), RunFolderError> {
-        Ok(write_file(&self.path.join("config.toml"), text)?)
+        Ok(write_file(&self.path().join("config.toml"), text)?)
     }
 
     /// Adds a frame to `frames.jsonl`.
@@ -98,7 +101,7 @@ impl RunFolder {
         let mut text =
             serde_json::to_string_pretty(summary).map_err(|cause| RunFolderError::Summary { cause })?;
         text.push('\n');
-        Ok(write_file(&self.path.join("summary.json"), text)?)
+        Ok(write_file(&self.path().join("summary.json"), text)?)
     }
 
     /// Writes `report.html` and gives its path.
@@ -106,43 +109,33 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError::File`] when it cannot be written.
     pub fn write_report(&self, html: &str) -> Result<PathBuf, RunFolderError> {
-        let path = self.path.join("report.html");
+        let path = self.path().join("report.html");
         write_file(&path, html)?;
         Ok(path)
     }
 
-    /// Writes `pictures/NAME.png` and gives its path.
+    /// Writes the picture of a frame, `pictures/frame_NNNNNN.png`, and gives its path.
     ///
     /// # Errors
     /// [`RunFolderError`] when it cannot be written.
-    pub fn write_picture(&self, name: &str, picture: &RgbImage) -> Result<PathBuf, RunFolderError> {
-        let folder = self.path.join(PICTURES_FOLDER);
+    pub fn write_picture(&self, frame: u64, picture: &RgbImage) -> Result<PathBuf, RunFolderError> {
+        let folder = self.path().join(PICTURES_FOLDER);
         create_folder(&folder)?;
-        let path = folder.join(format!("{name}.png"));
+        let path = folder.join(format!("frame_{frame:06}.png"));
         write_png(&path, picture)?;
         Ok(path)
     }
 
+    /// Ends the run: its frames are on the disk.
+    ///
+    /// # Errors
+    /// [`RunFolderError::File`] when they cannot be brought there.
+    pub fn finish(self) -> Result<(), RunFolderError> {
+        Ok(self.frames.finish()?)
+    }
+
     /// Where the annotated video belongs.
     pub fn video_path(&self) -> PathBuf {
-        self.path.join("annotated.mp4")
+        self.path().join("annotated.mp4")
     }
-}
-
-/// Removes the PNG files that an earlier run wrote, and the folder where nothing else is in it.
-fn remove_pictures(folder: &Path) -> Result<(), FileError> {
-    if !folder.is_dir() {
-        return Ok(());
-    }
-    let reading = || FileError::reading(folder);
-    let mut others = false;
-    for entry in std::fs::read_dir(folder).map_err(reading())? {
-        let path = entry.map_err(reading())?.path();
-        if path.extension().is_some_and(|ending| ending == "png") {
-            remove_if_there(&path)?;
-        } else {
-            others = true;
-        }
-    }
-    if others { Ok(()) } else { std::fs::remove_dir(folder).map_err(FileError::writing(folder)) }
 }

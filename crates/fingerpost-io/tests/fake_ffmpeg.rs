@@ -191,7 +191,9 @@ fn pictures_are_written_to_the_program_in_order() {
     video.write(&RgbImage::from_vec(2, 1, b"ghijkl".to_vec()).unwrap()).unwrap();
     let error = video.write(&RgbImage::new(1, 2)).unwrap_err();
     assert!(error.to_string().contains("1 x 2 pixels does not fit a video of 2 x 1"), "{error}");
+    assert!(!machine.path("out.mp4").exists(), "a video that is not whole has no name");
     video.finish().unwrap();
+    assert!(machine.path("out.mp4").exists());
     assert_eq!(fs::read(machine.path("bytes")).unwrap(), b"abcdefghijkl");
     let arguments = fs::read_to_string(machine.path("arguments")).unwrap();
     assert!(arguments.contains("-s 2x1 -r 12.5") && arguments.contains("libx264"), "{arguments}");

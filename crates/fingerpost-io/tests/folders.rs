@@ -49,11 +49,15 @@ fn a_run_folder_holds_what_the_contract_says() {
     run.write_summary(&Summary { frames: 2, ..Summary::default() }).unwrap();
     assert_eq!(run.write_report("<html>").unwrap(), path.join("report.html"));
     let picture = RgbImage::new(4, 3);
-    let picture_path = run.write_picture("000001_road", &picture).unwrap();
-    assert_eq!(picture_path, path.join("pictures/000001_road.png"));
+    let picture_path = run.write_picture(1, &picture).unwrap();
+    assert_eq!(picture_path, path.join("pictures/frame_000001.png"));
     assert_eq!(read_picture(&picture_path).unwrap(), picture);
     assert_eq!(run.video_path(), path.join("annotated.mp4"));
-    assert_eq!(names(&path), ["config.toml", "frames.jsonl", "pictures", "report.html", "summary.json"]);
+    run.finish().unwrap();
+    assert_eq!(
+        names(&path),
+        [".fingerpost.json", "config.toml", "frames.jsonl", "pictures", "report.html", "summary.json"]
+    );
     let summary: Summary = serde_json::from_str(&read_text(&path.join("summary.json")).unwrap()).unwrap();
     assert_eq!(summary.frames, 2);
 }
@@ -62,32 +66,19 @@ fn a_run_folder_holds_what_the_contract_says() {
 fn an_earlier_run_is_replaced_and_other_files_stay() {
     let parent = tempfile::tempdir().unwrap();
     let path = parent.path();
+    let mut earlier = RunFolder::create(path).unwrap();
+    earlier.append(&frame(0)).unwrap();
+    earlier.write_picture(7, &RgbImage::new(2, 2)).unwrap();
+    drop(earlier);
     for name in ["config.toml", "summary.json", "report.html", "annotated.mp4", "run.mcap", "notes.txt"] {
         fs::write(path.join(name), "old").unwrap();
     }
-    let mut earlier = RunFolder::create(path).unwrap();
-    earlier.append(&frame(0)).unwrap();
-    earlier.write_picture("old", &RgbImage::new(2, 2)).unwrap();
-    drop(earlier);
     fs::write(path.join("pictures/mine.txt"), "kept").unwrap();
+    fs::write(path.join("pictures/mine.png"), "kept").unwrap();
     drop(RunFolder::create(path).unwrap());
-    assert_eq!(names(path), ["frames.jsonl", "notes.txt", "pictures"]);
-    assert_eq!(names(&path.join("pictures")), ["mine.txt"]);
+    assert_eq!(names(path), [".fingerpost.json", "frames.jsonl", "notes.txt", "pictures"]);
+    assert_eq!(names(&path.join("pictures")), ["mine.png", "mine.txt"]);
     assert_eq!(read_text(&path.join("frames.jsonl")).unwrap(), "");
-}
-
-#[test]
-fn pictures_without_an_earlier_run_or_drive_stay() {
-    let parent = tempfile::tempdir().unwrap();
-    for folder in ["pictures", "frames"] {
-        fs::create_dir(parent.path().join(folder)).unwrap();
-        fs::write(parent.path().join(folder).join("000001.png"), "recorded").unwrap();
-    }
-    drop(RunFolder::create(parent.path()).unwrap());
-    drop(DriveFolder::create(parent.path(), FrameFormat::Png).unwrap());
-    for folder in ["pictures", "frames"] {
-        assert_eq!(names(&parent.path().join(folder)), ["000001.png"]);
-    }
 }
 
 #[test]
@@ -216,7 +207,15 @@ fn a_drive_can_be_read_as_an_input_and_as_truth() {
         assert!((times[1] - 0.05).abs() < 1e-9);
         assert_eq!(
             names(parent.path()),
-            ["camera.toml", "frames", "road_masks", "route.geojson", "times.txt", "truth.jsonl"]
+            [
+                ".fingerpost.json",
+                "camera.toml",
+                "frames",
+                "road_masks",
+                "route.geojson",
+                "times.txt",
+                "truth.jsonl"
+            ]
         );
         assert_eq!(names(&parent.path().join("road_masks")).len() as u64, count);
         fs::write(parent.path().join(CROSSINGS_FILE), "of this drive").unwrap();

@@ -1,6 +1,6 @@
 //! `fingerpost calibrate mount`: pitch, yaw, roll and height of a camera from a drive.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -12,7 +12,7 @@ use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
-use crate::output;
+use crate::{output, output_path};
 
 /// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
 ///
@@ -98,6 +98,7 @@ const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
 
 /// Calibrates the mount.
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
+    output_path::check_file(&args.out, [Path::new(&args.input), &args.camera])?;
     let known = known_scale(args)?;
     let camera = read_camera(&args.camera)?;
     let mut calibrator = MountCalibrator::new(&camera)?;

@@ -11,7 +11,7 @@ use nalgebra::Point2;
 use serde::Serialize;
 
 use crate::arguments::PictureSize;
-use crate::output;
+use crate::{output, output_path};
 
 /// Write a camera.toml from four points of the picture whose places on the road were measured (paper 1, section IV-A).
 ///
@@ -63,6 +63,8 @@ const MOST_ERROR_SHARE: f64 = 0.01;
 
 /// Calibrates by points.
 pub(crate) fn points(args: &PointsArgs) -> Result<()> {
+    let inputs = args.camera.as_deref().into_iter().chain([Path::new(&args.points)]);
+    output_path::check_file(&args.out, inputs)?;
     let (image, road_m) = four_points(&args.points)?;
     let camera = args.camera.as_deref().map(read_camera).transpose()?;
     let size = match (&camera, args.image_size) {

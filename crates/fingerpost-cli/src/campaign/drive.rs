@@ -6,7 +6,7 @@ use anyhow::{Error, Result};
 use fingerpost::Sensors;
 use fingerpost_eval::{evaluate_junctions, feature_summaries};
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
-use fingerpost_io::{JsonLinesFile, write_file};
+use fingerpost_io::{JsonLinesFile, RunFolder, write_file};
 use fingerpost_map::{Route, write_route};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use indicatif::ProgressBar;
@@ -86,7 +86,7 @@ impl Run {
         let folder = setting.args.out.join(name);
         let recorder = setting.args.reports.then(|| {
             let subject = driver.subject(run_setting)?;
-            Recorder::create(&folder, subject, wishes, ProgressBar::hidden())
+            Recorder::create(RunFolder::create_in_campaign(&folder)?, subject, wishes, ProgressBar::hidden())
         });
         let recorder = recorder.transpose()?;
         Ok(Self {
@@ -114,6 +114,7 @@ impl Run {
             write_file(&folder.join("route.geojson"), write_route(route)?)?;
             let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
             truth.iter().try_for_each(|truth| lines.append(truth))?;
+            lines.finish()?;
         }
         let ids: Vec<i64> = route.features.iter().map(|feature| feature.id).collect();
         let evaluation = evaluate_junctions(&records, &truth, &ids)?;

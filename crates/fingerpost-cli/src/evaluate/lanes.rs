@@ -18,7 +18,7 @@ use serde::Serialize;
 use self::table::{clip_table, mean_table, tusimple_line};
 use super::records;
 use crate::arguments::PictureSize;
-use crate::output;
+use crate::{output, output_path};
 
 /// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest of 100, 120, 140 and 150 rows
 /// and thresholds of 10, 15 and 20 squared pixels, and the scores of the TuSimple benchmark.
@@ -82,6 +82,10 @@ struct TuSimpleNumbers<'a> {
 pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
     if let Some(labels) = &args.tusimple {
         return tusimple(args, labels);
+    }
+    if let Some(plot) = &args.plot {
+        let runs: Vec<PathBuf> = args.runs.iter().flat_map(|run| output_path::run_files(run)).collect();
+        output_path::check_file(plot, args.truth.iter().chain(&runs).map(PathBuf::as_path))?;
     }
     if args.runs.len() != args.truth.len() {
         bail!(

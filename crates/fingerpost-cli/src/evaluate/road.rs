@@ -25,7 +25,7 @@ use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
 use crate::road_detector::road_detector;
 use crate::stage_clock::milliseconds;
-use crate::{inputs, output};
+use crate::{inputs, output, output_path};
 
 /// Road detectors on camera pictures: how well they tell labelled road, at what cost; or a sheet to look at.
 ///
@@ -107,6 +107,10 @@ struct Kept {
 
 /// Evaluates.
 pub(super) fn road(args: &RoadArgs) -> Result<()> {
+    if let Some(sheet) = &args.sheet {
+        let optional = [&args.labels, &args.config, &args.ground_view].into_iter().flatten();
+        output_path::check_file(sheet, optional.chain([&args.images]).map(PathBuf::as_path))?;
+    }
     let config = inputs::config(args.config.as_deref())?;
     let pictures = picture_paths(&args.images)?;
     let labels = args.labels.as_deref().map(|folder| labels_of(&pictures, folder)).transpose()?;

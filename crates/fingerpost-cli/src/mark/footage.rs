@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use fingerpost_io::{FrameSource, SourceOptions, picture_paths, read_picture, write_jpeg};
+use fingerpost_io::{
+    FrameSource, MARKED_FRAMES_FOLDER, SourceOptions, picture_paths, read_picture, write_jpeg,
+};
 use fingerpost_mark::{Cause, Picture, Pictures};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::output;
 
-/// Folder of a video's pictures, where marks are.
-const PICTURES_FOLDER: &str = "marked_frames";
 /// JPEG quality of a video's pictures: edges stay where they are.
 const PICTURE_QUALITY: u8 = 95;
 
@@ -27,7 +27,7 @@ pub(super) struct Footage {
 impl Footage {
     /// The frames of an input whose pictures are to be shown: those of a video are written below `out`.
     pub(super) fn open(input: &str, fps: Option<f64>, out: &Path) -> Result<Self> {
-        Self::new(input, fps, Some(&out.join(PICTURES_FOLDER)))
+        Self::new(input, fps, Some(&out.join(MARKED_FRAMES_FOLDER)))
     }
 
     /// The frames of an input whose pictures are not wanted.

@@ -19,6 +19,7 @@ mod lanes;
 mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
+mod outputs;
 mod program;
 mod running;
 mod simulated_bus;

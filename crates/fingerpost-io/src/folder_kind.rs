@@ -1,0 +1,164 @@
+//! What the program writes into which kind of folder; nothing else in a folder is ever removed.
+
+use std::{
+    fmt, fs,
+    path::{Component, Path},
+};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    file::{FileError, remove_if_there},
+    output_folder::{OutputFolderError, marked_kind, remove_marker},
+    picture_folder::{FRAMES_FOLDER, TIMES_FILE},
+};
+
+/// Name of the file of a drive's truth, and of truth made of marks.
+pub(crate) const TRUTH_FILE: &str = "truth.jsonl";
+/// Name of the file of the moments in which a wheel crosses a line.
+pub const CROSSINGS_FILE: &str = "crossings.jsonl";
+/// Names of the vehicle's bus as a drive holds it: the log, its database, and the settings that name its signals.
+pub(crate) const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
+/// Folder of the road-surface masks of a drive.
+pub(crate) const MASKS_FOLDER: &str = "road_masks";
+/// File of a run's frames.
+pub(crate) const FRAMES_FILE: &str = "frames.jsonl";
+/// Folder of a run's pictures.
+pub(crate) const PICTURES_FOLDER: &str = "pictures";
+/// Folder of a marked video's pictures.
+pub const MARKED_FRAMES_FOLDER: &str = "marked_frames";
+
+/// Digits of a frame's number in a picture's name; longer numbers have more.
+const FRAME_DIGITS: usize = 6;
+
+/// Which results a folder holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FolderKind {
+    /// A run of the method.
+    Run,
+    /// A run in a campaign, with its route and truth.
+    CampaignRun,
+    /// A simulated drive.
+    Drive,
+    /// A campaign, with the folders of its runs.
+    Campaign,
+    /// Marks of lane edges, and truth made of them.
+    Marks,
+}
+
+/// Whether a file of that name, without its ending, is one that the program writes into a folder of pictures.
+type IsPicture = fn(&str) -> bool;
+
+impl fmt::Display for FolderKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Run => "a run",
+            Self::CampaignRun => "a run of a campaign",
+            Self::Drive => "a simulated drive",
+            Self::Campaign => "a campaign",
+            Self::Marks => "lane marks",
+        })
+    }
+}
+
+impl FolderKind {
+    /// Names of the files.
+    fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Run => {
+                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", "run.mcap"]
+            }
+            Self::CampaignRun => {
+                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "route.geojson", TRUTH_FILE]
+            }
+            Self::Drive => &[
+                TIMES_FILE,
+                TRUTH_FILE,
+                CROSSINGS_FILE,
+                "camera.toml",
+                "route.geojson",
+                "can.log",
+                "car.dbc",
+                "can.toml",
+            ],
+            Self::Campaign => &["campaign.json"],
+            Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
+        }
+    }
+
+    /// Names of the folders of pictures, and which pictures are the program's.
+    pub(crate) fn picture_folders(self) -> &'static [(&'static str, IsPicture)] {
+        match self {
+            Self::Run | Self::CampaignRun => &[(PICTURES_FOLDER, is_named_frame)],
+            Self::Drive => &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number)],
+            Self::Campaign => &[],
+            Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
+        }
+    }
+
+    /// Whether a path in such a folder is where the program writes.
+    pub(crate) fn writes(self, inside: &Path) -> bool {
+        let Some(Component::Normal(first)) = inside.components().next() else { return false };
+        let is = |name: &str| first == name;
+        self.files().iter().any(|name| is(name)) || self.picture_folders().iter().any(|(name, _)| is(name))
+    }
+
+    /// Removes the results in such a folder.
+    pub(crate) fn remove_results(self, path: &Path) -> Result<(), OutputFolderError> {
+        for name in self.files() {
+            remove_if_there(&path.join(name))?;
+        }
+        for (name, is_ours) in self.picture_folders() {
+            remove_pictures(&path.join(name), *is_ours)?;
+        }
+        if self == Self::Campaign {
+            remove_campaign_runs(path)?;
+        }
+        Ok(())
+    }
+}
+
+/// A picture of a run, as in `frame_000150`.
+fn is_named_frame(stem: &str) -> bool {
+    stem.strip_prefix("frame_").is_some_and(is_number)
+}
+
+/// A picture of a drive, as in `000150`.
+fn is_number(stem: &str) -> bool {
+    stem.len() >= FRAME_DIGITS && stem.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Removes the pictures that an earlier command wrote, and the folder where nothing else is in it.
+fn remove_pictures(folder: &Path, is_ours: IsPicture) -> Result<(), FileError> {
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let mut others = false;
+    for entry in fs::read_dir(folder).map_err(FileError::reading(folder))? {
+        let path = entry.map_err(FileError::reading(folder))?.path();
+        let is_picture = path.extension().is_some_and(|ending| ending == "png" || ending == "jpg");
+        if is_picture && path.file_stem().and_then(|stem| stem.to_str()).is_some_and(is_ours) {
+            remove_if_there(&path)?;
+        } else {
+            others = true;
+        }
+    }
+    if others { Ok(()) } else { fs::remove_dir(folder).map_err(FileError::writing(folder)) }
+}
+
+/// Removes the runs of an earlier campaign, and their folders where nothing else is in them.
+fn remove_campaign_runs(path: &Path) -> Result<(), OutputFolderError> {
+    for entry in fs::read_dir(path).map_err(FileError::reading(path))? {
+        let entry = entry.map_err(FileError::reading(path))?;
+        let folder = entry.path();
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && marked_kind(&folder)? == Some(FolderKind::CampaignRun) {
+            FolderKind::CampaignRun.remove_results(&folder)?;
+            remove_marker(&folder)?;
+            // A folder in which something of the user's stays is left.
+            let _ = fs::remove_dir(&folder);
+        }
+    }
+    Ok(())
+}
