@@ -3,8 +3,6 @@
 //! GPX 1.0 and 1.1 (Topografix). A file's track points are taken, of all tracks and segments in their order; where it has
 //! none its route points, else its waypoints. Elevation and everything else is passed over.
 
-use std::str::FromStr;
-
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
@@ -141,29 +139,39 @@ fn degrees(element: &BytesStart<'_>, key: &str) -> Result<f64, String> {
 
 /// Seconds in a day.
 const DAY_S: i64 = 86_400;
+/// The zone farthest from UTC is 14 hours ahead (Line Islands).
+const MOST_ZONE_HOURS: i64 = 14;
 
-/// An ISO 8601 date and time ("2011-10-03T12:55:34.5Z", "...+02:00") as seconds since 1970-01-01 00:00 UTC; a time
-/// without a zone is UTC, as GPX has it. `None` for anything else.
+/// An ISO 8601 date and time ("2011-10-03T12:55:34.5Z", "...+02:00") of the years 1 to 9999 as seconds since 1970-01-01 00:00
+/// UTC; a time without a zone is UTC, as GPX has it. A leap second (60) may end an hour, as RFC 3339 allows it. `None` for
+/// anything else: days that the calendar does not have, 24:00, zones beyond 14 hours.
 fn parse_time_s(text: &str) -> Option<f64> {
     let (date, clock) = text.trim().split_once(['T', ' '])?;
-    let [year, month, day] = numbers::<i64, 3>(date, '-')?;
+    let [year, month, day] = numbers::<3>(date, '-')?;
     let zone_at = clock.find(['Z', '+', '-']).unwrap_or(clock.len());
     let (clock, zone) = clock.split_at(zone_at);
     let (clock, second) = clock.rsplit_once(':')?;
-    let [hour, minute] = numbers::<i64, 2>(clock, ':')?;
-    let second: f64 = second.parse().ok()?;
-    let in_range = (1..=12).contains(&month)
-        && (1..=31).contains(&day)
-        && (0..=24).contains(&hour)
+    let [hour, minute] = numbers::<2>(clock, ':')?;
+    // Digits with at most one point: what else reads as a number is none on a clock.
+    let is_plain = second.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    let second: f64 = second.parse().ok().filter(|_| is_plain)?;
+    let seconds_of_minute = if minute == 59 { 61.0 } else { 60.0 };
+    let in_range = (1..=9999).contains(&year)
+        && (1..=12).contains(&month)
+        && (1..=days_of_month(year, month)).contains(&day)
+        && (0..=23).contains(&hour)
         && (0..=59).contains(&minute)
-        && (0.0..61.0).contains(&second);
+        && (0.0..seconds_of_minute).contains(&second);
     if !in_range {
         return None;
     }
     let zone_s = match zone {
         "" | "Z" => 0,
         _ => {
-            let [hours, minutes] = numbers::<i64, 2>(&zone[1..], ':')?;
+            let [hours, minutes] = numbers::<2>(&zone[1..], ':')?;
+            if hours > MOST_ZONE_HOURS || minutes > 59 {
+                return None;
+            }
             (hours * 60 + minutes) * 60 * if zone.starts_with('-') { -1 } else { 1 }
         }
     };
@@ -171,9 +179,20 @@ fn parse_time_s(text: &str) -> Option<f64> {
     Some(whole_s as f64 + second)
 }
 
-fn numbers<T: FromStr, const N: usize>(text: &str, separator: char) -> Option<[T; N]> {
-    let parts: Option<Vec<T>> = text.split(separator).map(|part| part.parse().ok()).collect();
+/// Numbers of one to four digits between separators; more digits and signs are no date's and no clock's.
+fn numbers<const N: usize>(text: &str, separator: char) -> Option<[i64; N]> {
+    let number = |part: &str| {
+        let is_plain = (1..=4).contains(&part.len()) && part.bytes().all(|byte| byte.is_ascii_digit());
+        part.parse().ok().filter(|_| is_plain)
+    };
+    let parts: Option<Vec<i64>> = text.split(separator).map(number).collect();
     parts?.try_into().ok()
+}
+
+/// Days of a month of the Gregorian calendar, month 1 to 12.
+fn days_of_month(year: i64, month: i64) -> i64 {
+    let (next_year, next_month) = if month == 12 { (year + 1, 1) } else { (year, month + 1) };
+    days_since_1970(next_year, next_month, 1) - days_since_1970(year, month, 1)
 }
 
 /// Days from 1970-01-01 to a date of the Gregorian calendar: years are counted from March, so that the leap day is the
@@ -209,5 +228,38 @@ mod tests {
         for text in ["", "yesterday", "2011-10-03", "2011-13-03T00:00:00Z", "2011-10-03T12:60:00Z"] {
             assert_eq!(parse_time_s(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn days_and_clocks_that_do_not_exist_are_no_times() {
+        let lengths = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+        for year in [1900, 1999, 2000, 2011, 2024] {
+            let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+            for (month, length) in (1..).zip(lengths) {
+                let days = length + i64::from(is_leap && month == 2);
+                for day in 0..=32 {
+                    let read = parse_time_s(&format!("{year}-{month:02}-{day:02}T00:00:00Z"));
+                    assert_eq!(read.is_some(), (1..=days).contains(&day), "{year}-{month}-{day}");
+                }
+            }
+        }
+        for text in [
+            "2011-02-31T24:59:60.9",
+            "2011-10-03T24:00:00Z",
+            "2011-10-03T12:58:60Z",
+            "2011-10-03T12:00:61Z",
+            "2011-10-03T12:00:-1Z",
+            "2011-10-03T12:00:1e1Z",
+            "2011-10-03T12:00:NaNZ",
+            "2011-10-03T12:00:00+15:00",
+            "2011-10-03T12:00:00+02:60",
+            "99999999999999-10-03T12:00:00Z",
+            "2011-10-9223372036854775807T12:00:00Z",
+            "-2011-10-03T12:00:00Z",
+            "2011-10-03T12:00:00+9223372036854775807:00",
+        ] {
+            assert_eq!(parse_time_s(text), None, "{text}");
+        }
+        assert!(parse_time_s("2016-12-31T23:59:60.5Z").is_some(), "a leap second");
     }
 }

@@ -66,6 +66,21 @@ pub enum OsmError {
         /// What is wrong there.
         cause: String,
     },
+    /// PBF whose blocks are packed in a way that is not read.
+    #[error(
+        "the blocks of the OSM PBF are packed with LZMA, LZ4 or zstd, which is not read here; pack them with zlib (osmium cat \
+         IN.osm.pbf -o OUT.osm.pbf -f pbf,pbf_compression=zlib)"
+    )]
+    PackedBlocks,
+    /// More data than may be held.
+    #[error(
+        "the map takes more than the {limit_mb} MB of memory that it may take; cut out the area that is driven (osmium \
+         extract), or allow more"
+    )]
+    TooLarge {
+        /// The memory that it may take, megabytes.
+        limit_mb: usize,
+    },
     /// PBF that is cut short or damaged.
     #[error("the OSM PBF is broken: {cause}; download it again")]
     Pbf {
@@ -80,18 +95,30 @@ const SHOWN_BYTES: usize = 16;
 const PBF_NAME_AT: usize = 6;
 
 impl OsmData {
-    /// Reads OSM XML or OSM PBF, whichever it is.
+    /// Memory that a map may take where nothing else is said, bytes: about 28 million nodes, those of a small country; an
+    /// extract of 100 km has some ten million.
+    pub const MEMORY_BYTES: usize = 2_000_000_000;
+
+    /// Reads OSM XML or OSM PBF, whichever it is, within [`Self::MEMORY_BYTES`].
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes_within`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, OsmError> {
+        Self::from_bytes_within(bytes, Self::MEMORY_BYTES)
+    }
+
+    /// Reads OSM XML or OSM PBF, whichever it is, into at most `memory_bytes`.
     ///
     /// # Errors
     /// Empty, packed or foreign bytes, and those of [`Self::from_xml`] and [`Self::from_pbf`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, OsmError> {
+    pub fn from_bytes_within(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
         if bytes.is_empty() {
             Err(OsmError::Empty)
         } else if bytes.get(PBF_NAME_AT..).is_some_and(|rest| rest.starts_with(b"OSMHeader")) {
-            Self::from_pbf(bytes)
+            Self::from_pbf(bytes, memory_bytes)
         } else if text.starts_with(b"<") {
-            Self::from_xml(bytes)
+            Self::from_xml(bytes, memory_bytes)
         } else if bytes.starts_with(b"BZh") {
             Err(OsmError::Packed { packer: "bzip2", command: "bunzip2 FILE" })
         } else if bytes.starts_with(b"\x1f\x8b") {
@@ -102,27 +129,27 @@ impl OsmData {
         }
     }
 
-    /// Reads OSM XML (`<osm>` with `<node>` and `<way>`).
+    /// Reads OSM XML (`<osm>` with `<node>` and `<way>`) into at most `memory_bytes`.
     ///
     /// # Errors
-    /// [`OsmError::Empty`], and [`OsmError::Xml`] for XML that is cut short, not well formed, no OSM document, or holds
+    /// [`OsmError::Empty`], [`OsmError::TooLarge`], and [`OsmError::Xml`] for XML that is cut short, not well formed, no OSM document, or holds
     /// a number or place that cannot be read.
-    pub fn from_xml(bytes: &[u8]) -> Result<Self, OsmError> {
+    pub fn from_xml(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
         if bytes.is_empty() {
             return Err(OsmError::Empty);
         }
-        osm_xml::read(bytes).map(Self::sorted)
+        osm_xml::read(bytes, memory_bytes).map(Self::sorted)
     }
 
-    /// Reads OSM PBF.
+    /// Reads OSM PBF into at most `memory_bytes`, and the 32 MB of a block.
     ///
     /// # Errors
-    /// [`OsmError::Empty`], and [`OsmError::Pbf`] for data that is cut short, damaged, or holds a place that is none.
-    pub fn from_pbf(bytes: &[u8]) -> Result<Self, OsmError> {
+    /// [`OsmError::Empty`], [`OsmError::TooLarge`], [`OsmError::PackedBlocks`], and [`OsmError::Pbf`] for data that is cut short, damaged, or holds a place that is none.
+    pub fn from_pbf(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
         if bytes.is_empty() {
             return Err(OsmError::Empty);
         }
-        osm_pbf::read(bytes).map(Self::sorted)
+        osm_pbf::read(bytes, memory_bytes).map(Self::sorted)
     }
 
     fn sorted(mut self) -> Self {

@@ -3,41 +3,65 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-use osmpbf::{Element, ElementReader};
+use osmpbf::{BlobDecode, BlobError, BlobReader, Element, ErrorKind, PrimitiveBlock};
 
 use crate::LatLon;
 use crate::osm::{OsmData, OsmError, OsmNode, OsmWay};
+use crate::osm_budget::Budget;
 
-/// Reads nodes and highways in the file's order.
-pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
-    let mut data = OsmData::default();
-    let mut fault = None;
-    let mut add_node = |nodes: &mut Vec<OsmNode>, id, nano_lat: i64, nano_lon: i64| match LatLon::new(
-        degrees(nano_lat),
-        degrees(nano_lon),
-    ) {
-        Ok(at) => nodes.push(OsmNode { id, at }),
-        Err(error) => {
-            fault.get_or_insert(format!("node {id}: {error}"));
+/// Reads nodes and highways in the file's order, block by block: an unpacked block is no larger than 32 MB.
+pub(crate) fn read(bytes: &[u8], memory_bytes: usize) -> Result<OsmData, OsmError> {
+    let mut reading = Reading { data: OsmData::default(), budget: Budget::new(memory_bytes) };
+    for blob in BlobReader::new(Cursor::new(bytes)) {
+        let blob = blob.map_err(broken)?;
+        if let BlobDecode::OsmData(block) = blob.decode().map_err(broken)? {
+            reading.block(&block)?;
         }
-    };
-    ElementReader::new(Cursor::new(bytes))
-        .for_each(|element| match element {
-            Element::Node(node) => add_node(&mut data.nodes, node.id(), node.nano_lat(), node.nano_lon()),
-            Element::DenseNode(node) => {
-                add_node(&mut data.nodes, node.id(), node.nano_lat(), node.nano_lon())
-            }
-            Element::Way(way) => {
-                let tags: BTreeMap<String, String> =
-                    way.tags().map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
-                if tags.contains_key("highway") {
-                    data.ways.push(OsmWay { id: way.id(), nodes: way.refs().collect(), tags });
+    }
+    Ok(reading.data)
+}
+
+fn broken(error: osmpbf::Error) -> OsmError {
+    match error.kind() {
+        // A block of a known packing is never empty.
+        ErrorKind::Blob(BlobError::Empty) => OsmError::PackedBlocks,
+        _ => OsmError::Pbf { cause: error.to_string() },
+    }
+}
+
+struct Reading {
+    data: OsmData,
+    budget: Budget,
+}
+
+impl Reading {
+    fn block(&mut self, block: &PrimitiveBlock) -> Result<(), OsmError> {
+        for element in block.elements() {
+            match element {
+                Element::Node(node) => self.node(node.id(), node.nano_lat(), node.nano_lon())?,
+                Element::DenseNode(node) => self.node(node.id(), node.nano_lat(), node.nano_lon())?,
+                Element::Way(way) => {
+                    if way.tags().any(|(key, _)| key == "highway") {
+                        let tags: BTreeMap<String, String> =
+                            way.tags().map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
+                        let way = OsmWay { id: way.id(), nodes: way.refs().collect(), tags };
+                        self.budget.take_way(&way)?;
+                        self.data.ways.push(way);
+                    }
                 }
+                Element::Relation(_) => {}
             }
-            Element::Relation(_) => {}
-        })
-        .map_err(|error| OsmError::Pbf { cause: error.to_string() })?;
-    fault.map_or(Ok(data), |cause| Err(OsmError::Pbf { cause }))
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, id: i64, nano_lat: i64, nano_lon: i64) -> Result<(), OsmError> {
+        let at = LatLon::new(degrees(nano_lat), degrees(nano_lon));
+        let at = at.map_err(|error| OsmError::Pbf { cause: format!("node {id}: {error}") })?;
+        self.budget.take_node()?;
+        self.data.nodes.push(OsmNode { id, at });
+        Ok(())
+    }
 }
 
 /// Degrees from the format's billionths; the division rounds to the f64 that the decimal number in OSM XML reads as.

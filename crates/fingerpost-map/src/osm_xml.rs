@@ -8,37 +8,64 @@ use quick_xml::reader::Reader;
 
 use crate::LatLon;
 use crate::osm::{OsmData, OsmError, OsmNode, OsmWay};
+use crate::osm_budget::Budget;
 
 /// Reads nodes and highways in the document's order.
-pub(crate) fn read(bytes: &[u8]) -> Result<OsmData, OsmError> {
+pub(crate) fn read(bytes: &[u8], memory_bytes: usize) -> Result<OsmData, OsmError> {
     let text = std::str::from_utf8(bytes).map_err(|error| OsmError::Xml {
         at_byte: error.valid_up_to() as u64,
         cause: "not UTF-8 text".to_owned(),
     })?;
     let mut reader = Reader::from_str(text);
-    let mut document = Document::default();
+    let mut document = Document::within(memory_bytes);
     loop {
         let at_byte = reader.buffer_position();
         let step = match reader.read_event() {
             Ok(Event::Start(element)) => document.open(&element),
-            Ok(Event::Empty(element)) => document.open(&element).map(|()| document.close()),
-            Ok(Event::End(_)) => {
-                document.close();
-                Ok(())
-            }
+            Ok(Event::Empty(element)) => document.open(&element).and_then(|()| document.close()),
+            Ok(Event::End(_)) => document.close(),
             Ok(Event::Eof) => break,
             Ok(_) => Ok(()),
-            Err(error) => Err(error.to_string()),
+            Err(error) => Err(error.to_string().into()),
         };
-        step.map_err(|cause| OsmError::Xml { at_byte, cause })?;
+        step.map_err(|fault| fault.at(at_byte))?;
     }
-    document.finish().map_err(|cause| OsmError::Xml { at_byte: bytes.len() as u64, cause })
+    document.finish().map_err(|fault| fault.at(bytes.len() as u64))
+}
+
+/// Why reading ends.
+enum Fault {
+    /// What is wrong with the document.
+    Broken(String),
+    /// It is too large.
+    TooLarge(OsmError),
+}
+
+impl Fault {
+    fn at(self, at_byte: u64) -> OsmError {
+        match self {
+            Self::Broken(cause) => OsmError::Xml { at_byte, cause },
+            Self::TooLarge(error) => error,
+        }
+    }
+}
+
+impl From<String> for Fault {
+    fn from(cause: String) -> Self {
+        Self::Broken(cause)
+    }
+}
+
+impl From<OsmError> for Fault {
+    fn from(error: OsmError) -> Self {
+        Self::TooLarge(error)
+    }
 }
 
 /// What has been read so far.
-#[derive(Default)]
 struct Document {
     data: OsmData,
+    budget: Budget,
     depth: usize,
     is_osm: bool,
     /// The way whose element is open; deleted ways too, so that their tags go nowhere else.
@@ -47,16 +74,28 @@ struct Document {
 }
 
 impl Document {
-    fn open(&mut self, element: &BytesStart<'_>) -> Result<(), String> {
+    fn within(memory_bytes: usize) -> Self {
+        Self {
+            data: OsmData::default(),
+            budget: Budget::new(memory_bytes),
+            depth: 0,
+            is_osm: false,
+            way: None,
+            way_is_deleted: false,
+        }
+    }
+
+    fn open(&mut self, element: &BytesStart<'_>) -> Result<(), Fault> {
         self.depth += 1;
         match (self.depth, element.name().as_ref()) {
             (1, "osm") => self.is_osm = true,
-            (1, other) => return Err(format!("the document is <{other}>, not <osm>")),
+            (1, other) => return Err(format!("the document is <{other}>, not <osm>").into()),
             (2, "node") => {
                 let attributes = Attributes::of(element)?;
                 if !attributes.deleted() {
                     let at = LatLon::new(attributes.number("lat")?, attributes.number("lon")?)
                         .map_err(|error| error.to_string())?;
+                    self.budget.take_node()?;
                     self.data.nodes.push(OsmNode { id: attributes.number("id")?, at });
                 }
             }
@@ -82,22 +121,24 @@ impl Document {
         Ok(())
     }
 
-    fn close(&mut self) {
+    fn close(&mut self) -> Result<(), Fault> {
         self.depth = self.depth.saturating_sub(1);
         if self.depth == 1
             && let Some(way) = self.way.take()
             && !self.way_is_deleted
             && way.tags.contains_key("highway")
         {
+            self.budget.take_way(&way)?;
             self.data.ways.push(way);
         }
+        Ok(())
     }
 
-    fn finish(self) -> Result<OsmData, String> {
+    fn finish(self) -> Result<OsmData, Fault> {
         if !self.is_osm {
-            Err("there is no <osm> element".to_owned())
+            Err("there is no <osm> element".to_owned().into())
         } else if self.depth > 0 {
-            Err("the document ends in the middle; it is cut short".to_owned())
+            Err("the document ends in the middle; it is cut short".to_owned().into())
         } else {
             Ok(self.data)
         }

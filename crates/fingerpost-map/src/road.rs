@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::label::cleaned;
+
 /// Class of a drivable road: OSM's `highway` values, links with the road they lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RoadClass {
@@ -74,7 +76,7 @@ const CLASS_DEFAULTS: [ClassDefaults; 11] = [
 /// A one-way street without a width is half the two-way road but no narrower than this, metres: a lorry must pass.
 const NARROWEST_ONE_WAY_M: f64 = 3.5;
 /// Widths beyond these are typing errors (a way's length, millimetres), metres: a cart track and a twelve-lane toll plaza.
-const PLAUSIBLE_WIDTH_M: std::ops::RangeInclusive<f64> = 1.5..=60.0;
+pub(crate) const PLAUSIBLE_WIDTH_M: std::ops::RangeInclusive<f64> = 1.5..=60.0;
 /// Lane counts beyond this are typing errors.
 const MOST_LANES: f64 = 16.0;
 /// Metres in a foot (international foot).
@@ -143,11 +145,11 @@ impl RoadAttributes {
             return None;
         }
         let travel = travel(tags, class);
-        let named = |key| tag(key).map(str::trim).filter(|name| !name.is_empty());
+        let named = |key| tag(key).map(cleaned).filter(|name| !name.is_empty());
         Some(Self {
             class,
-            name: named("name").or_else(|| named("ref")).map(str::to_owned),
-            surface: named("surface").map(str::to_owned),
+            name: named("name").or_else(|| named("ref")),
+            surface: named("surface"),
             width_m: width_m(tags, class, travel),
             travel,
         })

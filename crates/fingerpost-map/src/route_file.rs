@@ -3,13 +3,18 @@
 //! One LineString is the route, in the order of driving; a Point is a route feature. Coordinates are longitude and
 //! latitude, WGS 84. Of the angles, `turn_deg` is positive to the left; `bearing_deg` is a compass bearing, clockwise from
 //! north, of leaving the node along the arm. Files written by hand may leave out `name` and `surface`, and may hold
-//! whatever else; bearings are converted as if north were the same all along the route, which over 10 km errs by
+//! whatever else. Widths are 1.5 to 60 m, angles -360 to 360 degrees; a place that contradicts its `route_m`, an arm that does
+//! not begin at its feature or leaves it in another direction than its bearing, and a turn that is not that of its arms are
+//! refused. Bearings are converted as if north were the same all along the route, which over 10 km errs by
 //! about a tenth of a degree.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use crate::label::cleaned;
+use crate::road::PLAUSIBLE_WIDTH_M;
+use crate::route_check::check_places;
 use crate::{Arm, ArmRole, FeatureKind, LatLon, Route, RouteFeature, RoutePoint};
 
 /// Why text is no route.
@@ -41,6 +46,16 @@ pub enum RouteFileError {
     },
 }
 
+/// Features of a route: one every ten metres of the longest route.
+const MOST_FEATURES: usize = 100_000;
+/// Points of a route's line: one every metre of the longest route.
+const MOST_POINTS: usize = 1_000_000;
+/// Arms of a feature: no junction has more.
+const MOST_ARMS: usize = 16;
+/// Points of an arm: what OpenStreetMap allows a way.
+const MOST_ARM_POINTS: usize = 2000;
+/// Degrees that an angle may have: a full turn to either side, however it is counted.
+const ANGLES_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
 /// Digits after the point of degrees of place: a tenth of a millimetre.
 const PLACE_DIGITS: i32 = 9;
 /// Digits after the point of angles in degrees: a two-hundredth of a microradian.
@@ -133,6 +148,9 @@ pub fn read_route(text: &str) -> Result<Route, RouteFileError> {
     }
     let members = root.get("features").and_then(Value::as_array);
     let members = members.ok_or_else(|| collection("it has no list \"features\""))?;
+    if members.len() > MOST_FEATURES {
+        return Err(collection(&format!("it has {} features, more than {MOST_FEATURES}", members.len())));
+    }
     let mut lines = Vec::new();
     let mut features = Vec::new();
     for (index, value) in members.iter().enumerate() {
@@ -142,7 +160,9 @@ pub fn read_route(text: &str) -> Result<Route, RouteFileError> {
         let properties = value.get("properties").unwrap_or(&Value::Null);
         match geometry.get("type").and_then(Value::as_str) {
             Some("LineString") => lines.push(read_line(coordinates, properties).map_err(in_member)?),
-            Some("Point") => features.push(read_feature(coordinates, properties).map_err(in_member)?),
+            Some("Point") => {
+                features.push((index + 1, read_feature(coordinates, properties).map_err(in_member)?));
+            }
             other => {
                 let seen = other.unwrap_or("nothing");
                 return Err(in_member(format!("its geometry is {seen}, not a LineString or Point")));
@@ -153,8 +173,17 @@ pub fn read_route(text: &str) -> Result<Route, RouteFileError> {
         return Err(collection("it has several LineStrings"));
     }
     let (name, line) = lines.pop().ok_or_else(|| collection("it has no LineString"))?;
-    features.sort_by(|a, b| a.route_m.total_cmp(&b.route_m));
-    Ok(Route { name, line, features })
+    // In the order of driving, and where the file has them, for the messages.
+    let mut places: Vec<usize> = (0..features.len()).collect();
+    places.sort_by(|&a, &b| features[a].1.route_m.total_cmp(&features[b].1.route_m));
+    let indices: Vec<usize> = places.iter().map(|&place| features[place].0).collect();
+    features.sort_by(|(_, a), (_, b)| a.route_m.total_cmp(&b.route_m));
+    let route = Route { name, line, features: features.into_iter().map(|(_, feature)| feature).collect() };
+    check_places(&route).map_err(|(place, cause)| match place.and_then(|place| indices.get(place)) {
+        Some(&index) => RouteFileError::Member { index, cause },
+        None => RouteFileError::Collection { cause },
+    })?;
+    Ok(route)
 }
 
 fn member<C: Serialize, P: Serialize>(
@@ -191,8 +220,11 @@ fn read_line(coordinates: &Value, properties: &Value) -> Result<(String, Vec<Rou
     if places.len() < 2 {
         return Err(format!("the LineString has {} coordinates, not two at least", places.len()));
     }
+    if places.len() > MOST_POINTS {
+        return Err(format!("the LineString has {} coordinates, more than {MOST_POINTS}", places.len()));
+    }
     let points = places.into_iter().zip(node_ids).map(|(Position(at), node)| RoutePoint { node, at });
-    Ok((name, points.collect()))
+    Ok((cleaned(&name), points.collect()))
 }
 
 fn read_feature(coordinates: &Value, properties: &Value) -> Result<RouteFeature, String> {
@@ -203,10 +235,16 @@ fn read_feature(coordinates: &Value, properties: &Value) -> Result<RouteFeature,
     if count(ArmRole::Approach) != 1 || count(ArmRole::Exit) != 1 {
         return Err("arms must hold one approach and one exit".to_owned());
     }
+    if record.arms.len() > MOST_ARMS {
+        return Err(format!("it has {} arms, more than {MOST_ARMS}", record.arms.len()));
+    }
+    if !ANGLES_DEG.contains(&record.turn_deg) {
+        return Err(format!("its turn_deg is {}, not -360 to 360", record.turn_deg));
+    }
     Ok(RouteFeature {
         id: record.id,
         at: place.0,
-        name: record.name,
+        name: cleaned(&record.name),
         kind: record.kind,
         turn_rad: record.turn_deg.to_radians(),
         arms: record.arms.into_iter().map(ArmRecord::into_arm).collect::<Result<_, String>>()?,
@@ -242,15 +280,22 @@ impl ArmRecord {
         if self.points.len() < 2 {
             return Err(format!("an arm has {} points, not two at least", self.points.len()));
         }
-        if self.width_m <= 0.0 {
-            return Err(format!("an arm's width_m is {}, not greater than 0", self.width_m));
+        if self.points.len() > MOST_ARM_POINTS {
+            return Err(format!("an arm has {} points, more than {MOST_ARM_POINTS}", self.points.len()));
+        }
+        if !PLAUSIBLE_WIDTH_M.contains(&self.width_m) {
+            let (least_m, most_m) = (PLAUSIBLE_WIDTH_M.start(), PLAUSIBLE_WIDTH_M.end());
+            return Err(format!("an arm's width_m is {}, not {least_m} to {most_m} metres", self.width_m));
+        }
+        if !ANGLES_DEG.contains(&self.bearing_deg) {
+            return Err(format!("an arm's bearing_deg is {}, not -360 to 360", self.bearing_deg));
         }
         Ok(Arm {
             role: self.role,
             bearing_rad: fingerpost_geometry::wrap_angle(turned_about(self.bearing_deg).to_radians()),
             points: self.points.into_iter().map(|Position(at)| at).collect(),
             width_m: self.width_m,
-            surface: self.surface,
+            surface: self.surface.as_deref().map(cleaned),
         })
     }
 }

@@ -79,3 +79,38 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_map_is_read_whole_within_its_memory_or_refused() {
+    for bytes in [XML, PBF] {
+        let whole = OsmData::from_bytes(bytes).unwrap();
+        let mut was_read = false;
+        for memory_bytes in (0..3000).step_by(10) {
+            match OsmData::from_bytes_within(bytes, memory_bytes) {
+                Ok(data) => {
+                    assert_eq!(data, whole, "{memory_bytes} bytes");
+                    was_read = true;
+                }
+                Err(error) => {
+                    assert!(matches!(error, OsmError::TooLarge { .. }), "{memory_bytes} bytes: {error}");
+                    assert!(!was_read, "{memory_bytes} bytes are less than enough");
+                }
+            }
+        }
+        assert!(was_read);
+    }
+}
+
+#[test]
+fn blocks_that_are_packed_in_another_way_say_how_to_pack_them() {
+    // A blob's field 3 is its contents packed with zlib; 4 is LZMA, 6 LZ4, 7 zstd, all of them bytes.
+    let header = PBF.windows(9).position(|bytes| bytes == b"OSMHeader").unwrap() + 9;
+    let zlib_field = PBF[header..].iter().position(|byte| *byte == 0x1a).unwrap() + header;
+    for field in [0x22, 0x32, 0x3a] {
+        let mut bytes = PBF.to_vec();
+        bytes[zlib_field] = field;
+        let error = OsmData::from_bytes(&bytes).unwrap_err();
+        assert_eq!(error, OsmError::PackedBlocks);
+        assert!(error.to_string().contains("osmium cat"), "{error}");
+    }
+}

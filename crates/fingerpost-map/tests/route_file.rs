@@ -80,7 +80,7 @@ fn angles_and_positions_are_as_documented() {
 /// A file written by hand: no names, surfaces or node numbers, elevations, members in any order, something of its own.
 const BY_HAND: &str = r#"{"type": "FeatureCollection", "crs": null, "features": [
   {"type": "Feature", "id": 7, "geometry": {"type": "Point", "coordinates": [8.5, 48.5, 110.0]}, "properties": {
-    "id": 1, "kind": "side_road", "turn_deg": -3, "route_m": 50, "colour": "red", "arms": [
+    "id": 1, "kind": "side_road", "turn_deg": -3, "route_m": 111.2, "colour": "red", "arms": [
       {"role": "approach", "bearing_deg": 180, "width_m": 4, "points": [[8.5, 48.5], [8.5, 48.499]]},
       {"role": "exit", "bearing_deg": 0, "width_m": 4, "points": [[8.5, 48.5], [8.5, 48.501]]},
       {"role": "side", "bearing_deg": 270, "width_m": 3, "points": [[8.5, 48.5], [8.499, 48.5]]}]}},
@@ -118,6 +118,54 @@ fn broken_files_say_what_and_where() {
     assert!(
         broken("\"properties\": null", "\"properties\": {\"node_ids\": [1]}").contains("1 node_ids for 2")
     );
+}
+
+#[test]
+fn numbers_that_no_road_has_are_refused_wherever_they_stand() {
+    let keys = ["\"turn_deg\": -3", "\"route_m\": 111.2", "\"bearing_deg\": 270", "\"width_m\": 3"];
+    let absurd = ["1e7", "-1e7", "9223372036854775808", "1e308", "-1e308", "1e-308", "361.5", "-9000"];
+    for key in keys {
+        let (name, _) = key.split_once(':').unwrap();
+        for number in absurd {
+            let text = BY_HAND.replacen(key, &format!("{name}: {number}"), 1);
+            assert_ne!(text, BY_HAND);
+            let (name, read) = (name.trim_matches('"'), read_route(&text));
+            // Next to nothing is as good a turn as none.
+            if (name, number) == ("turn_deg", "1e-308") {
+                assert!(read.is_ok(), "{read:?}");
+                continue;
+            }
+            let error = read.unwrap_err().to_string();
+            assert!(error.contains(name) && error.starts_with("feature 1"), "{name} {number}: {error}");
+        }
+    }
+}
+
+#[test]
+fn numbers_that_contradict_each_other_are_refused() {
+    // From a metre to the route's length off: what is farther than half a wide junction is another place.
+    for route_m in (0..=111).map(f64::from) {
+        let text = BY_HAND.replacen("111.2", &route_m.to_string(), 1);
+        let (read, off_m) = (read_route(&text), 111.2 - route_m);
+        match read {
+            Ok(_) => assert!(off_m < 15.5, "{route_m}"),
+            Err(error) => {
+                let words = format!("its route_m is {route_m:.1} and its place is at 111.2 m");
+                assert!(off_m > 14.5 && error.to_string().contains(&words), "{error}");
+            }
+        }
+    }
+    for bearing_deg in 0..360 {
+        let text = BY_HAND.replacen("\"bearing_deg\": 270", &format!("\"bearing_deg\": {bearing_deg}"), 1);
+        let off_deg = (bearing_deg - 270_i32).abs();
+        assert_eq!(read_route(&text).is_ok(), off_deg.min(360 - off_deg) <= 60, "{bearing_deg}");
+    }
+    for turn_deg in -180..=180 {
+        let text = BY_HAND.replacen("\"turn_deg\": -3", &format!("\"turn_deg\": {turn_deg}"), 1);
+        assert_eq!(read_route(&text).is_ok(), i32::abs(turn_deg) <= 60, "{turn_deg}");
+    }
+    let moved = BY_HAND.replacen("[[8.5, 48.5], [8.499, 48.5]]", "[[8.51, 48.5], [8.499, 48.5]]", 1);
+    assert!(read_route(&moved).unwrap_err().to_string().contains("an arm begins"));
 }
 
 #[test]

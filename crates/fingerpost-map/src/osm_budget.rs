@@ -1,0 +1,39 @@
+//! How much memory a map may take while it is read.
+
+use crate::osm::{OsmError, OsmNode, OsmWay};
+
+/// Bytes that a tag or a way takes beside its texts and node numbers: a place in a tree, two texts' headers.
+const OVERHEAD_BYTES: usize = 96;
+/// A list that grows is copied into one of twice its size: for a moment both are there.
+const GROWTH: usize = 3;
+
+/// What is left of the memory that a map may take.
+#[derive(Debug)]
+pub(crate) struct Budget {
+    limit_bytes: usize,
+    left_bytes: usize,
+}
+
+impl Budget {
+    /// All of it.
+    pub(crate) fn new(limit_bytes: usize) -> Self {
+        Self { limit_bytes, left_bytes: limit_bytes }
+    }
+
+    /// Takes what a node needs.
+    pub(crate) fn take_node(&mut self) -> Result<(), OsmError> {
+        self.take(GROWTH * size_of::<OsmNode>())
+    }
+
+    /// Takes what a way needs.
+    pub(crate) fn take_way(&mut self, way: &OsmWay) -> Result<(), OsmError> {
+        let texts: usize = way.tags.iter().map(|(key, value)| key.len() + value.len() + OVERHEAD_BYTES).sum();
+        self.take(GROWTH * size_of::<OsmWay>() + texts + size_of::<i64>().saturating_mul(way.nodes.len()))
+    }
+
+    fn take(&mut self, bytes: usize) -> Result<(), OsmError> {
+        let limit_mb = self.limit_bytes / 1_000_000;
+        self.left_bytes = self.left_bytes.checked_sub(bytes).ok_or(OsmError::TooLarge { limit_mb })?;
+        Ok(())
+    }
+}
