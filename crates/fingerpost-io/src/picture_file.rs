@@ -23,6 +23,17 @@ use crate::{
 /// Largest side of a picture that is read or written, pixels: no camera's is larger, a broken header's may be.
 pub(crate) const MAX_SIDE_PX: usize = 16_384;
 
+/// Most pixels of a picture that is read: a square of half of the largest side, four times a large camera's. Decoding one takes
+/// 0.6 GB at the most (a progressive JPEG with all its coefficients).
+const MAX_PIXELS: usize = 8192 * 8192;
+/// A byte of a JPEG file is no more than so many pixels: every block of 8 x 8 takes a bit of each scan of its first coefficient.
+const JPEG_PIXELS_PER_BYTE: usize = 8 * 64;
+/// A byte of a PNG file is no more than so many bytes of rows: deflate packs no closer.
+const DEFLATE_RATIO: usize = 1032;
+/// What a PNG decoder may take beside the rows, bytes: palettes and headers take a few thousand; colour profiles and texts, which
+/// can be packed a thousandfold, are passed over.
+const PNG_EXTRA_BYTES: usize = 1 << 20;
+
 /// First bytes of every PNG file.
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// First bytes of every JPEG file.
@@ -190,23 +201,32 @@ fn encodable_side(side: usize) -> Result<u16, String> {
         .ok_or_else(|| format!("each side must have 1 to {MAX_SIDE_PX} pixels"))
 }
 
-fn check_side(width: usize, height: usize) -> Result<(), String> {
+/// Looks at a header before any memory of its size is taken; `most_pixels` is what the file's length can hold.
+fn check_size(width: usize, height: usize, most_pixels: usize) -> Result<(), String> {
     let sides = 1..=MAX_SIDE_PX;
-    if sides.contains(&width) && sides.contains(&height) {
-        Ok(())
-    } else {
-        Err(format!("its header says {width} x {height} pixels"))
+    let says = format!("its header says {width} x {height} pixels");
+    match width.checked_mul(height) {
+        Some(pixels) if sides.contains(&width) && sides.contains(&height) && pixels <= MAX_PIXELS => {
+            if pixels <= most_pixels { Ok(()) } else { Err(format!("{says}, more than its bytes can hold")) }
+        }
+        _ => Err(format!(
+            "{says}; each side may have {MAX_SIDE_PX}, and the picture {} million",
+            MAX_PIXELS / 1_000_000
+        )),
     }
 }
 
 fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    // Enough for the largest picture of 16 bits and four channels, far more than the decoder's own limit.
-    decoder.set_limits(png::Limits { bytes: MAX_SIDE_PX * MAX_SIDE_PX * 8 });
+    decoder.set_limits(png::Limits { bytes: PNG_EXTRA_BYTES });
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let header = decoder.read_header_info().map_err(|cause| cause.to_string())?;
+    let most_pixels = bytes.len().saturating_mul(DEFLATE_RATIO * 8) / header.bits_per_pixel().max(1);
+    check_size(header.width as usize, header.height as usize, most_pixels)?;
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|cause| cause.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    check_side(width, height)?;
     let (colour, _) = reader.output_color_type();
     buffer.clear();
     buffer.resize(width * height * colour.samples(), 0);
@@ -238,7 +258,7 @@ fn decode_jpeg(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     decoder.decode_headers().map_err(|cause| cause.to_string())?;
     let info = decoder.info().ok_or("it has no header")?;
     let (width, height) = (usize::from(info.width), usize::from(info.height));
-    check_side(width, height)?;
+    check_size(width, height, bytes.len().saturating_mul(JPEG_PIXELS_PER_BYTE))?;
     buffer.clear();
     buffer.resize(width * height * RgbImage::CHANNELS, 0);
     decoder.decode_into(&mut buffer).map_err(|cause| cause.to_string())?;

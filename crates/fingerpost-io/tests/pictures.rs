@@ -3,7 +3,7 @@
 // A helper that fails has failed the test that calls it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::{fs, path::Path};
+use std::{fs, io::Write, path::Path};
 
 use fingerpost_io::{
     FileError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg, write_png,
@@ -148,6 +148,61 @@ fn absurd_sides_are_refused_before_any_memory_is_taken() {
     fs::write(&path, &bytes).unwrap();
     let error = read_picture(&path).unwrap_err();
     assert!(error.to_string().contains("20000 x 10"), "{error}");
+}
+
+/// What may be allocated for a picture that is refused by its header, bytes: the file and the decoder's own tables.
+const REFUSED_BYTES: u64 = 2 << 20;
+
+/// The most memory that reading took at once, bytes, and what came of it.
+fn measured(path: &Path, bytes: &[u8]) -> (u64, Result<RgbImage, PictureFileError>) {
+    fs::write(path, bytes).unwrap();
+    let mut read = None;
+    let taken = allocation_counter::measure(|| read = Some(read_picture(path)));
+    (taken.bytes_max, read.unwrap())
+}
+
+#[test]
+fn headers_ask_for_no_memory_that_their_files_cannot_fill() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture");
+    let (png, jpeg) = (encode_png(&sample(64, 48)).unwrap(), encode_jpeg(&sample(64, 48), 90).unwrap());
+    // The frame header of a baseline JPEG: marker, length, precision, then height and width.
+    let frame = jpeg.windows(2).position(|bytes| bytes == [0xff, 0xc0]).unwrap();
+    for sides in
+        [[16_384, 16_384], [16_384, 4096], [8192, 8192], [5000, 3000], [16_384, 1000], [65_535, 65_535]]
+    {
+        let [width, height] = sides.map(|side: u32| side.to_be_bytes());
+        let mut bytes = png.clone();
+        bytes[16..24].copy_from_slice(&[width, height].concat());
+        let check_sum = crc32(&bytes[12..29]);
+        bytes[29..33].copy_from_slice(&check_sum.to_be_bytes());
+        let (taken, read) = measured(&path, &bytes);
+        assert!(read.is_err() && taken < REFUSED_BYTES, "PNG {sides:?}: {taken} bytes, {read:?}");
+        let mut bytes = jpeg.clone();
+        bytes[frame + 5..frame + 9].copy_from_slice(&[&height[2..], &width[2..]].concat());
+        let (taken, read) = measured(&path, &bytes);
+        assert!(read.is_err() && taken < REFUSED_BYTES, "JPEG {sides:?}: {taken} bytes, {read:?}");
+    }
+}
+
+#[test]
+fn colour_profiles_and_texts_take_no_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.png");
+    let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    packed.write_all(&vec![0; 100 << 20]).unwrap();
+    let packed = packed.finish().unwrap();
+    let png = encode_png(&sample(64, 48)).unwrap();
+    for (kind, head) in [(b"iCCP", "x\0\0"), (b"zTXt", "x\0\0"), (b"iTXt", "x\0\u{1}\0\0\0")] {
+        let body = [kind.as_slice(), head.as_bytes(), &packed].concat();
+        let length = (body.len() - 4) as u32;
+        let chunk = [&length.to_be_bytes(), body.as_slice(), &crc32(&body).to_be_bytes()].concat();
+        // Behind the first chunk, which ends with its check sum.
+        let bytes = [&png[..33], &chunk, &png[33..]].concat();
+        let (taken, read) = measured(&path, &bytes);
+        assert_eq!(read.unwrap(), sample(64, 48));
+        assert!(taken < REFUSED_BYTES, "{}: {taken} bytes", String::from_utf8_lossy(kind));
+    }
 }
 
 /// The check sum of PNG chunks (ISO 3309), bit by bit.
