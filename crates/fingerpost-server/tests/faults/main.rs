@@ -7,7 +7,7 @@
 mod served;
 
 use std::fs;
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -143,8 +143,14 @@ fn a_body_in_pieces_ends_at_the_limit() {
             break;
         }
     }
-    let answered = stream.read_exact(&mut answer);
-    assert!(answered.is_err() || &answer == b"HTTP/1.1 413", "{}", String::from_utf8_lossy(&answer));
+    match stream.read_exact(&mut answer) {
+        Ok(()) => assert_eq!(&answer, b"HTTP/1.1 413", "{}", String::from_utf8_lossy(&answer)),
+        // A connection that is closed on what is still being sent may lose the answer; one that stays open was not refused.
+        Err(cause) => {
+            let waited = [ErrorKind::WouldBlock, ErrorKind::TimedOut].contains(&cause.kind());
+            assert!(!waited, "the body is taken in without an end");
+        }
+    }
     assert_eq!(served.status(PAGE), "HTTP/1.1 200");
     served.end();
 }
