@@ -8,7 +8,7 @@
 //! a file in which the latter are not zero is refused.
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
-use yaml_rust2::{Yaml, YamlLoader, yaml::Hash};
+use yaml_rust2::{Event, Yaml, YamlLoader, parser::Parser, yaml::Hash};
 
 use crate::{CameraFileError, camera_file::MountTable};
 
@@ -23,6 +23,10 @@ const WIDTH_KEYS: &[&str] = &["image_width", "image_Width", "width"];
 const HEIGHT_KEYS: &[&str] = &["image_height", "image_Height", "height"];
 /// Names of width and height as one list.
 const SIZE_KEYS: &[&str] = &["imageSize", "image_size"];
+/// Bytes of a calibration: calibration programs write two thousand, with every picture's corners a hundred thousand.
+const MOST_BYTES: usize = 1 << 20;
+/// Lists and mappings within each other: a matrix by rows has three.
+const MOST_DEPTH: usize = 16;
 /// Most Brown-Conrady coefficients that are used; OpenCV's thin-prism and tilt terms come behind them.
 const MOST_COEFFICIENTS: usize = 8;
 
@@ -56,13 +60,41 @@ pub fn camera_from_yaml(text: &str, mount: Option<Mount>) -> Result<Camera, Came
 
 /// The first document as a mapping.
 fn mapping(text: &str) -> Result<Hash, CameraFileError> {
+    if text.len() > MOST_BYTES {
+        let cause = format!("it has {} bytes, more than the {MOST_BYTES} of any calibration", text.len());
+        return Err(parse_error(cause));
+    }
     // OpenCV's first line, `%YAML:1.0`, is no directive that YAML knows.
     let body: Vec<&str> = text.lines().filter(|line| !line.starts_with('%')).collect();
-    let documents =
-        YamlLoader::load_from_str(&body.join("\n")).map_err(|cause| parse_error(cause.to_string()))?;
+    let body = body.join("\n");
+    check_structure(&body)?;
+    let documents = YamlLoader::load_from_str(&body).map_err(|cause| parse_error(cause.to_string()))?;
     match documents.into_iter().next() {
         Some(Yaml::Hash(root)) => Ok(root),
         _ => Err(parse_error("there is no mapping of keys to values in it".to_owned())),
+    }
+}
+
+/// Refuses what makes a tree larger or deeper than its text: aliases, which no calibration program writes and which copy what
+/// they stand for, and collections within collections without end. Events come one by one and hold neither.
+fn check_structure(text: &str) -> Result<(), CameraFileError> {
+    let mut parser = Parser::new_from_str(text);
+    let mut depth = 0_usize;
+    loop {
+        let (event, _) = parser.next_token().map_err(|cause| parse_error(cause.to_string()))?;
+        match event {
+            Event::StreamEnd => return Ok(()),
+            Event::Alias(_) => {
+                return Err(parse_error("it has an alias (*); write what it stands for".to_owned()));
+            }
+            Event::SequenceStart(..) | Event::MappingStart(..) => depth += 1,
+            Event::SequenceEnd | Event::MappingEnd => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > MOST_DEPTH {
+            let cause = format!("it has more than {MOST_DEPTH} lists and mappings within each other");
+            return Err(parse_error(cause));
+        }
     }
 }
 

@@ -188,3 +188,29 @@ fn what_cannot_be_used_is_named() {
         ));
     }
 }
+
+#[test]
+fn texts_that_are_more_than_they_seem_are_refused() {
+    let refused = |text: &str| camera_from_yaml(text, None).unwrap_err().to_string();
+    for levels in 2..40 {
+        // Each level stands for nine of the one before.
+        let mut text = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n".to_owned();
+        for level in 1..levels {
+            let parts = vec![format!("*a{}", level - 1); 9].join(", ");
+            text += &format!("a{level}: &a{level} [{parts}]\n");
+        }
+        assert!(refused(&text).contains("alias"), "{levels} levels");
+    }
+    for depth in [17, 100, 10_000, 500_000] {
+        for text in [
+            format!("K: {}{}", "[".repeat(depth), "]".repeat(depth)),
+            format!("K: {}1{}", "{a: ".repeat(depth), "}".repeat(depth)),
+            format!("K: {}", "[".repeat(depth)),
+            "- ".repeat(depth),
+        ] {
+            let error = refused(&text);
+            assert!(!error.is_empty() && error.len() < 300, "{depth}: {error}");
+        }
+    }
+    assert!(refused(&"# comment\n".repeat(200_000)).contains("bytes"));
+}
