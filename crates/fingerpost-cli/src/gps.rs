@@ -5,8 +5,14 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use fingerpost_map::{LatLon, parse_gpx};
 
+use crate::output;
+
 /// A position farther than this in time from every frame belongs to none, seconds: receivers give one a second.
 const NEAR_S: f64 = 1.0;
+
+/// A position farther than this in time from the middle one is none of the drive's, seconds: no drive takes half a day, and a
+/// receiver that has just been switched on says 1980 or a day a thousand weeks ago.
+const DRIVE_S: f64 = 43_200.0;
 
 /// The positions of a track by the time since its first.
 #[derive(Debug, Default)]
@@ -22,16 +28,40 @@ impl GpsTrack {
         let points = parse_gpx(&text).with_context(|| path.display().to_string())?;
         let timed: Vec<(f64, LatLon)> =
             points.iter().filter_map(|point| Some((point.time_s?, point.at))).collect();
-        let Some(&(first_s, _)) = timed.first() else {
+        let (track, passed_over) = Self::of(timed);
+        if track.positions.is_empty() {
             bail!(
                 "{} has no times, which say to which frames its positions belong; export it with times",
                 path.display()
             );
-        };
-        let mut positions: Vec<(f64, LatLon)> =
-            timed.into_iter().map(|(t_s, at)| (t_s - first_s, at)).collect();
+        }
+        if let Some((first, count)) = passed_over {
+            output::message(&format!(
+                "{}: {count} positions are passed over, of times more than {:.0} hours from the rest; the first of them is its \
+                 position {}",
+                path.display(),
+                DRIVE_S / 3600.0,
+                first + 1
+            ));
+        }
+        Ok(track)
+    }
+
+    /// The positions by time, seconds since any moment, from the first of the drive; and which of them is the first that belongs
+    /// to no drive with most of the others, and how many such there are.
+    fn of(timed: Vec<(f64, LatLon)>) -> (Self, Option<(usize, usize)>) {
+        let mut times_s: Vec<f64> = timed.iter().map(|(t_s, _)| *t_s).collect();
+        times_s.sort_by(f64::total_cmp);
+        let middle_s = times_s.get(times_s.len() / 2).copied().unwrap_or_default();
+        let of_drive = |t_s: f64| (t_s - middle_s).abs() <= DRIVE_S;
+        let first_other = timed.iter().position(|(t_s, _)| !of_drive(*t_s));
+        let others = timed.iter().filter(|(t_s, _)| !of_drive(*t_s)).count();
+        let mut positions: Vec<(f64, LatLon)> = timed.into_iter().filter(|(t_s, _)| of_drive(*t_s)).collect();
+        // The first one in the file belongs to the first frame, whatever clock it has.
+        let first_s = positions.first().map_or(0.0, |(t_s, _)| *t_s);
+        positions.iter_mut().for_each(|(t_s, _)| *t_s -= first_s);
         positions.sort_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s));
-        Ok(Self { positions, next: 0 })
+        (Self { positions, next: 0 }, first_other.map(|first| (first, others)))
     }
 
     /// The position taken nearest to `t_s`, seconds since the first frame, if it is not another frame's already. Frames
@@ -72,6 +102,21 @@ mod tests {
         assert!(gps.at(0.0).is_some());
         let at = gps.at(2.2).unwrap();
         assert!((at.lat_deg - 48.002).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_receiver_that_wakes_up_in_another_year_spoils_no_other_position() {
+        let at = LatLon::new(48.0, 8.0).unwrap();
+        let drive: Vec<(f64, LatLon)> = (0..60).map(|i| (1.7e9 + f64::from(i), at)).collect();
+        for (place, wrong_s) in [(0, 3.2e8), (0, 0.0), (30, 4.0e9), (59, -6e10), (7, 1.7e9 + 1e5)] {
+            let mut timed = drive.clone();
+            timed.insert(place, (wrong_s, at));
+            let (track, passed_over) = GpsTrack::of(timed);
+            assert_eq!(passed_over, Some((place, 1)));
+            let times_s: Vec<f64> = track.positions.iter().map(|(t_s, _)| *t_s).collect();
+            assert_eq!(times_s, (0..60).map(f64::from).collect::<Vec<_>>());
+        }
+        assert_eq!(GpsTrack::of(drive).1, None);
     }
 
     #[test]
