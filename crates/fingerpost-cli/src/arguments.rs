@@ -1,5 +1,7 @@
 //! Arguments that have a form of their own.
 
+use std::fmt::{self, Display, Formatter};
+use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -40,9 +42,56 @@ impl FromStr for PictureSize {
         let side = |side: &str| side.parse().ok().filter(|side| sides.contains(side));
         text.split_once('x')
             .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
+            .filter(|size| size.width * size.height <= MOST_RENDERED_PIXELS)
             .ok_or_else(|| {
-                format!("{text:?} is no size; give WIDTHxHEIGHT, each 64 to 8192 pixels, as in 640x480")
+                format!(
+                    "{text:?} is no size; give WIDTHxHEIGHT, each 64 to 8192 pixels and {} million together, as in 640x480",
+                    MOST_RENDERED_PIXELS / 1_000_000
+                )
             })
+    }
+}
+
+/// Pixels of a rendered picture: those of the largest cameras of vehicles; several are in hand at once, each with its rays.
+const MOST_RENDERED_PIXELS: usize = 20_000_000;
+
+/// Threads that may work at once: each holds pictures of its own, and no processor has more cores.
+const MOST_THREADS: usize = 512;
+
+/// A number of threads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Threads(pub(crate) NonZeroUsize);
+
+impl FromStr for Threads {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let count = text.parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST_THREADS);
+        count.map(Self).ok_or_else(|| format!("{text:?} is no number of threads; give 1 to {MOST_THREADS}"))
+    }
+}
+
+/// Longest made-up road, metres: the simulator holds all of its surroundings.
+const LONGEST_COURSE_M: f64 = 19_000.0;
+
+/// Length of the drive on a made-up road, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CourseLength(pub(crate) f64);
+
+impl FromStr for CourseLength {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let length_m = text.parse().ok().filter(|length_m| (1.0..=LONGEST_COURSE_M).contains(length_m));
+        length_m
+            .map(Self)
+            .ok_or_else(|| format!("{text:?} is no length of a drive; give 1 to {LONGEST_COURSE_M} metres"))
+    }
+}
+
+impl Display for CourseLength {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
     }
 }
 
@@ -109,6 +158,18 @@ mod tests {
         assert!("48.9".parse::<Place>().is_err() && "91,0".parse::<Place>().is_err());
         assert_eq!("640x480".parse(), Ok(PictureSize { width: 640, height: 480 }));
         assert!("640".parse::<PictureSize>().is_err() && "0x480".parse::<PictureSize>().is_err());
+        assert!("8192x2400".parse::<PictureSize>().is_ok() && "8192x8192".parse::<PictureSize>().is_err());
+    }
+
+    #[test]
+    fn numbers_of_no_machine_and_no_road_are_refused() {
+        let absurd = ["0", "-1", "1000000", "18446744073709551616", "1e8", "-1e300", "inf", "NaN", "", "ten"];
+        for text in absurd {
+            assert!(text.parse::<Threads>().is_err_and(|error| error.contains("1 to 512")), "{text}");
+            assert!(text.parse::<CourseLength>().is_err_and(|error| error.contains("1 to 19000")), "{text}");
+            assert!(format!("{text}x480").parse::<PictureSize>().is_err(), "{text}");
+        }
+        assert!("512".parse::<Threads>().is_ok() && "19000".parse::<CourseLength>().is_ok());
     }
 
     #[test]

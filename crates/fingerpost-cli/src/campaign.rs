@@ -24,7 +24,7 @@ use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
-use crate::arguments::PictureSize;
+use crate::arguments::{PictureSize, Threads};
 use crate::demo::TOWN_OSM;
 use crate::interrupt::Interrupt;
 use crate::simulate::{Lens, default_camera};
@@ -58,7 +58,7 @@ pub(crate) struct CampaignArgs {
     fps: f64,
     /// Drives at the same time; as many as the machine has processor cores by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    threads: Option<Threads>,
     /// Write a run folder with report, pictures, route and truth for every drive.
     #[arg(long)]
     reports: bool,
@@ -135,7 +135,11 @@ const RESULT_FILE: &str = "campaign.json";
 /// Runs all drives, each thread taking the next one when it has finished one.
 fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
     let args = setting.args;
-    let threads = args.threads.or(thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let threads = args
+        .threads
+        .map(|Threads(count)| count)
+        .or(thread::available_parallelism().ok())
+        .map_or(1, NonZeroUsize::get);
     let next = AtomicU64::new(0);
     let tally = Mutex::new(CampaignTally::new(&args.conditions, args.drives));
     let work = || -> Result<()> {

@@ -8,9 +8,26 @@ use fingerpost_format::{ErrorQuantiles, Summary};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-/// A line on standard error. Where nobody can read it any more, the program goes on without saying it.
+/// A message on standard error. Where nobody can read it any more, the program goes on without saying it.
+///
+/// Much of what messages hold comes from files and arguments: what would steer a terminal or turn the direction of writing is
+/// written as its code; lines and tabs stay.
 pub(crate) fn message(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", harmless(text));
+}
+
+fn harmless(text: &str) -> String {
+    let is_layout = |c: char| matches!(c, '\n' | '\t');
+    let turns_writing = |c: char| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if (c.is_control() && !is_layout(c)) || turns_writing(c) {
+            shown.extend(c.escape_unicode());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// Data on standard output, as one JSON object on a line.
@@ -83,6 +100,18 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_character_of_a_message_steers_the_terminal() {
+        for c in (0..=char::MAX as u32).filter_map(char::from_u32) {
+            let shown = harmless(&format!("a{c}b"));
+            let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+            assert!(!shown.chars().any(steers), "U+{:04X}", c as u32);
+        }
+        assert_eq!(harmless("\u{1b}[31m"), "\\u{1b}[31m");
+        assert_eq!(harmless("user\u{202e}gpj.exe"), "user\\u{202e}gpj.exe");
+        assert_eq!(harmless("Straße 東京 \n\tx"), "Straße 東京 \n\tx");
+    }
 
     #[test]
     fn a_cause_that_is_said_is_not_said_again() {

@@ -14,7 +14,7 @@ use fingerpost_io::{
 use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
-use crate::arguments::{FrameRange, InstructionSetName};
+use crate::arguments::{FrameRange, InstructionSetName, Threads};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::gps::GpsTrack;
@@ -45,7 +45,8 @@ pub(crate) struct RunArgs {
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// GPS track with times, .gpx; its first position belongs to the first frame.
+    /// GPS track with times, .gpx; its first position belongs to the first frame. Positions of times more than 12 hours from the
+    /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "route")]
     gps: Option<PathBuf>,
     /// Signals of the vehicle's bus: a log of `candump -L`, plain or .gz, whose first line belongs to the first frame (else
@@ -82,9 +83,10 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Threads that decode, ffmpeg's with them; with 1, decoding, method and writing also take turns in one thread instead
-    /// of going on at the same time. As many as the machine has by default. Results do not depend on it.
+    /// of going on at the same time. At most 512; as many as the machine has by default. Results do not depend
+    /// on it.
     #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    threads: Option<Threads>,
     /// Instructions of the processor that are used at the most, to compare speeds; the best it has by default. Results do
     /// not depend on it.
     #[arg(long, value_name = "NAME")]
@@ -92,6 +94,12 @@ pub(crate) struct RunArgs {
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
+}
+
+impl RunArgs {
+    fn threads(&self) -> Option<NonZeroUsize> {
+        self.threads.map(|Threads(count)| count)
+    }
 }
 
 /// Runs the method.
@@ -106,7 +114,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
-    let options = SourceOptions { fps: args.fps, threads: args.threads, ..SourceOptions::default() };
+    let options = SourceOptions { fps: args.fps, threads: args.threads(), ..SourceOptions::default() };
     let source = FrameSource::open(&args.input, &options)?;
     let setting = RunSetting {
         config: &config,
@@ -204,7 +212,8 @@ struct RecordedDrive {
 
 impl RecordedDrive {
     fn run(mut self, mut recorder: Recorder, args: &RunArgs, truth: Option<&[TruthRecord]>) -> Result<()> {
-        let overlap = if args.threads == Some(NonZeroUsize::MIN) { Overlap::None } else { Overlap::Writing };
+        let overlap =
+            if args.threads() == Some(NonZeroUsize::MIN) { Overlap::None } else { Overlap::Writing };
         let failure = overlap::each(overlap, self.by_ref(), |result| recorder.add(result)).err();
         let learned = args.bank.as_deref().zip(self.driver.known_surfaces());
         let kept = learned.map_or(Ok(()), |(bank, surfaces)| write_surfaces(bank, &surfaces));

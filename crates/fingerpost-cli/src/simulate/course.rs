@@ -3,6 +3,8 @@
 use clap::{Args, ValueEnum};
 use fingerpost_sim::{DrivingManner, DrivingPlan, RoadCourse, SimConfig};
 
+use crate::arguments::CourseLength;
+
 /// Which made-up road, and how it is driven.
 #[derive(Debug, Args)]
 pub(super) struct CourseArgs {
@@ -10,9 +12,9 @@ pub(super) struct CourseArgs {
     /// ahead of the rear axle, looking 3 degrees down. crossings.jsonl then says when a wheel crosses a line.
     #[arg(long, value_enum, conflicts_with_all = ["map", "route"])]
     pub(super) course: Option<Course>,
-    /// Length of the drive on it, metres.
-    #[arg(long, value_name = "M", default_value_t = 1000.0, requires = "course")]
-    length_m: f64,
+    /// Length of the drive on it, 1 to 19000 metres.
+    #[arg(long, value_name = "M", default_value_t = CourseLength(1000.0), requires = "course")]
+    length_m: CourseLength,
     /// How it is driven.
     #[arg(long, value_enum, default_value = "keeping", requires = "course")]
     driving: Driving,
@@ -45,7 +47,8 @@ const END_GAP_M: f64 = 150.0;
 impl CourseArgs {
     /// The road of that kind and its drive.
     pub(super) fn drive(&self, course: Course, seed: u64, config: SimConfig) -> (RoadCourse, SimConfig) {
-        let road_m = self.length_m + END_GAP_M + config.start_m;
+        let CourseLength(length_m) = self.length_m;
+        let road_m = length_m + END_GAP_M + config.start_m;
         let (road, speed_mps) = match course {
             Course::Highway => (RoadCourse::highway(seed, road_m), 30.0),
             Course::Country => (RoadCourse::country(seed, road_m), 20.0),
@@ -56,7 +59,7 @@ impl CourseArgs {
             Driving::Changing => DrivingManner::Changing,
             Driving::Stopping => DrivingManner::Stopping,
         };
-        let to_m = config.start_m + self.length_m;
+        let to_m = config.start_m + length_m;
         let config = SimConfig {
             cruise_speed_mps: speed_mps,
             end_gap_m: road.length_m() - to_m,
