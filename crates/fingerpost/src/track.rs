@@ -87,14 +87,19 @@ impl Default for TrackConfig {
 }
 
 impl TrackConfig {
-    /// Whether a tracked feature with this P(F) and contrast counts as confirmed.
-    fn confirms(&self, p: f64, contrast: Option<f64>) -> bool {
+    /// The least P(F) that confirms a tracked feature with this contrast.
+    fn confirming_p(&self, contrast: Option<f64>) -> f64 {
         let stands_out = contrast.is_some_and(|contrast| contrast >= self.detect_contrast);
-        p >= if stands_out {
+        if stands_out {
             self.detect_threshold_at_verge.min(self.confirm_threshold)
         } else {
             self.confirm_threshold
         }
+    }
+
+    /// Whether a tracked feature with this P(F) and contrast counts as confirmed.
+    fn confirms(&self, p: f64, contrast: Option<f64>) -> bool {
+        p >= self.confirming_p(contrast)
     }
 }
 
@@ -159,6 +164,30 @@ pub struct Sought {
     pub matched: Match,
 }
 
+/// What a candidate lacks to be detected: the first of the tests that it does not pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Missing {
+    /// Frames in a row.
+    Frames {
+        /// How many are needed.
+        needed: usize,
+    },
+    /// Contrast with the verge, summed over the frames beyond half of the one that is needed.
+    Contrast {
+        /// The sum.
+        sum: f64,
+        /// The sum that is needed.
+        needed: f64,
+    },
+    /// A sure distance.
+    Distance {
+        /// Its standard deviation, metres.
+        sigma_m: f64,
+        /// The largest with which a feature is taken, metres.
+        most_m: f64,
+    },
+}
+
 /// What decided a frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Decision {
@@ -177,7 +206,7 @@ pub enum Decision {
         /// Index of the feature.
         index: usize,
     },
-    /// The next feature matched, but not in enough frames yet.
+    /// The next feature matched, but something is still missing.
     Candidate {
         /// Index of the feature.
         index: usize,
@@ -185,6 +214,48 @@ pub enum Decision {
         frames: usize,
         /// P(F).
         p: f64,
+        /// What is missing.
+        missing: Missing,
+    },
+    /// It matched for many frames without ever being sure enough, and is looked for anew.
+    Dropped {
+        /// Index of the feature.
+        index: usize,
+        /// Frames in a row.
+        frames: usize,
+        /// Frames after which a candidate is given up.
+        most_frames: usize,
+    },
+    /// It matched, but no verge is in view, and without one it does not match well enough.
+    NoVergeInView {
+        /// Index of the feature.
+        index: usize,
+        /// P(F).
+        p: f64,
+        /// P(F) that is needed without a verge.
+        needed_p: f64,
+    },
+    /// It matched without a verge in view, but where it is not expected.
+    NotExpected {
+        /// Index of the feature.
+        index: usize,
+        /// P(F).
+        p: f64,
+        /// Loss in rank for the place, 0 where it is expected.
+        surprise: f64,
+        /// The loss from which on it is not taken.
+        most: f64,
+    },
+    /// It matched where the vehicle would not be on the feature's approach.
+    OffApproach {
+        /// Index of the feature.
+        index: usize,
+        /// P(F) at the best place.
+        p: f64,
+        /// How far beside the approach's axis the vehicle would be, metres.
+        beside_m: f64,
+        /// How far it may be, metres.
+        most_m: f64,
     },
     /// It matched, but none of the arms that tell it showed an edge of its road or a verge.
     Unbounded {
@@ -213,6 +284,8 @@ pub enum Decision {
         p: f64,
         /// P(F) at the place that the edges say.
         aligned_p: f64,
+        /// P(F) that is needed there.
+        needed_p: f64,
     },
     /// It matched, but more edges of the arms that tell it lie too far from there than near it.
     EdgesElsewhere {
@@ -261,6 +334,8 @@ pub struct TrackEvidence {
     pub predicted: Option<Isometry2<f64>>,
     /// P(F) there.
     pub predicted_p: Option<f64>,
+    /// The bound that P(F) was held against, in a search, a confirmation or bracketing; none where it was not.
+    pub needed_p: Option<f64>,
     /// Poses that were tried in a search or bracketing.
     pub tried: usize,
     /// The best match in a search, where the feature is not followed.

@@ -9,7 +9,7 @@ use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::matching::{Match, Participation};
 use crate::mount::{MountAngle, MountEstimate, MountFault};
-use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
+use crate::track::{Decision, Missing, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
 
 /// Name of a kind of feature as a sentence has it.
 fn kind_name(kind: FeatureKind) -> &'static str {
@@ -65,14 +65,14 @@ impl Why<'_> {
     fn write_feature(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { track, evidence, stops, config, .. } = *self;
         let name = |index: &usize| FeatureName(stops.get(*index));
-        let (detect, confirm) = (config.detect_threshold, config.confirm_threshold);
+        let needed_p = evidence.needed_p;
         match (&evidence.decision, &track.followed) {
             (Decision::NoRoute, _) => {
                 f.write_str("no route: nothing is looked for but the road, its lanes and the motion")
             }
             (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
             (Decision::NotInReach { index, ahead_m }, _) => {
-                write!(f, "{} is believed {ahead_m:.0} m ahead, out of the view's reach", name(index))
+                write!(f, "{} is believed {}, out of the view's reach", name(index), Along(*ahead_m))
             }
             (Decision::NotFound { index }, _) if evidence.tried == 0 => {
                 write!(f, "{} is not in reach of the view", name(index))
@@ -80,16 +80,40 @@ impl Why<'_> {
             (Decision::NotFound { index }, _) => {
                 write!(f, "{} not seen: ", name(index))?;
                 match &evidence.sought {
-                    Some(sought) => write!(f, "at the best place {}", MatchWords(&sought.matched, detect))?,
+                    Some(sought) => write!(f, "at the best place {}", MatchWords(&sought.matched, needed_p))?,
                     None => f.write_str("no arm that would tell it is in view")?,
                 }
                 write!(f, ", {} places tried", evidence.tried)
             }
-            (Decision::Candidate { index, frames, p }, _) => write!(
+            (Decision::Candidate { index, frames, p, missing }, _) => write!(
                 f,
-                "{} may be ahead: P(F) {p:.2} in {frames} frames, {} and a sure distance are needed",
+                "{} may be ahead: P(F) {p:.2} in {}, {}",
                 name(index),
-                config.detect_frames
+                Frames(*frames),
+                MissingWords(missing)
+            ),
+            (Decision::Dropped { index, frames, most_frames }, _) => write!(
+                f,
+                "{} given up as a candidate: {} without a sure place, at most {most_frames} are waited for",
+                name(index),
+                Frames(*frames)
+            ),
+            (Decision::NoVergeInView { index, p, needed_p }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2}, {needed_p:.2} is needed where no verge is in view",
+                name(index)
+            ),
+            (Decision::NotExpected { index, p, surprise, most }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2}, but it is expected elsewhere by a loss of {surprise:.2}, less than {most:.2} is needed \
+                 where no verge is in view",
+                name(index)
+            ),
+            (Decision::OffApproach { index, p, beside_m, most_m }, _) => write!(
+                f,
+                "{} not taken: P(F) {p:.2} at the best place, but the vehicle would be {beside_m:.1} m beside its approach, at most \
+                 {most_m:.1} m are possible",
+                name(index)
             ),
             (Decision::Unbounded { index, p }, _) => write!(
                 f,
@@ -98,8 +122,9 @@ impl Why<'_> {
             ),
             (Decision::NoVerge { index, p, contrast, surprise }, _) => write!(
                 f,
-                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {contrast:.2}, {:.2} is needed: {}",
+                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {}, {:.2} is needed: {}",
                 name(index),
+                Hundredths(*contrast),
                 0.5 * config.detect_contrast + surprise,
                 if *contrast > 0.5 * config.detect_contrast {
                     "it is expected elsewhere"
@@ -107,9 +132,10 @@ impl Why<'_> {
                     "a paved area would look alike"
                 }
             ),
-            (Decision::EdgesDisagree { index, p, aligned_p }, _) => write!(
+            (Decision::EdgesDisagree { index, p, aligned_p, needed_p }, _) => write!(
                 f,
-                "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it",
+                "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it, {needed_p:.2} \
+                 is needed",
                 name(index)
             ),
             (Decision::EdgesElsewhere { index, p, gated }, _) => write!(
@@ -119,27 +145,25 @@ impl Why<'_> {
             ),
             (Decision::Lost { index }, _) => write!(
                 f,
-                "{} lost: not confirmed in {} frames, bracketing found nothing above {confirm:.2}",
+                "{} lost: not confirmed in {}, bracketing found nothing better{}",
                 name(index),
-                config.lost_frames
+                Frames(config.lost_frames),
+                Threshold(needed_p)
             ),
             (Decision::Skipped { index }, _) => {
                 write!(f, "{} lies behind by all that is known and was never seen", name(index))
             }
             (decision, Some(followed)) => {
                 let forward_m = followed.vehicle_from_feature.translation.x;
-                let side = if forward_m >= 0.0 { "ahead" } else { "behind" };
-                write!(f, "{} {:.1} m {side}", name(&followed.index), forward_m.abs())?;
-                let words = MatchWords(&followed.matched, confirm);
+                write!(f, "{} {:.1}", name(&followed.index), Along(forward_m))?;
+                let words = MatchWords(&followed.matched, needed_p);
                 match decision {
-                    Decision::Detected => {
-                        write!(f, ", detected: {}", MatchWords(&followed.matched, detect))
-                    }
+                    Decision::Detected => write!(f, ", detected: {words}"),
                     Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),
                     Decision::NotConfirmed { frames } => write!(
                         f,
-                        " by dead reckoning, not confirmed for {frames} of {} frames: {words}",
-                        config.lost_frames
+                        " by dead reckoning, not confirmed for {frames} of {}: {words}",
+                        Frames(config.lost_frames)
                     ),
                     Decision::Arrived => {
                         f.write_str(": the driving line's start reached the bottom of the view")
@@ -172,10 +196,8 @@ impl Display for MountFaultWords<'_> {
             (MountAngle::Roll, true) => "about its axis, left side up",
             (MountAngle::Roll, false) => "about its axis, right side up",
         };
-        write!(
-            f,
-            "the camera was turned by {degrees:.1} degrees {way} {frames_since} frames ago, calibrate its mount anew"
-        )
+        write!(f, "the camera was turned by {degrees:.1} degrees {way}")?;
+        write!(f, " {} ago, calibrate its mount anew", Frames(*frames_since as usize))
     }
 }
 
@@ -191,22 +213,81 @@ impl Display for FeatureName<'_> {
     }
 }
 
+/// A distance along the way, metres, as a sentence has it; with the digits that are asked for, else whole metres.
+struct Along(f64);
+
+impl Display for Along {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let side = if self.0 >= 0.0 { "ahead" } else { "behind" };
+        write!(f, "{:.*} m {side}", f.precision().unwrap_or(0), self.0.abs())
+    }
+}
+
+/// A number that may be negative, to hundredths; what rounds to zero has no sign.
+struct Hundredths(f64);
+
+impl Display for Hundredths {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let rounded = (100.0 * self.0).round() / 100.0;
+        // Negative zero plus zero is zero.
+        write!(f, "{:.2}", rounded + 0.0)
+    }
+}
+
+/// A number of frames.
+struct Frames(usize);
+
+impl Display for Frames {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            1 => f.write_str("1 frame"),
+            frames => write!(f, "{frames} frames"),
+        }
+    }
+}
+
+/// The bound that P(F) was held against, where it was.
+struct Threshold(Option<f64>);
+
+impl Display for Threshold {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |needed_p| write!(f, ", threshold {needed_p:.2}"))
+    }
+}
+
+/// What a candidate lacks.
+struct MissingWords<'a>(&'a Missing);
+
+impl Display for MissingWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Missing::Frames { needed } => write!(f, "{needed} are needed"),
+            Missing::Contrast { sum, needed } => {
+                write!(f, "a contrast with the verge that sums up to {sum:.2}, {needed:.2} is needed")
+            }
+            Missing::Distance { sigma_m, most_m } => {
+                write!(f, "a distance known to {sigma_m:.2} m, {most_m:.2} m is needed")
+            }
+        }
+    }
+}
+
 /// The weakest sub-mask against the threshold, and those that took no part.
-struct MatchWords<'a>(&'a Match, f64);
+struct MatchWords<'a>(&'a Match, Option<f64>);
 
 impl Display for MatchWords<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(matched, threshold) = self;
+        let Self(matched, needed_p) = self;
         match matched.weakest.and_then(|i| matched.subs.get(i)) {
             Some(sub) => {
                 let what = if sub.kind == SubMaskKind::DrivingLine { "weakest" } else { "weakest arm" };
                 let p = sub.p.unwrap_or(0.0);
-                write!(f, "{what} {} {p:.2}, threshold {threshold:.2}", sub.label)?;
+                write!(f, "{what} {} {p:.2}{}", sub.label, Threshold(*needed_p))?;
             }
             None => f.write_str("no arm is seen")?,
         }
         if let Some(contrast) = matched.contrast() {
-            write!(f, "; contrast with the verge {contrast:.2}")?;
+            write!(f, "; contrast with the verge {}", Hundredths(contrast))?;
         }
         let mut separator = ";";
         for sub in &matched.subs {
@@ -322,6 +403,56 @@ mod tests {
             departure: None,
         };
         why.to_string()
+    }
+
+    /// Numbers of every size that a decision may hold.
+    const NUMBERS: [f64; 9] = [0.0, 1e-9, 0.004, 0.25, 0.5, 0.999, 1.0, 37.25, 3_523_697.8];
+
+    #[test]
+    fn every_refusal_says_its_value_and_the_bound_that_it_missed() {
+        let (index, p) = (0, 0.875);
+        for value in NUMBERS {
+            for bound in NUMBERS {
+                let two = |number: f64| format!("{number:.2}");
+                let one = |number: f64| format!("{number:.1} m");
+                let (shown, needed) = (two(value), format!("{} is needed", two(bound)));
+                let edges = Decision::EdgesDisagree { index, p, aligned_p: value, needed_p: bound };
+                let verge = Decision::NoVergeInView { index, p: value, needed_p: bound };
+                let elsewhere = Decision::NotExpected { index, p, surprise: value, most: bound };
+                let beside = Decision::OffApproach { index, p, beside_m: value, most_m: bound };
+                let sum = Missing::Contrast { sum: value, needed: bound };
+                let distance = Missing::Distance { sigma_m: value, most_m: bound };
+                let candidate = |missing| Decision::Candidate { index, frames: 1, p, missing };
+                for (decision, words) in [
+                    (edges, [shown.clone(), needed.clone()]),
+                    (verge, [shown.clone(), needed.clone()]),
+                    (elsewhere, [shown.clone(), format!("less than {}", two(bound))]),
+                    (beside, [one(value), format!("at most {}", one(bound))]),
+                    (candidate(sum), [shown.clone(), needed.clone()]),
+                    (candidate(distance), [shown.clone(), format!("{} m is needed", two(bound))]),
+                ] {
+                    let text = feature_words(decision);
+                    assert!(words.iter().all(|words| text.contains(words)), "{words:?} in {text}");
+                    assert!(!text.contains('-'), "{text}");
+                }
+            }
+        }
+        for frames in [1, 2, 31] {
+            let dropped = feature_words(Decision::Dropped { index, frames, most_frames: 30 });
+            let count =
+                if frames == 1 { "1 frame without".to_owned() } else { format!("{frames} frames without") };
+            assert!(dropped.contains(&count) && dropped.contains("at most 30"), "{dropped}");
+        }
+    }
+
+    #[test]
+    fn what_lies_behind_is_not_said_to_be_ahead() {
+        for ahead_m in [-3_523_697.8, -12.0, -0.6, -1e-9, 0.0, 0.4, 7.0, 440.0] {
+            let text = feature_words(Decision::NotInReach { index: 0, ahead_m });
+            let side = if ahead_m < 0.0 { "behind" } else { "ahead" };
+            assert!(text.contains(&format!("{:.0} m {side}", ahead_m.abs())), "{text}");
+            assert!(!text.contains('-'), "{text}");
+        }
     }
 
     #[test]

@@ -11,6 +11,9 @@ use nalgebra::Isometry2;
 use super::flow::REJECTED_WEIGHT;
 use crate::scene::Scene;
 
+/// A driving line of this radius and more is called straight, metres: over the 20 m of a line it leaves a straight one by 0.2 m.
+const STRAIGHT_FROM_M: f64 = 1000.0;
+
 /// A fact: what it is about, and what is known.
 pub(crate) type Fact = (&'static str, String);
 
@@ -51,8 +54,10 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         facts.push(("sections", words));
     }
     let tightest = output.driving_line_curvature_per_m.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
-    if tightest > 0.0 {
+    if tightest * STRAIGHT_FROM_M >= 1.0 {
         facts.push(("line", format!("tightest radius ahead {:.1} m", 1.0 / tightest)));
+    } else if !output.driving_line.is_empty() {
+        facts.push(("line", "straight ahead".to_owned()));
     }
     facts.extend(output.lane.as_ref().and_then(lane_words).map(|words| ("lane", words)));
     if let Some(motion) = &output.motion {

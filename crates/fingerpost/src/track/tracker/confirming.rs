@@ -26,6 +26,7 @@ impl Tracker {
         let contrast = laid.contrast(&mut stop.masks, &predicted)?;
         evidence.predicted = Some(predicted);
         evidence.predicted_p = predicted_p;
+        evidence.needed_p = Some(config.confirming_p(contrast));
         // Where no sub-mask is seen (close to the feature) there is nothing to confirm or deny.
         if predicted_p.is_none_or(|p| config.confirms(p, contrast)) {
             evidence.decision = Decision::Confirmed;
@@ -39,6 +40,7 @@ impl Tracker {
                     let clearly_more_road = p >= predicted_p.unwrap_or(0.0) + CLEARLY_BETTER;
                     let stands_out_more =
                         there.is_some_and(|c| c >= contrast.unwrap_or(0.0) + CLEARLY_BETTER);
+                    evidence.needed_p = Some(config.confirming_p(there));
                     (config.confirms(p, there) && (clearly_more_road || stands_out_more)).then_some(pose)
                 }
                 None => None,

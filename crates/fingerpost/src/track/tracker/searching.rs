@@ -10,7 +10,7 @@ use crate::feature_masks::MaskCache;
 use crate::feature_model::FeatureModel;
 use crate::matching::{LaidSurface, Match};
 use crate::track::alignment::{CrossSection, CrossSectionUse};
-use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, TrackConfig, TrackEvidence};
+use crate::track::{Decision, Expectation, ExpectedAhead, Missing, PoseFilter, TrackConfig, TrackEvidence};
 
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
@@ -57,6 +57,7 @@ impl Tracker {
             (Some(candidate), _) => {
                 let threshold = config.detect_threshold_at_verge;
                 let tried = self.search.about(config, laid, masks, threshold, &candidate.filter)?;
+                evidence.needed_p = Some(threshold);
                 evidence.tried = tried.count;
                 let Some(found) = tried.best else {
                     evidence.decision = Decision::NotFound { index };
@@ -72,6 +73,7 @@ impl Tracker {
                 let expectation = Expectation::Ahead(&stop.model, &self.expected);
                 let tried =
                     self.search.along_approach(config, laid, &stop.model, masks, range, expectation)?;
+                evidence.needed_p = Some(config.detect_threshold_at_verge);
                 evidence.tried = tried.count;
                 if let Some(closest) = &tried.closest {
                     let matched = explained(laid, masks, closest, &mut self.spare)?;
@@ -118,24 +120,29 @@ impl Tracker {
             (!self.expected.is_empty()).then(|| expectation.penalty(filter.pose()))
         };
         let is_expected = |filter: &PoseFilter| surprise(filter).is_some_and(|surprise| surprise <= EXPECTED);
-        let half_width_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m);
+        let most_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m) + OFF_ROAD_M;
         let mut aligned = self.spare.pop().unwrap_or_default();
-        let mut holds = |filter: &PoseFilter| -> Result<(bool, Option<f64>), SpanError> {
+        // What speaks against a place, if anything does.
+        let mut refusal = |filter: &PoseFilter| -> Result<Option<Decision>, SpanError> {
             laid.explain(masks, filter.pose(), &mut aligned)?;
-            let off_road = stop.model.beside_approach_m(filter.pose()) > half_width_m + OFF_ROAD_M;
-            let matches = aligned.p.is_some_and(|p| p >= config.detect_threshold_at_verge);
-            Ok((!off_road && matches, aligned.p))
+            let beside_m = stop.model.beside_approach_m(filter.pose());
+            let (aligned_p, needed_p) = (aligned.p.unwrap_or(0.0), config.detect_threshold_at_verge);
+            Ok(if beside_m > most_m {
+                Some(Decision::OffApproach { index, p, beside_m, most_m })
+            } else if aligned_p < needed_p {
+                Some(Decision::EdgesDisagree { index, p, aligned_p, needed_p })
+            } else {
+                None
+            })
         };
-        let (mut is_found, p_by_edges) = holds(&filter)?;
-        if !is_found && is_expected(&by_search) && holds(&by_search)?.0 {
+        if let Some(refused) = refusal(&filter)? {
+            if !is_expected(&by_search) || refusal(&by_search)?.is_some() {
+                self.spare.push(aligned);
+                evidence.decision = refused;
+                return Ok(());
+            }
             evidence.sections.clear();
-            (filter, is_found) = (by_search, true);
-        }
-        if !is_found {
-            self.spare.push(aligned);
-            let aligned_p = p_by_edges.unwrap_or(0.0);
-            evidence.decision = Decision::EdgesDisagree { index, p, aligned_p };
-            return Ok(());
+            filter = by_search;
         }
         let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
         // What is shown is the place that is judged from here on.
@@ -149,20 +156,13 @@ impl Tracker {
         }
         let surprise = surprise(&filter).unwrap_or(0.0);
         let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast, surprise));
-        let enough =
-            config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
+        let most_frames = CANDIDATE_PATIENCE * config.detect_frames;
         if weight <= 0.0 {
-            evidence.decision = match contrast {
-                Some(contrast) => Decision::NoVerge { index, p: aligned_p, contrast, surprise },
-                None => Decision::EdgesDisagree { index, p, aligned_p },
-            };
-        } else if frames > CANDIDATE_PATIENCE * config.detect_frames {
-            evidence.decision = Decision::NotFound { index };
-        } else if frames < config.detect_frames
-            || weight < enough - WEIGHT_ROUNDING
-            || filter.covariance()[(0, 0)].sqrt() > KNOWN_SIGMA_M
-        {
-            evidence.decision = Decision::Candidate { index, frames, p: aligned_p };
+            evidence.decision = without_weight(config, index, aligned_p, contrast, surprise);
+        } else if frames > most_frames {
+            evidence.decision = Decision::Dropped { index, frames, most_frames };
+        } else if let Some(missing) = missing(config, frames, weight, &filter) {
+            evidence.decision = Decision::Candidate { index, frames, p: aligned_p, missing };
             *candidate = Some(Candidate { filter, frames, weight });
         } else {
             masks.draw_about(filter.pose().rotation.angle(), STEERED_RAD)?;
@@ -230,6 +230,38 @@ fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>, surprise: f
         Some(contrast) => (contrast - surprise).min(2.0 * needed) - 0.5 * needed,
         None if p >= config.detect_threshold => 0.5 * needed - surprise,
         None => f64::NEG_INFINITY,
+    }
+}
+
+/// Why a match has no weight: [`frame_weight`] is not above zero.
+fn without_weight(
+    config: &TrackConfig,
+    index: usize,
+    p: f64,
+    contrast: Option<f64>,
+    surprise: f64,
+) -> Decision {
+    match contrast {
+        Some(contrast) => Decision::NoVerge { index, p, contrast, surprise },
+        None if p < config.detect_threshold => {
+            Decision::NoVergeInView { index, p, needed_p: config.detect_threshold }
+        }
+        None => Decision::NotExpected { index, p, surprise, most: 0.5 * config.detect_contrast },
+    }
+}
+
+/// What a candidate lacks, if anything.
+fn missing(config: &TrackConfig, frames: usize, weight: f64, filter: &PoseFilter) -> Option<Missing> {
+    let needed = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
+    let sigma_m = filter.covariance()[(0, 0)].sqrt();
+    if frames < config.detect_frames {
+        Some(Missing::Frames { needed: config.detect_frames })
+    } else if weight < needed - WEIGHT_ROUNDING {
+        Some(Missing::Contrast { sum: weight, needed })
+    } else if sigma_m > KNOWN_SIGMA_M {
+        Some(Missing::Distance { sigma_m, most_m: KNOWN_SIGMA_M })
+    } else {
+        None
     }
 }
 
