@@ -279,9 +279,17 @@ impl Pipeline {
 
         let pitch_change = attitude.pitch_change;
         let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle, pitch_change };
-        let lanes =
-            self.lanes.as_mut().map(|finder| finder.find(&self.camera, &lane_input, &mut output.lane));
-        let lanes = lanes.transpose()?;
+        let turns_through = self.lanes.is_some() && tracker.turns_through(&output.track);
+        let lanes = match &mut self.lanes {
+            Some(finder) if turns_through => {
+                finder.reset();
+                self.departure = DepartureWarning::default();
+                output.lane = None;
+                None
+            }
+            Some(finder) => Some(finder.find(&self.camera, &lane_input, &mut output.lane)?),
+            None => None,
+        };
         let on_road = output.lane.as_ref().filter(|_| output.mount.is_some()).map(Lane::on_road);
         let (departure, departure_evidence) = on_road
             .map(|lane| {
@@ -297,6 +305,7 @@ impl Pipeline {
             config: &config.track,
             mount: output.mount.as_ref(),
             lane: output.lane.as_ref().zip(lanes),
+            turns_through,
             departure: output.departure.as_ref(),
         }
         .write_to(&mut output.why);

@@ -35,6 +35,8 @@ pub(crate) struct Why<'a> {
     pub(crate) mount: Option<&'a MountEstimate>,
     /// The lane and how it was found, where it is looked for.
     pub(crate) lane: Option<(&'a Lane, &'a LaneEvidence)>,
+    /// Whether no lane is looked for because the vehicle turns through a junction.
+    pub(crate) turns_through: bool,
     /// How the vehicle moves towards the lane's edges, where that is known.
     pub(crate) departure: Option<&'a DepartureOutput>,
 }
@@ -54,6 +56,9 @@ impl Display for Why<'_> {
             write!(f, "{}; ", MountFaultWords(fault))?;
         }
         self.write_feature(f)?;
+        if self.turns_through {
+            f.write_str("; no lane is claimed while the vehicle turns through the junction")?;
+        }
         let Some((lane, evidence)) = self.lane else { return Ok(()) };
         let kept_frames = Side::BOTH.map(|side| lane.edge(side).map(|edge| edge.kept_frames));
         write!(f, "; {}", LaneWords { kept_frames, followed: evidence.followed })?;
@@ -400,6 +405,7 @@ mod tests {
             config: &config,
             mount: None,
             lane: None,
+            turns_through: false,
             departure: None,
         };
         why.to_string()

@@ -34,6 +34,10 @@ fn a_junction_is_found_followed_and_arrived_at() {
         assert!(records[5].stage_ms.contains_key(stage), "{stage}");
     }
 
+    let turning: Vec<&FrameRecord> =
+        records.iter().filter(|record| record.why.contains("turns through the junction")).collect();
+    assert!(turning.len() > 3 && turning.iter().all(|record| record.lanes.is_none()), "{}", turning.len());
+
     let summary = summary(out.path());
     let feature = &summary.features[0];
     assert_eq!((summary.features.len(), feature.id), (1, 2));

@@ -5,7 +5,7 @@ mod passing;
 mod searching;
 
 use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
-use fingerpost_map::Route;
+use fingerpost_map::{FeatureKind, Route};
 use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 
@@ -16,6 +16,7 @@ use super::shown::ShownRoad;
 use super::{Decision, ExpectedAhead, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::driving_line::DrivingLine;
 use crate::feature_masks::{PlacedMasks, node_pixel};
+use crate::feature_model::ArmModel;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::Motion;
@@ -107,6 +108,15 @@ impl Tracker {
             farthest_m: setting.grid.far_m() - EDGE_ROOM_M,
             viewpoint: setting.viewpoint,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
+        })
+    }
+
+    /// Whether the vehicle is on its way through a junction at which the route turns: lanes end there, and lines cross its way.
+    pub fn turns_through(&self, output: &TrackOutput) -> bool {
+        let followed = output.followed.as_ref().filter(|_| output.state == State::Arrived);
+        let model = followed.and_then(|followed| self.stops.get(followed.index)).map(|stop| &stop.model);
+        model.is_some_and(|model| {
+            model.kind == FeatureKind::Junction && model.exit().is_some_and(ArmModel::leaves_the_line)
         })
     }
 
