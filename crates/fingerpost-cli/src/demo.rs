@@ -89,7 +89,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let frames = recorder.frames();
     let complete = followed.is_ok() && frames == simulator.frames();
     let summary =
-        recorder.finish(if complete { RunEnd::Complete } else { RunEnd::Interrupted }, Some(&truth));
+        recorder.finish(if complete { RunEnd::Complete } else { RunEnd::Interrupted }, None, Some(&truth));
     followed.with_context(|| format!("the demo ended after {frames} frames"))?;
     if interrupt.wanted() {
         bail!("interrupted after {frames} frames; results so far are in {}", args.out.display());

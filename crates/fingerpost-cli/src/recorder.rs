@@ -124,6 +124,11 @@ impl Recorder {
         self.records.len()
     }
 
+    /// Frames that could not be used.
+    pub(crate) fn broken_frames(&self) -> u64 {
+        self.broken_frames
+    }
+
     /// Whether no frame could be used.
     pub(crate) fn nothing_used(&self) -> bool {
         self.broken_frames == self.records.len() as u64
@@ -177,8 +182,13 @@ impl Recorder {
     }
 
     /// Writes summary and report. A truth that does not fit is an error told after the results, which are good without
-    /// it.
-    pub(crate) fn finish(mut self, end: RunEnd, truth: Option<&[TruthRecord]>) -> Result<Summary> {
+    /// it. `broke_off` says why the input ended before it should have.
+    pub(crate) fn finish(
+        mut self,
+        end: RunEnd,
+        broke_off: Option<String>,
+        truth: Option<&[TruthRecord]>,
+    ) -> Result<Summary> {
         let elapsed_s = self.started.elapsed().as_secs_f64();
         self.bar.finish_and_clear();
         let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
@@ -198,6 +208,7 @@ impl Recorder {
             mount_faults: mount_faults(&self.records),
             truth: evaluation.as_ref().ok().and_then(|of_truth| Some(of_truth.as_ref()?.summary.clone())),
             interrupted: end == RunEnd::Interrupted,
+            input_broke_off: broke_off,
         };
         self.folder.write_summary(&summary)?;
         let report = report_html(&ReportInput {

@@ -9,7 +9,7 @@ use fingerpost::Sensors;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{
-    FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, read_camera, read_truth,
+    FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoError, read_camera, read_truth,
 };
 use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
@@ -91,6 +91,11 @@ pub(crate) struct RunArgs {
     /// not depend on it.
     #[arg(long, value_name = "NAME")]
     instruction_set: Option<InstructionSetName>,
+    /// Share of the frames, percent, that may be broken (or missing behind the place where a video breaks off) in a run that
+    /// ends well; with more the results are written and the exit code is 1. 10 by default: a camera that loses one frame in ten
+    /// is faulty.
+    #[arg(long, value_name = "PERCENT", default_value_t = 10, value_parser = clap::value_parser!(u8).range(0..=100))]
+    max_broken_pct: u8,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
@@ -138,7 +143,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let subject = driver.subject(setting)?;
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
-    let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt };
+    let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt, broke_off: None };
     drive.run(recorder, args, truth.as_deref())
 }
 
@@ -208,6 +213,31 @@ struct RecordedDrive {
     /// Frames still wanted.
     left: u64,
     interrupt: Interrupt,
+    /// Why the input ended before it should have, where it did.
+    broke_off: Option<VideoError>,
+}
+
+/// Frames that a run could not use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Unusable {
+    /// How many: broken ones, and those that are missing behind the place where the input broke off.
+    count: u64,
+    /// Of so many that there should be.
+    of: u64,
+}
+
+impl Unusable {
+    /// Of `frames` that came `broken` ones, and what is missing of `promised` ones where the input `broke_off`: one at the least,
+    /// since something could not be read.
+    fn new(frames: u64, broken: u64, broke_off: bool, promised: Option<u64>) -> Self {
+        let missing = if broke_off { promised.unwrap_or(0).saturating_sub(frames).max(1) } else { 0 };
+        Self { count: broken.saturating_add(missing), of: frames.saturating_add(missing) }
+    }
+
+    /// Whether they are more than so many percent.
+    fn exceed(self, most_pct: u8) -> bool {
+        u128::from(self.count) * 100 > u128::from(self.of) * u128::from(most_pct)
+    }
 }
 
 impl RecordedDrive {
@@ -219,9 +249,15 @@ impl RecordedDrive {
         let kept = learned.map_or(Ok(()), |(bank, surfaces)| write_surfaces(bank, &surfaces));
         let interrupted = self.interrupt.wanted();
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
-        let stopped = interrupted || failure.is_some();
-        let summary = recorder.finish(if stopped { RunEnd::Interrupted } else { RunEnd::Complete }, truth);
-        if let (true, Err(error)) = (stopped || unused, &summary) {
+        let promised = self.source.length().map(|length| length.min(args.frames.unwrap_or(u64::MAX)));
+        let broke_off = self.broke_off.is_some();
+        let unusable = Unusable::new(frames as u64, recorder.broken_frames(), broke_off, promised);
+        let broke_off = self.broke_off.map(|cause| cause.to_string());
+        let too_many = unusable.exceed(args.max_broken_pct);
+        let stopped = interrupted || failure.is_some() || (broke_off.is_some() && too_many);
+        let end = if stopped { RunEnd::Interrupted } else { RunEnd::Complete };
+        let summary = recorder.finish(end, broke_off.clone(), truth);
+        if let (true, Err(error)) = (stopped || unused || too_many, &summary) {
             output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
         }
         if let Some(failure) = failure {
@@ -236,8 +272,22 @@ impl RecordedDrive {
         if unused {
             bail!("none of the {frames} frames of {} could be used; the messages above say why", args.input);
         }
+        if too_many {
+            let Unusable { count, of } = unusable;
+            let because = broke_off.map(|cause| format!(" ({cause})")).unwrap_or_default();
+            bail!(
+                "{count} of {of} frames of {} are broken or missing, more than {} %{because}; results so far are in {}; mend the \
+                 input, or allow more with --max-broken-pct",
+                args.input,
+                args.max_broken_pct,
+                args.out.display()
+            );
+        }
         let summary = summary?;
         kept?;
+        if let Some(cause) = broke_off {
+            output::message(&cause);
+        }
         output::print_summary(&summary, &args.out);
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }
@@ -271,6 +321,39 @@ impl Iterator for RecordedDrive {
         }
         self.left = self.left.checked_sub(1)?;
         let frame = self.source.next()?;
+        if let Err(FrameError::Video(VideoError::BrokenOff { .. })) = &frame.picture {
+            // What came before is a drive; how much is missing decides how the run ends.
+            self.broke_off = frame.picture.err().and_then(|cause| match cause {
+                FrameError::Video(cause) => Some(cause),
+                FrameError::Picture(_) => None,
+            });
+            return None;
+        }
         Some(self.result(frame))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_counts_like_what_is_broken() {
+        // 200 good ones and damaged bytes behind them: one that nobody promised is missing.
+        let unusable = Unusable::new(200, 0, true, None);
+        assert_eq!((unusable.count, unusable.of), (1, 201));
+        assert!(!unusable.exceed(10) && unusable.exceed(0));
+        let halfway = Unusable::new(100, 0, true, Some(200));
+        assert!(halfway.exceed(10) && halfway.exceed(49) && !halfway.exceed(50));
+        assert!(Unusable::new(200, 159, false, Some(200)).exceed(10));
+        assert!(!Unusable::new(0, 0, false, None).exceed(0));
+        assert!(Unusable::new(u64::MAX, u64::MAX, true, Some(u64::MAX)).exceed(99));
+        // The limit itself is allowed.
+        for frames in 1..200 {
+            for broken in 0..=frames {
+                let share_pct = 100.0 * broken as f64 / frames as f64;
+                assert_eq!(Unusable::new(frames, broken, false, None).exceed(10), share_pct > 10.0 + 1e-9);
+            }
+        }
     }
 }

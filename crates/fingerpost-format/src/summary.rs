@@ -34,6 +34,9 @@ pub struct Summary {
     /// Whether the run was ended before its input was.
     #[serde(default)]
     pub interrupted: bool,
+    /// Why the input ended before it should have, where it did: a video that breaks off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_broke_off: Option<String>,
 }
 
 /// Wall time of a stage over a run, milliseconds.

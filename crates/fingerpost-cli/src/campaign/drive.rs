@@ -110,7 +110,7 @@ impl Run {
     fn finish(self, named: &CampaignDrive, route: &Route) -> Result<Driven> {
         let Self { driver, recorder, folder, records, truth } = self;
         if let Some(recorder) = recorder {
-            recorder.finish(RunEnd::Complete, Some(&truth))?;
+            recorder.finish(RunEnd::Complete, None, Some(&truth))?;
             write_file(&folder.join("route.geojson"), write_route(route)?)?;
             let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
             truth.iter().try_for_each(|truth| lines.append(truth))?;

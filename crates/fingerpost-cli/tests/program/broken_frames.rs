@@ -17,7 +17,8 @@ fn a_broken_frame_is_reported_and_passed_over() {
     fs::write(&torn, &bytes[..bytes.len() / 2]).unwrap();
     fs::write(pictures.path().join("000008.jpg"), "no picture").unwrap();
 
-    let called = call_line(&drive.run_line(pictures.path(), out.path())).done();
+    let line = drive.run_line(pictures.path(), out.path());
+    let called = call_line(&format!("{line} --max-broken-pct 20")).done();
     for words in ["frame 5 is passed over", "000005.jpg is damaged", "frame 8 is passed over", "000008.jpg"] {
         assert!(called.stderr.contains(words), "{words}: {}", called.stderr);
     }
@@ -40,7 +41,8 @@ fn a_later_frame_of_another_size_is_a_broken_one() {
     call_line(&format!("simulate {line} --frames 1 --size 64x64 --out {}", other.path().display())).done();
     fs::copy(other.path().join("frames/000000.jpg"), pictures.path().join("000002.jpg")).unwrap();
 
-    let called = call_line(&drive.run_line(pictures.path(), out.path())).done();
+    let line = drive.run_line(pictures.path(), out.path());
+    let called = call_line(&format!("{line} --max-broken-pct 25")).done();
     assert!(called.stderr.contains("64 x 64") && called.stderr.contains("320 x 240"), "{}", called.stderr);
     let broken: Vec<bool> = frames(out.path()).iter().map(|record| record.error.is_some()).collect();
     assert_eq!(broken, [false, false, true, false]);
@@ -69,4 +71,39 @@ fn a_drive_of_broken_frames_alone_fails() {
     call_line(&drive.run_line(pictures.path(), out.path())).refused(1, &["none of the 3 frames"]);
     assert_eq!(frames(out.path()).len(), 3);
     assert_eq!(summary(out.path()).broken_frames, 3);
+}
+
+#[test]
+fn more_broken_frames_than_the_limit_end_in_an_error_with_all_results() {
+    let drive = Drive::get();
+    const FRAMES: usize = 20;
+    for pattern in 0..6_usize {
+        // Every second one, none, the last ones, one, the first ones but one, two.
+        let is_broken = |frame: usize| match pattern {
+            0 => frame % 2 == 1,
+            1 => false,
+            2 => frame >= 15,
+            3 => frame == 7,
+            4 => (1..15).contains(&frame),
+            _ => frame == 3 || frame == 19,
+        };
+        let (pictures, out) = (drive.pictures(FRAMES), TempDir::new().unwrap());
+        let broken: Vec<usize> = (0..FRAMES).filter(|frame| is_broken(*frame)).collect();
+        for frame in &broken {
+            fs::write(pictures.path().join(format!("{frame:06}.jpg")), "no picture").unwrap();
+        }
+        let called = call_line(&drive.run_line(pictures.path(), out.path()));
+        if 10 * broken.len() > FRAMES {
+            let count = format!("{} of {FRAMES} frames", broken.len());
+            called.refused(1, &[&count, "more than 10 %", "--max-broken-pct"]);
+        } else {
+            assert_eq!(called.code, Some(0), "{}", called.stderr);
+        }
+        let found: Vec<usize> =
+            frames(out.path()).iter().filter(|r| r.error.is_some()).map(|r| r.frame as usize).collect();
+        assert_eq!(found, broken);
+        let summary = summary(out.path());
+        assert_eq!((summary.frames, summary.broken_frames), (FRAMES as u64, broken.len() as u64));
+        assert!(!summary.interrupted && out.path().join("report.html").exists());
+    }
 }

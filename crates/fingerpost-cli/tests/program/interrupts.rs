@@ -25,6 +25,22 @@ fn a_video_that_breaks_off_leaves_a_finished_run_folder() {
 }
 
 #[test]
+fn a_video_that_breaks_off_near_its_end_is_a_drive() {
+    let stub = VideoStub::new(
+        "for i in 1 2 3 4 5 6 7 8 9 10 11 12; do cat $PICTURE; done; echo 'Invalid data found' >&2; exit 1",
+    );
+    let out = TempDir::new().unwrap();
+    let called = Called::from(stub.run(out.path()).output().unwrap()).done();
+    assert!(called.stderr.contains("breaks off after 12 frames"), "{}", called.stderr);
+    let written = summary(out.path());
+    assert_eq!((written.frames, written.broken_frames, written.interrupted), (12, 0, false));
+    assert!(written.input_broke_off.unwrap().contains("Invalid data found"));
+    let strict = Called::from(stub.run(out.path()).args(["--max-broken-pct", "7"]).output().unwrap());
+    strict.refused(1, &["1 of 13 frames", "more than 7 %", "breaks off after 12 frames"]);
+    assert!(summary(out.path()).interrupted);
+}
+
+#[test]
 fn a_video_of_whole_frames_is_a_complete_run() {
     let stub = VideoStub::new("cat $PICTURE $PICTURE $PICTURE");
     let out = TempDir::new().unwrap();
