@@ -5,6 +5,8 @@
 //! edge and the speed across the lane. The warning comes when the wheel reaches the edge, `lead_s` earlier if wished; it
 //! stays until the wheel is back, and `Hush` says why a crossing is passed over in silence.
 //!
+//! Over a gap in time nothing of the lane is carried on: a wheel must be seen inside its edge again before it can leave.
+//!
 //! Limits: an edge that is given out for long at another place than it is (the other side of its marking) shifts the
 //! warning by as much; wheels are taken to stand as far out as the body.
 
@@ -16,7 +18,7 @@ pub use config::DepartureConfig;
 pub use hush::Silence;
 
 use self::filter::{LateralFilter, VehicleMotion};
-use self::hush::Hush;
+use self::hush::{Hush, SETTLED_MPS};
 use super::Side;
 use super::geometry::LaneOnRoad;
 use crate::vehicle::VehicleConfig;
@@ -27,6 +29,9 @@ use crate::vehicle_signals::VehicleState;
 const MAX_SIGMA_M: f64 = 0.15;
 /// Slowest approach that has a time to crossing, m/s: below it the time is minutes and says nothing.
 const MIN_CLOSING_MPS: f64 = 0.02;
+/// Longest time between two frames over which the place in the lane is carried on, seconds: in a longer one even a vehicle
+/// that has settled moves across by more than a wheel's distance may be unsure.
+const LONGEST_STEP_S: f64 = MAX_SIGMA_M / SETTLED_MPS;
 
 /// What is said of a departure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -76,6 +81,11 @@ impl DepartureWarning {
         let dt_s = if dt_s.is_finite() { dt_s.max(0.0) } else { 0.0 };
         let speed_mps = state.speed_mps.filter(|mps| mps.is_finite());
         let yaw_rate_rps = state.yaw_rate_rps.filter(|rps| rps.is_finite());
+        if dt_s > LONGEST_STEP_S {
+            self.filter = LateralFilter::default();
+            self.hush.forget_edges();
+            self.warning = None;
+        }
         let seen = self.filter.step(config, lane, VehicleMotion { speed_mps, yaw_rate_rps, dt_s });
         self.hush.begin_frame(config, state, speed_mps, &seen, dt_s);
         let Some(lateral_mps) = self.filter.lateral_speed_mps() else {

@@ -8,7 +8,7 @@ use crate::vehicle_signals::{TurnSignal, VehicleState};
 /// How long a warning stays at the most, seconds: who has not reacted by then will not.
 const LONGEST_WARNING_S: f64 = 3.0;
 /// Speed across a lane below which the vehicle has settled in it, m/s.
-const SETTLED_MPS: f64 = 0.3;
+pub(super) const SETTLED_MPS: f64 = 0.3;
 
 /// Why no warning is given although a wheel is at an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -82,6 +82,11 @@ impl Hush {
         if seen.lane_changed {
             self.changing = Some(0.0);
         }
+    }
+
+    /// Nothing is known any more of where the vehicle was between its edges; what the driver meant stays.
+    pub(super) const fn forget_edges(&mut self) {
+        self.has_been_inside = [false; 2];
     }
 
     /// Whether the vehicle has been inside of the edge that is known on that side.
