@@ -202,7 +202,7 @@ impl Display for MountFaultWords<'_> {
             (MountAngle::Roll, false) => "about its axis, right side up",
         };
         write!(f, "the camera was turned by {degrees:.1} degrees {way}")?;
-        write!(f, " {} ago, calibrate its mount anew", Frames(*frames_since as usize))
+        write!(f, " {} ago, calibrate its mount anew", Frames(*frames_since))
     }
 }
 
