@@ -1,7 +1,7 @@
 //! What no browser sends: after every fault the next good request is answered. A process of its own, whose memory is measured.
 
 // A helper that unwraps is part of the test that calls it.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "../server/served.rs"]
 mod served;
@@ -176,13 +176,18 @@ fn where_all_are_busy_a_new_one_is_turned_away_and_later_served() {
     // Until a head is read its connection is an idle one.
     thread::sleep(Duration::from_millis(500));
     let since = Instant::now();
-    let mut seen = Vec::new();
-    while since.elapsed() < PATIENCE && seen.last().is_none_or(|status| status != "HTTP/1.1 200") {
-        seen.push(served.status(PAGE));
+    let (mut turned_away, mut is_served) = (0, false);
+    while since.elapsed() < PATIENCE && !is_served {
+        // The answer may be lost where the connection is closed on a request that nobody has read.
+        match served.answered(PAGE).as_deref() {
+            Ok("HTTP/1.1 200") => is_served = true,
+            Ok("HTTP/1.1 503") | Err(_) => turned_away += 1,
+            Ok(other) => panic!("{other}"),
+        }
         thread::sleep(Duration::from_millis(100));
     }
-    assert_eq!(seen.last().unwrap(), "HTTP/1.1 200", "requests that take too long make room");
-    assert!(seen.iter().any(|status| status == "HTTP/1.1 503"), "{seen:?}");
+    assert!(is_served, "requests that take too long make room");
+    assert!(turned_away > 0);
     drop(busy);
     served.end();
 }
