@@ -1,8 +1,8 @@
 //! Whole files in and out, with errors that say which file, what is wrong and what to do.
 
 use std::{
-    fs,
-    io::{self, ErrorKind},
+    fs::{self, File},
+    io::{self, ErrorKind, Read},
     path::{Path, PathBuf},
 };
 
@@ -18,6 +18,16 @@ pub enum FileError {
         path: PathBuf,
         /// What the system says.
         cause: io::Error,
+    },
+    /// It holds more than any file of its kind, or has no end.
+    #[error("{} holds more than the {limit_mb} MB that are read of {kind}; give the file that was meant", .path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// What is read of it at the most, megabytes.
+        limit_mb: u64,
+        /// What kind of file it is.
+        kind: &'static str,
     },
     /// It is not UTF-8 text.
     #[error("{} is no UTF-8 text; give the text file that was meant, or save it as UTF-8", .path.display())]
@@ -67,22 +77,51 @@ fn advice(cause: &io::Error) -> &'static str {
     }
 }
 
+/// Most that is read of a file on a disk, bytes: the map of a country has a few hundred million.
+const MOST_OF_A_FILE: u64 = 4_000_000_000;
+/// The same of a pipe, which does not say how long it is.
+const MOST_OF_A_PIPE: u64 = 1_000_000_000;
+/// The same of a device: one that has an end, like /dev/null, has it soon.
+const MOST_OF_A_DEVICE: u64 = 1_000_000;
+
 /// The text of a file; a byte-order mark at its start is left out.
 ///
 /// # Errors
-/// [`FileError::Read`] when it cannot be read, [`FileError::NotText`] when it is not UTF-8.
+/// Those of [`read_bytes`], and [`FileError::NotText`] when it is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let text = String::from_utf8(read_bytes(path)?);
     let text = text.map_err(|_| FileError::NotText { path: path.to_owned() })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// The bytes of a file.
+/// The bytes of a file: up to 4 GB of one on a disk, 1 GB of a pipe, and 1 MB of a device.
 ///
 /// # Errors
-/// [`FileError::Read`] when it cannot be read.
+/// [`FileError::Read`] when it cannot be read, [`FileError::TooLong`] when it holds more.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    fs::read(path).map_err(FileError::reading(path))
+    let file = File::open(path).map_err(FileError::reading(path))?;
+    let metadata = file.metadata().map_err(FileError::reading(path))?;
+    let (limit, kind) = match metadata.file_type() {
+        kind if kind.is_file() || kind.is_dir() => (MOST_OF_A_FILE, "a file"),
+        kind if is_pipe(kind) => (MOST_OF_A_PIPE, "a pipe"),
+        _ => (MOST_OF_A_DEVICE, "a device"),
+    };
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(FileError::reading(path))?;
+    if bytes.len() as u64 > limit {
+        return Err(FileError::TooLong { path: path.to_owned(), limit_mb: limit / 1_000_000, kind });
+    }
+    Ok(bytes)
+}
+
+#[cfg(unix)]
+fn is_pipe(kind: fs::FileType) -> bool {
+    std::os::unix::fs::FileTypeExt::is_fifo(&kind)
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: fs::FileType) -> bool {
+    false
 }
 
 /// Makes a folder with everything above it; one that exists stays as it is.

@@ -1,7 +1,7 @@
 //! CAN logs and DBC files through the public face.
 
 // A helper that fails has failed the test that calls it.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -136,6 +136,35 @@ fn a_line_without_end_takes_no_memory_and_no_frame_with_it() {
     fs::write(&path, format!("{endless}\n(100.5) can0 024#0203000000000000\n{endless}")).unwrap();
     let log = SignalLog::read(&path, None, &signals(&["KINEMATICS.YAW_RATE"])).unwrap();
     assert_eq!((log.frames, log.unreadable_lines, log.samples[0].len()), (1, 2, 1));
+}
+
+#[test]
+fn a_log_that_steps_back_in_time_is_refused_with_the_line() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("drive.log");
+    let refused_lines = |times_s: &[f64]| {
+        let lines: Vec<String> =
+            times_s.iter().map(|t_s| format!("({t_s:.3}) can0 123#1122334455667788\n")).collect();
+        fs::write(&path, lines.concat()).unwrap();
+        match SignalLog::read(&path, None, &signals(&["KINEMATICS.YAW_RATE"])) {
+            Ok(log) => {
+                assert_eq!(log.frames, times_s.len() as u64);
+                None
+            }
+            Err(CanLogError::Backwards { line, .. }) => Some(line),
+            Err(other) => panic!("{other}"),
+        }
+    };
+    let forward: Vec<f64> = (0..200).map(|i| 1e9 + 0.02 * f64::from(i)).collect();
+    assert_eq!(refused_lines(&forward), None);
+    let backward: Vec<f64> = forward.iter().rev().copied().collect();
+    assert_eq!(refused_lines(&backward), Some(52), "a second is allowed");
+    for (place, step_s) in [(1, 2.0), (120, 1.5), (199, 1e6), (60, 0.9), (150, 0.0)] {
+        let mut times_s = forward.clone();
+        times_s[place] -= step_s;
+        let is_refused = step_s > 1.0 + 0.02;
+        assert_eq!(refused_lines(&times_s), is_refused.then_some(place as u64 + 1), "{place}, {step_s} s");
+    }
 }
 
 #[test]

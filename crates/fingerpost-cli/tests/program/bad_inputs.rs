@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 
 use crate::drive::{Drive, MAP};
-use crate::program::{call_line, command};
+use crate::program::{Called, call_line, command};
 
 /// A folder with one file in it.
 fn file(name: &str, contents: &str) -> (TempDir, PathBuf) {
@@ -17,7 +17,7 @@ fn file(name: &str, contents: &str) -> (TempDir, PathBuf) {
 }
 
 /// Calls `run` on the drive with one argument exchanged or added.
-fn run_with(change: impl FnOnce(String) -> String) -> crate::program::Called {
+fn run_with(change: impl FnOnce(String) -> String) -> Called {
     let (drive, out) = (Drive::get(), TempDir::new().unwrap());
     call_line(&change(drive.run_line(&drive.path(), &out.path().join("run"))))
 }
@@ -80,7 +80,7 @@ fn calibrations_that_cannot_be_right() {
 }
 
 /// A run with the drive's calibration changed: the table in place of the lines that begin with one of its keys.
-fn run_with_camera(changes: &[(&str, &str)]) -> crate::program::Called {
+fn run_with_camera(changes: &[(&str, &str)]) -> Called {
     let text = fs::read_to_string(Drive::get().camera()).unwrap();
     let change = |line: &str| {
         let changed = changes.iter().find(|(key, _)| line.split(' ').next() == Some(key));
@@ -226,7 +226,7 @@ fn video_without_ffmpeg() {
     let writing = format!("{} --video", drive.run_line(&drive.path(), &out));
     for line in [reading, writing] {
         let output = command().args(line.split_whitespace()).env("PATH", folder.path()).output().unwrap();
-        crate::program::Called::from(output).refused(1, &["was not found", "install ffmpeg"]);
+        Called::from(output).refused(1, &["was not found", "install ffmpeg"]);
     }
 }
 
@@ -263,4 +263,38 @@ fn networks_need_a_program_built_for_them() {
         let (_folder, config) = file("network.toml", &format!("[road_surface]\n{settings}\n"));
         run_with(|line| format!("{line} --config {}", config.display())).refused(1, &["--features onnx"]);
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_without_an_end_is_no_input() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let line = drive.run_line(&drive.path(), &out.path().join("run"));
+    let config = out.path().join("settings.toml");
+    fs::write(&config, "").unwrap();
+    let zero = "holds more than the 1 MB that are read of a device";
+    for option in ["--config", "--gps", "--truth", "--bank"] {
+        call_line(&format!("{line} {option} /dev/zero")).refused(1, &["/dev/zero", zero]);
+    }
+    let route = drive.route().display().to_string();
+    call_line(&line.replace(&route, "/dev/zero")).refused(1, &["/dev/zero", zero]);
+    let can = format!("{line} --config {} --can", config.display());
+    call_line(&format!("{can} /dev/null --dbc /dev/zero")).refused(1, &["/dev/zero", zero]);
+    let planned = "--from 47.2,9.5 --to 47.3,9.5 --out";
+    let route = out.path().join("route.geojson");
+    call_line(&format!("route --map /dev/zero {planned} {}", route.display()))
+        .refused(1, &["/dev/zero", zero]);
+}
+
+#[cfg(unix)]
+#[test]
+fn settings_may_come_through_a_pipe() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let line = drive.run_line(&drive.path(), &out.path().join("run"));
+    let script = format!(
+        "echo '[track]' | {} {line} --frames 2 --config /dev/stdin",
+        env!("CARGO_BIN_EXE_fingerpost")
+    );
+    let called = Called::from(std::process::Command::new("sh").args(["-c", &script]).output().unwrap());
+    assert_eq!(called.code, Some(0), "{}", called.stderr);
 }

@@ -22,6 +22,9 @@ const EXTENDED_DIGITS: usize = 8;
 const STANDARD_DIGITS: usize = 3;
 /// Bytes of a line at the most; one of CAN FD has 200. What goes on for longer is no log, and need not fit into memory.
 const MOST_LINE_BYTES: u64 = 4096;
+/// How far a log's clock may step back, seconds: frames of several interfaces are written a little out of step, and a clock that
+/// is set by the network is moved by less while it runs.
+const MOST_OUT_OF_STEP_S: f64 = 1.0;
 
 /// A log that cannot be used.
 #[derive(Debug, Error)]
@@ -37,6 +40,30 @@ pub enum CanLogError {
         /// Its lines.
         lines: u64,
     },
+    /// Its clock steps back.
+    #[error(
+        "{} steps back in time at line {line}, from {from_s:.3} to {to_s:.3} s: its clock was set, or it is several logs; cut it \
+         there",
+        .path.display()
+    )]
+    Backwards {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: u64,
+        /// The latest time before it, seconds.
+        from_s: f64,
+        /// Its time, seconds.
+        to_s: f64,
+    },
+    /// It says more than can be held.
+    #[error("{} has more than {most} values of the signals that are read; cut out the drive", .path.display())]
+    TooManySamples {
+        /// The file.
+        path: PathBuf,
+        /// How many values are held at the most.
+        most: usize,
+    },
 }
 
 /// The frames of a log, read line by line.
@@ -48,6 +75,8 @@ pub struct CanLogFrames {
     pub lines: u64,
     /// Lines so far that are none of a log's, such as one that was cut off.
     pub unreadable_lines: u64,
+    /// The latest time so far, seconds of the log's clock.
+    latest_s: f64,
 }
 
 /// Opens a log.
@@ -60,14 +89,22 @@ pub fn read_can_log(path: &Path) -> Result<CanLogFrames, CanLogError> {
     file.rewind().map_err(FileError::reading(path))?;
     let reader: Box<dyn BufRead> =
         if compressed { Box::new(BufReader::new(MultiGzDecoder::new(file))) } else { Box::new(file) };
-    Ok(CanLogFrames { path: path.to_owned(), reader, line: Vec::new(), lines: 0, unreadable_lines: 0 })
+    Ok(CanLogFrames {
+        path: path.to_owned(),
+        reader,
+        line: Vec::new(),
+        lines: 0,
+        unreadable_lines: 0,
+        latest_s: f64::NEG_INFINITY,
+    })
 }
 
 impl CanLogFrames {
     /// The next data frame; none at the log's end.
     ///
     /// # Errors
-    /// [`CanLogError`] when the file cannot be read on, or has ended and no line of it was one of a log.
+    /// [`CanLogError`] when the file cannot be read on, its clock steps back by more than a second, or it has ended and no line of
+    /// it was one of a log.
     pub fn next_frame(&mut self) -> Result<Option<LogFrame<'_>>, CanLogError> {
         loop {
             self.line.clear();
@@ -82,7 +119,15 @@ impl CanLogFrames {
             }
             self.lines += 1;
             match str::from_utf8(&self.line).ok().and_then(parse_candump_line) {
-                Some(Some(_)) => break,
+                Some(Some(frame)) => {
+                    let (from_s, to_s) = (self.latest_s, frame.t_s);
+                    if to_s < from_s - MOST_OUT_OF_STEP_S {
+                        let (path, line) = (self.path.clone(), self.lines);
+                        return Err(CanLogError::Backwards { path, line, from_s, to_s });
+                    }
+                    self.latest_s = from_s.max(to_s);
+                    break;
+                }
                 Some(None) => {}
                 None => self.unreadable_lines += 1,
             }

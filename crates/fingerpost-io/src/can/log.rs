@@ -5,6 +5,10 @@ use std::path::Path;
 use super::candump::{CanLogError, read_can_log};
 use super::layout::SignalLayout;
 
+/// Values of all signals together that are held, 1 GB: three signals of a hundred a second for two days. A packed log may hold a
+/// thousand times its own size.
+const MOST_SAMPLES: usize = 64_000_000;
+
 /// A signal's value at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignalSample {
@@ -33,10 +37,11 @@ impl SignalLog {
     /// Reads a whole log for these signals, of one interface where it is named.
     ///
     /// # Errors
-    /// [`CanLogError`] when it cannot be read or is no log.
+    /// [`CanLogError`] when it cannot be read, is no log, steps back in time or says more than 64 million values.
     pub fn read(path: &Path, interface: Option<&str>, signals: &[SignalLayout]) -> Result<Self, CanLogError> {
         let mut log = Self { samples: vec![Vec::new(); signals.len()], ..Self::default() };
         let mut lines = read_can_log(path)?;
+        let mut held = 0;
         while let Some(frame) = lines.next_frame()? {
             if log.frames == 0 {
                 log.first_s = frame.t_s;
@@ -49,7 +54,11 @@ impl SignalLog {
             for (signal, samples) in signals.iter().zip(&mut log.samples) {
                 if let Some(value) = signal.decode(&frame.frame) {
                     samples.push(SignalSample { t_s: frame.t_s, value });
+                    held += 1;
                 }
+            }
+            if held > MOST_SAMPLES {
+                return Err(CanLogError::TooManySamples { path: path.to_owned(), most: MOST_SAMPLES });
             }
         }
         for samples in &mut log.samples {
