@@ -206,10 +206,12 @@ fn chip(canvas: &mut Canvas, scene: &Scene<'_>, sub: &SubMatch, size: TextSize, 
     canvas.fill(bar, Paint::glaze(palette::GRID_LINE, 0.12));
     let filled = (p * BAR_PX as f64).round() as usize;
     canvas.fill(Rect { width: filled, ..bar }, Paint::solid(colour));
-    let tick = bar_x as f64 + scene.setting.confirm_threshold * BAR_PX as f64;
+    // The bound that decided this frame; where none did, that of a confirmation.
+    let needed_p = scene.evidence.track.needed_p.unwrap_or(scene.setting.confirm_threshold);
+    let tick = bar_x as f64 + needed_p * BAR_PX as f64;
     let tick_rect = Rect { x: tick.round() as usize, y: y + 2, width: 2, height: 13 };
     canvas.fill(tick_rect, Paint::solid(palette::TEXT));
-    let value_colour = if p < scene.setting.confirm_threshold { palette::REJECTED } else { palette::TEXT };
+    let value_colour = if p < needed_p { palette::REJECTED } else { palette::TEXT };
     canvas.text([value_x, y as f64], size, value_colour, &format!("{p:.2}"));
     if size == TextSize::SmallBold {
         let text_x = value_x + 5.0 * TextSize::Small.letter_px() as f64;
