@@ -1,0 +1,111 @@
+use super::*;
+use crate::lanes::departure::Silence;
+use crate::track::Missing;
+
+#[test]
+fn the_lanes_edges_are_seen_kept_or_none() {
+    let words = |kept_frames, followed| LaneWords { kept_frames, followed }.to_string();
+    assert_eq!(words([Some(0), Some(0)], [true, true]), "both edges of the lane are seen");
+    assert_eq!(words([None, None], [false, false]), "no edge of a lane is seen");
+    assert_eq!(
+        words([Some(0), Some(4)], [true, true]),
+        "the lane's left edge is seen, its right edge has not been seen for 4 frames and is kept"
+    );
+    assert_eq!(
+        words([None, None], [true, false]),
+        "the lane's left edge is not sure yet, its right edge is not seen"
+    );
+}
+
+#[test]
+fn a_departure_is_warned_of_or_its_silence_explained() {
+    let words = |warning, silence| {
+        let departure = DepartureOutput { warning, silence, ..DepartureOutput::default() };
+        DepartureWords(&departure).to_string()
+    };
+    assert_eq!(words(None, None), "");
+    assert_eq!(words(Some(Side::Right), None), "; warning: the vehicle leaves the lane to the right");
+    assert_eq!(
+        words(None, Some(Silence::TurnSignal)),
+        "; a wheel is at an edge, no warning because the driver signals"
+    );
+}
+
+fn feature_words(decision: Decision) -> String {
+    let (track, config) = (TrackOutput::default(), TrackConfig::default());
+    let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
+    let why = Why {
+        track: &track,
+        evidence: &evidence,
+        stops: &[],
+        config: &config,
+        mount: None,
+        lane: None,
+        turns_through: false,
+        departure: None,
+    };
+    why.to_string()
+}
+
+/// Numbers of every size that a decision may hold.
+const NUMBERS: [f64; 9] = [0.0, 1e-9, 0.004, 0.25, 0.5, 0.999, 1.0, 37.25, 3_523_697.8];
+
+#[test]
+fn every_refusal_says_its_value_and_the_bound_that_it_missed() {
+    let (index, p) = (0, 0.875);
+    for value in NUMBERS {
+        for bound in NUMBERS {
+            let two = |number: f64| format!("{number:.2}");
+            let one = |number: f64| format!("{number:.1} m");
+            let (shown, needed) = (two(value), format!("{} is needed", two(bound)));
+            let edges = Decision::EdgesDisagree { index, p, aligned_p: value, needed_p: bound };
+            let verge = Decision::NoVergeInView { index, p: value, needed_p: bound };
+            let elsewhere = Decision::NotExpected { index, p, surprise: value, most: bound };
+            let beside = Decision::OffApproach { index, p, beside_m: value, most_m: bound };
+            let sum = Missing::Contrast { sum: value, needed: bound };
+            let distance = Missing::Distance { sigma_m: value, most_m: bound };
+            let candidate = |missing| Decision::Candidate { index, frames: 1, p, missing };
+            for (decision, words) in [
+                (edges, [shown.clone(), needed.clone()]),
+                (verge, [shown.clone(), needed.clone()]),
+                (elsewhere, [shown.clone(), format!("less than {}", two(bound))]),
+                (beside, [one(value), format!("at most {}", one(bound))]),
+                (candidate(sum), [shown.clone(), needed.clone()]),
+                (candidate(distance), [shown.clone(), format!("{} m is needed", two(bound))]),
+            ] {
+                let text = feature_words(decision);
+                assert!(words.iter().all(|words| text.contains(words)), "{words:?} in {text}");
+                assert!(!text.contains('-'), "{text}");
+            }
+        }
+    }
+    for frames in [1, 2, 31] {
+        let dropped = feature_words(Decision::Dropped { index, frames, most_frames: 30 });
+        let count =
+            if frames == 1 { "1 frame without".to_owned() } else { format!("{frames} frames without") };
+        assert!(dropped.contains(&count) && dropped.contains("at most 30"), "{dropped}");
+    }
+}
+
+#[test]
+fn what_lies_behind_is_not_said_to_be_ahead() {
+    for ahead_m in [-3_523_697.8, -12.0, -0.6, -1e-9, 0.0, 0.4, 7.0, 440.0] {
+        let text = feature_words(Decision::NotInReach { index: 0, ahead_m });
+        let side = if ahead_m < 0.0 { "behind" } else { "ahead" };
+        assert!(text.contains(&format!("{:.0} m {side}", ahead_m.abs())), "{text}");
+        assert!(!text.contains('-'), "{text}");
+    }
+}
+
+#[test]
+fn a_feature_that_is_not_taken_says_what_speaks_against_it() {
+    let half = 0.5 * TrackConfig::default().detect_contrast;
+    let paved = Decision::NoVerge { index: 0, p: 0.9, contrast: half - 0.02, surprise: 0.0 };
+    assert!(feature_words(paved).contains("a paved area would look alike"));
+    let elsewhere = Decision::NoVerge { index: 0, p: 0.9, contrast: half + 0.05, surprise: 0.2 };
+    let words = feature_words(elsewhere);
+    assert!(words.contains(&format!("{:.2} is needed", half + 0.2)), "{words}");
+    assert!(words.contains("it is expected elsewhere"), "{words}");
+    let words = feature_words(Decision::EdgesElsewhere { index: 0, p: 0.9, gated: 3 });
+    assert!(words.contains("P(F) 0.90 at the best place, but 3 edges of its arms"), "{words}");
+}

@@ -1,0 +1,197 @@
+//! Features, numbers, mounts and lanes as the sentence has them.
+
+use std::fmt::{self, Display, Formatter};
+
+use fingerpost_map::FeatureKind;
+
+use crate::feature_masks::SubMaskKind;
+use crate::lanes::Side;
+use crate::lanes::departure::{DepartureOutput, Silence};
+use crate::matching::{Match, Participation};
+use crate::mount::{MountAngle, MountFault};
+use crate::track::{Missing, RouteStop};
+
+/// Name of a kind of feature as a sentence has it.
+fn kind_name(kind: FeatureKind) -> &'static str {
+    match kind {
+        FeatureKind::Junction => "junction",
+        FeatureKind::SideRoad => "side road",
+        FeatureKind::Bend => "bend",
+    }
+}
+
+/// A camera that has been moved as a sentence has it.
+pub(super) struct MountFaultWords<'a>(pub(super) &'a MountFault);
+
+impl Display for MountFaultWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let MountFault { angle, by_rad, frames_since } = self.0;
+        let degrees = by_rad.abs().to_degrees();
+        let way = match (angle, *by_rad > 0.0) {
+            (MountAngle::Pitch, true) => "down",
+            (MountAngle::Pitch, false) => "up",
+            (MountAngle::Yaw, true) => "to the left",
+            (MountAngle::Yaw, false) => "to the right",
+            (MountAngle::Roll, true) => "about its axis, left side up",
+            (MountAngle::Roll, false) => "about its axis, right side up",
+        };
+        write!(f, "the camera was turned by {degrees:.1} degrees {way}")?;
+        write!(f, " {} ago, calibrate its mount anew", Frames(*frames_since))
+    }
+}
+
+/// A feature as a sentence has it.
+pub(super) struct FeatureName<'a>(pub(super) Option<&'a RouteStop>);
+
+impl Display for FeatureName<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(stop) => write!(f, "{} {}", kind_name(stop.model.kind), stop.model.id),
+            None => f.write_str("no feature"),
+        }
+    }
+}
+
+/// A distance along the way, metres, as a sentence has it; with the digits that are asked for, else whole metres.
+pub(super) struct Along(pub(super) f64);
+
+impl Display for Along {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let side = if self.0 >= 0.0 { "ahead" } else { "behind" };
+        write!(f, "{:.*} m {side}", f.precision().unwrap_or(0), self.0.abs())
+    }
+}
+
+/// A number that may be negative, to hundredths; what rounds to zero has no sign.
+pub(super) struct Hundredths(pub(super) f64);
+
+impl Display for Hundredths {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let rounded = (100.0 * self.0).round() / 100.0;
+        // Negative zero plus zero is zero.
+        write!(f, "{:.2}", rounded + 0.0)
+    }
+}
+
+/// A number of frames.
+pub(super) struct Frames(pub(super) usize);
+
+impl Display for Frames {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            1 => f.write_str("1 frame"),
+            frames => write!(f, "{frames} frames"),
+        }
+    }
+}
+
+/// The bound that P(F) was held against, where it was.
+pub(super) struct Threshold(pub(super) Option<f64>);
+
+impl Display for Threshold {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |needed_p| write!(f, ", threshold {needed_p:.2}"))
+    }
+}
+
+/// What a candidate lacks.
+pub(super) struct MissingWords<'a>(pub(super) &'a Missing);
+
+impl Display for MissingWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Missing::Frames { needed } => write!(f, "{needed} are needed"),
+            Missing::Contrast { sum, needed } => {
+                write!(f, "a contrast with the verge that sums up to {sum:.2}, {needed:.2} is needed")
+            }
+            Missing::Distance { sigma_m, most_m } => {
+                write!(f, "a distance known to {sigma_m:.2} m, {most_m:.2} m is needed")
+            }
+        }
+    }
+}
+
+/// The weakest sub-mask against the threshold, and those that took no part.
+pub(super) struct MatchWords<'a>(pub(super) &'a Match, pub(super) Option<f64>);
+
+impl Display for MatchWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(matched, needed_p) = self;
+        match matched.weakest.and_then(|i| matched.subs.get(i)) {
+            Some(sub) => {
+                let what = if sub.kind == SubMaskKind::DrivingLine { "weakest" } else { "weakest arm" };
+                let p = sub.p.unwrap_or(0.0);
+                write!(f, "{what} {} {p:.2}{}", sub.label, Threshold(*needed_p))?;
+            }
+            None => f.write_str("no arm is seen")?,
+        }
+        if let Some(contrast) = matched.contrast() {
+            write!(f, "; contrast with the verge {}", Hundredths(contrast))?;
+        }
+        let mut separator = ";";
+        for sub in &matched.subs {
+            let where_it_is = match sub.participation {
+                Participation::TakesPart => continue,
+                Participation::CutByValidity => "outside the picture",
+                Participation::TooShort => "out of view",
+            };
+            write!(f, "{separator} {} {where_it_is}", sub.label)?;
+            separator = ",";
+        }
+        Ok(())
+    }
+}
+
+/// The lane's edges, left and right, as a sentence has them.
+pub(super) struct LaneWords {
+    /// For how many frames each has been kept without being seen; none where it is not given out.
+    pub(super) kept_frames: [Option<u32>; 2],
+    /// Whether each is followed, given out or not.
+    pub(super) followed: [bool; 2],
+}
+
+impl Display for LaneWords {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match (self.kept_frames, self.followed) {
+            ([Some(0), Some(0)], _) => return f.write_str("both edges of the lane are seen"),
+            ([None, None], [false, false]) => return f.write_str("no edge of a lane is seen"),
+            _ => {}
+        }
+        let edges = self.kept_frames.into_iter().zip(self.followed);
+        for (subject, (kept_frames, followed)) in
+            ["the lane's left edge ", ", its right edge "].into_iter().zip(edges)
+        {
+            f.write_str(subject)?;
+            match kept_frames {
+                Some(0) => f.write_str("is seen")?,
+                Some(1) => f.write_str("is not seen and kept")?,
+                Some(frames) => write!(f, "has not been seen for {frames} frames and is kept")?,
+                None if followed => f.write_str("is not sure yet")?,
+                None => f.write_str("is not seen")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How the lane is left, as the end of a sentence has it; nothing while it is not.
+pub(super) struct DepartureWords<'a>(pub(super) &'a DepartureOutput);
+
+impl Display for DepartureWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let because = match (self.0.warning, self.0.silence) {
+            (Some(Side::Left), _) => {
+                return f.write_str("; warning: the vehicle leaves the lane to the left");
+            }
+            (Some(Side::Right), _) => {
+                return f.write_str("; warning: the vehicle leaves the lane to the right");
+            }
+            (None, None) => return Ok(()),
+            (None, Some(Silence::TurnSignal)) => "the driver signals",
+            (None, Some(Silence::Slow)) => "the vehicle is slow",
+            (None, Some(Silence::LaneChange)) => "the lane is being changed",
+            (None, Some(Silence::CoolDown)) => "there has just been a warning",
+        };
+        write!(f, "; a wheel is at an edge, no warning because {because}")
+    }
+}
