@@ -9,7 +9,7 @@ use crate::LatLon;
 use crate::osm::{OsmData, OsmError, OsmNode, OsmWay};
 use crate::osm_budget::Budget;
 
-/// Reads nodes and highways in the file's order, block by block: an unpacked block is no larger than 32 MB.
+/// Reads nodes and highways in the file's order, block by block; what the decoder takes for a block is not counted.
 pub(crate) fn read(bytes: &[u8], memory_bytes: usize) -> Result<OsmData, OsmError> {
     let mut reading = Reading { data: OsmData::default(), budget: Budget::new(memory_bytes) };
     for blob in BlobReader::new(Cursor::new(bytes)) {

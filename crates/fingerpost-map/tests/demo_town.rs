@@ -69,3 +69,20 @@ fn the_features_are_apart_and_the_roads_wide_enough() {
     }
     assert!(length_m - last_m > CLEARANCE_M);
 }
+
+#[test]
+fn every_route_that_is_planned_is_read_back() {
+    let graph = RoadGraph::from_osm(&OsmData::from_bytes(TOWN).unwrap()).unwrap();
+    let places: Vec<LatLon> = graph.nodes().iter().map(|node| node.at).collect();
+    let mut read_back = 0;
+    for (i, from) in places.iter().enumerate().step_by(5) {
+        // A stride that has no factor in common with most counts of nodes: all parts of the town are paired.
+        let to = places[(i * 37 + 11) % places.len()];
+        let Ok(route) = plan(&graph, &[*from, to], &FeatureOptions::default()) else { continue };
+        let text = write_route(&route).unwrap();
+        let read = read_route(&text).unwrap_or_else(|error| panic!("{from:?} to {to:?}: {error}"));
+        assert_eq!(write_route(&read).unwrap(), text);
+        read_back += 1;
+    }
+    assert!(read_back > 40, "{read_back} routes");
+}
