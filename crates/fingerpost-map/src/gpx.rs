@@ -143,7 +143,8 @@ const DAY_S: i64 = 86_400;
 const MOST_ZONE_HOURS: i64 = 14;
 
 /// An ISO 8601 date and time ("2011-10-03T12:55:34.5Z", "...+02:00") of the years 1 to 9999 as seconds since 1970-01-01 00:00
-/// UTC; a time without a zone is UTC, as GPX has it. A leap second (60) may end an hour, as RFC 3339 allows it. `None` for
+/// UTC; a time without a zone is UTC, as GPX has it. A leap second (60) may end any hour: no table
+/// of them is kept, and in zones of half an hour they end other ones in local time. `None` for
 /// anything else: days that the calendar does not have, 24:00, zones beyond 14 hours.
 fn parse_time_s(text: &str) -> Option<f64> {
     let (date, clock) = text.trim().split_once(['T', ' '])?;

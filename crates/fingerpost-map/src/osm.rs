@@ -75,7 +75,7 @@ pub enum OsmError {
     /// More data than may be held.
     #[error(
         "the map takes more than the {limit_mb} MB of memory that it may take; cut out the area that is driven (osmium \
-         extract), or allow more"
+         extract)"
     )]
     TooLarge {
         /// The memory that it may take, megabytes.

@@ -25,10 +25,19 @@ impl Budget {
         self.take(GROWTH * size_of::<OsmNode>())
     }
 
-    /// Takes what a way needs.
-    pub(crate) fn take_way(&mut self, way: &OsmWay) -> Result<(), OsmError> {
-        let texts: usize = way.tags.iter().map(|(key, value)| key.len() + value.len() + OVERHEAD_BYTES).sum();
-        self.take(GROWTH * size_of::<OsmWay>() + texts + size_of::<i64>().saturating_mul(way.nodes.len()))
+    /// Takes what a way needs beside its nodes and tags.
+    pub(crate) fn take_way(&mut self) -> Result<(), OsmError> {
+        self.take(GROWTH * size_of::<OsmWay>())
+    }
+
+    /// Takes what one node of a way needs.
+    pub(crate) fn take_reference(&mut self) -> Result<(), OsmError> {
+        self.take(GROWTH * size_of::<i64>())
+    }
+
+    /// Takes what a tag needs; asked before its texts are copied, since many tags of a PBF block may be the same long text.
+    pub(crate) fn take_tag(&mut self, key: &str, value: &str) -> Result<(), OsmError> {
+        self.take(OVERHEAD_BYTES.saturating_add(key.len()).saturating_add(value.len()))
     }
 
     fn take(&mut self, bytes: usize) -> Result<(), OsmError> {

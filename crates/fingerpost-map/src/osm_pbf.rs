@@ -42,10 +42,18 @@ impl Reading {
                 Element::DenseNode(node) => self.node(node.id(), node.nano_lat(), node.nano_lon())?,
                 Element::Way(way) => {
                     if way.tags().any(|(key, _)| key == "highway") {
-                        let tags: BTreeMap<String, String> =
-                            way.tags().map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
-                        let way = OsmWay { id: way.id(), nodes: way.refs().collect(), tags };
-                        self.budget.take_way(&way)?;
+                        self.budget.take_way()?;
+                        let mut tags = BTreeMap::new();
+                        for (key, value) in way.tags() {
+                            self.budget.take_tag(key, value)?;
+                            tags.insert(key.to_owned(), value.to_owned());
+                        }
+                        let mut nodes = Vec::new();
+                        for node in way.refs() {
+                            self.budget.take_reference()?;
+                            nodes.push(node);
+                        }
+                        let way = OsmWay { id: way.id(), nodes, tags };
                         self.data.ways.push(way);
                     }
                 }

@@ -128,7 +128,10 @@ impl Document {
             && !self.way_is_deleted
             && way.tags.contains_key("highway")
         {
-            self.budget.take_way(&way)?;
+            // XML holds every text as often as it is used: what a way takes is no more than its part of the file.
+            self.budget.take_way()?;
+            way.tags.iter().try_for_each(|(key, value)| self.budget.take_tag(key, value))?;
+            way.nodes.iter().try_for_each(|_| self.budget.take_reference())?;
             self.data.ways.push(way);
         }
         Ok(())
