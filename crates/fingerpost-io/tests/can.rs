@@ -168,6 +168,16 @@ fn a_log_that_steps_back_in_time_is_refused_with_the_line() {
 }
 
 #[test]
+fn times_of_no_clock_are_no_lines_of_a_log() {
+    for time in ["1e17", "1e300", "-1.7e308", "1.7e308", "inf", "NaN", "10000000001"] {
+        assert!(parse_candump_line(&format!("({time}) can0 123#00")).is_none(), "{time}");
+    }
+    for time in ["0", "-5.5", "1700000000.25", "10000000000"] {
+        assert!(parse_candump_line(&format!("({time}) can0 123#00")).is_some(), "{time}");
+    }
+}
+
+#[test]
 fn what_is_no_log_and_no_database_is_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("notes.txt");

@@ -280,6 +280,11 @@ fn a_device_without_an_end_is_no_input() {
     call_line(&line.replace(&route, "/dev/zero")).refused(1, &["/dev/zero", zero]);
     let can = format!("{line} --config {} --can", config.display());
     call_line(&format!("{can} /dev/null --dbc /dev/zero")).refused(1, &["/dev/zero", zero]);
+    let dbc = out.path().join("car.dbc");
+    fs::write(&dbc, fingerpost_sim::BUS_DATABASE).unwrap();
+    fs::write(&config, fingerpost_sim::BUS_SETTINGS).unwrap();
+    call_line(&format!("{can} /dev/zero --dbc {}", dbc.display()))
+        .refused(1, &["/dev/zero", "a line of it has no end"]);
     let planned = "--from 47.2,9.5 --to 47.3,9.5 --out";
     let route = out.path().join("route.geojson");
     call_line(&format!("route --map /dev/zero {planned} {}", route.display()))

@@ -22,6 +22,10 @@ const EXTENDED_DIGITS: usize = 8;
 const STANDARD_DIGITS: usize = 3;
 /// Bytes of a line at the most; one of CAN FD has 200. What goes on for longer is no log, and need not fit into memory.
 const MOST_LINE_BYTES: u64 = 4096;
+/// Bytes after which a line is no line of any file, but an input without an end.
+const MOST_SKIPPED_BYTES: u64 = 1 << 30;
+/// Largest time to either side of zero, seconds: 1970 and 317 years.
+const LARGEST_S: f64 = 1e10;
 /// How far a log's clock may step back, seconds: frames of several interfaces are written a little out of step, and a clock that
 /// is set by the network is moved by less while it runs.
 const MOST_OUT_OF_STEP_S: f64 = 1.0;
@@ -137,23 +141,31 @@ impl CanLogFrames {
     }
 }
 
-/// Reads up to the end of a line; of one that is too long the rest is passed over, and `line` is left empty.
+/// Reads up to the end of a line; of one that is too long the rest is passed over, up to a gigabyte, and `line` is left empty.
 fn read_line(reader: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<usize> {
     let mut read = (&mut *reader).take(MOST_LINE_BYTES).read_until(b'\n', line)?;
     if read as u64 == MOST_LINE_BYTES && !line.ends_with(b"\n") {
         line.clear();
-        read += reader.skip_until(b'\n')?;
+        let mut rest = (&mut *reader).take(MOST_SKIPPED_BYTES);
+        let skipped = rest.skip_until(b'\n')?;
+        if rest.limit() == 0 {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a line of it has no end"));
+        }
+        read += skipped;
     }
     Ok(read)
 }
 
-/// The frame of a line; `Some(None)` for one without data, none for a line that is no log's.
+/// The frame of a line; `Some(None)` for one without data, none for a line that is no log's, and for a time beyond 1e10 seconds.
 pub fn parse_candump_line(line: &str) -> Option<Option<LogFrame<'_>>> {
     let mut words = line.split_ascii_whitespace();
     let t_s: f64 = words.next()?.strip_prefix('(')?.strip_suffix(')')?.parse().ok()?;
     let interface = words.next()?;
     let (id, rest) = words.next()?.split_once('#')?;
-    if !t_s.is_finite() || !matches!((words.next(), words.next()), (None | Some("R" | "T"), None)) {
+    if t_s.is_nan()
+        || t_s.abs() > LARGEST_S
+        || !matches!((words.next(), words.next()), (None | Some("R" | "T"), None))
+    {
         return None;
     }
     // A number of Rust's may begin with a sign.

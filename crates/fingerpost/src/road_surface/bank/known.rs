@@ -19,9 +19,17 @@ pub enum SurfacesError {
         /// Version that is read.
         expected: u32,
     },
+    /// There are more surfaces than any bank holds.
+    #[error(
+        "there are {found} known surfaces, and at most {MOST_SURFACES} are read; take out those that are not met any more"
+    )]
+    TooMany {
+        /// How many there are.
+        found: usize,
+    },
     /// A surface's histogram cannot be one.
     #[error(
-        "the surface {name:?} has a bin {bin} of mass {mass}; give bins below {bins} and masses that are numbers of at least 0"
+        "the surface {name:?} has a bin {bin} of mass {mass}; give bins below {bins} and masses from 0 to {MOST_MASS:e}"
     )]
     Histogram {
         /// Name of the surface.
@@ -35,6 +43,10 @@ pub enum SurfacesError {
     },
 }
 
+/// Most surfaces of a file: as many as a bank may be set to hold. Each is a whole histogram in memory.
+const MOST_SURFACES: usize = 64;
+/// Largest mass of a bin: more than the pixels of a long drive, and sums of it stay exact.
+const MOST_MASS: f64 = 1e12;
 /// Version of the file's form.
 const VERSION: u32 = 1;
 
@@ -97,6 +109,9 @@ impl SurfaceFile {
         if self.version != VERSION {
             return Err(SurfacesError::Version { found: self.version, expected: VERSION });
         }
+        if self.surfaces.len() > MOST_SURFACES {
+            return Err(SurfacesError::TooMany { found: self.surfaces.len() });
+        }
         self.surfaces.iter().map(SurfaceRecord::surface).collect()
     }
 }
@@ -108,7 +123,7 @@ impl SurfaceRecord {
         let mut masses = vec![0.0; bins];
         for &(bin, mass) in &self.histogram {
             let place = masses.get_mut(bin).ok_or(refused(bin, mass))?;
-            if !(mass >= 0.0 && mass.is_finite()) {
+            if !(0.0..=MOST_MASS).contains(&mass) {
                 return Err(refused(bin, mass));
             }
             *place = mass;
@@ -187,5 +202,34 @@ pub(super) fn name_of(histogram: &Histogram) -> &'static str {
         grey if grey >= 150.0 => "concrete",
         _ if look.paleness > 4.0 => "gravel",
         _ => "asphalt",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(surfaces: usize, mass: f64) -> SurfaceFile {
+        let record =
+            SurfaceRecord { name: "asphalt".to_owned(), frames: 1, histogram: vec![(1, mass), (2, mass)] };
+        SurfaceFile { version: VERSION, surfaces: vec![record; surfaces] }
+    }
+
+    #[test]
+    fn what_is_read_is_as_many_surfaces_of_mass_1_as_a_bank_holds() {
+        for mass in [1e-300, 1e-6, 0.5, 1.0, 1e12] {
+            for surface in file(2, mass).surfaces().unwrap() {
+                let sum: f64 = surface.histogram.masses().iter().sum();
+                assert!((sum - 1.0).abs() < 1e-9, "{mass}: {sum}");
+            }
+        }
+        for mass in [-1.0, 1.1e12, 1.7e308, f64::INFINITY, f64::NAN] {
+            let refused = file(1, mass).surfaces();
+            assert!(matches!(refused, Err(SurfacesError::Histogram { bin: 1, .. })), "{mass}");
+        }
+        assert_eq!(file(64, 1.0).surfaces().map(|surfaces| surfaces.len()), Ok(64));
+        for found in [65, 1000, 600_000] {
+            assert_eq!(file(found, 1.0).surfaces().unwrap_err(), SurfacesError::TooMany { found });
+        }
     }
 }
