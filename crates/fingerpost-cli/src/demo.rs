@@ -87,7 +87,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         overlap::each(Overlap::Writing, results, |result| recorder.add(result))
     });
     let frames = recorder.frames();
-    let complete = followed.is_ok() && frames == simulator.frames();
+    let complete = followed.is_ok() && frames == simulator.frames() as u64;
     let summary =
         recorder.finish(if complete { RunEnd::Complete } else { RunEnd::Interrupted }, None, Some(&truth));
     followed.with_context(|| format!("the demo ended after {frames} frames"))?;

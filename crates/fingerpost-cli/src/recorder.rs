@@ -4,13 +4,15 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use anyhow::Result;
-use fingerpost_eval::{FeatureIdentity, evaluate_junctions, feature_summaries};
-use fingerpost_format::{FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord};
+use anyhow::{Context, Result};
+use fingerpost_eval::{FeatureIdentity, FeatureOutcomes, evaluate_junctions};
+use fingerpost_format::{
+    FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord, TruthSummary, json_lines,
+};
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
 use fingerpost_report::{
-    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, report_html,
+    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };
 use indicatif::ProgressBar;
 
@@ -76,7 +78,7 @@ pub(crate) struct Subject {
     pub(crate) picture_px: [u32; 2],
 }
 
-/// Writes the results of a run.
+/// Writes the results of a run. What it keeps of a frame does not grow with their number.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     folder: RunFolder,
@@ -84,9 +86,15 @@ pub(crate) struct Recorder {
     wishes: Wishes,
     video: Option<VideoWriter>,
     key_frames: KeyFrames,
-    records: Vec<FrameRecord>,
+    timeline: Timeline,
+    outcomes: FeatureOutcomes,
+    mount_faults: Vec<MountFaultRecord>,
+    /// The frame before.
+    last: Option<FrameRecord>,
     times: StageTimes,
+    frames: u64,
     broken_frames: u64,
+    lost_frames: u64,
     started: Instant,
     bar: ProgressBar,
 }
@@ -107,21 +115,26 @@ impl Recorder {
             .transpose()?;
         Ok(Self {
             folder,
+            outcomes: FeatureOutcomes::new(&subject.features),
             subject,
             wishes,
             video,
             key_frames: KeyFrames::default(),
-            records: Vec::new(),
+            timeline: Timeline::default(),
+            mount_faults: Vec::new(),
+            last: None,
             times: StageTimes::default(),
+            frames: 0,
             broken_frames: 0,
+            lost_frames: 0,
             started: Instant::now(),
             bar,
         })
     }
 
     /// Frames recorded, broken ones with them.
-    pub(crate) fn frames(&self) -> usize {
-        self.records.len()
+    pub(crate) fn frames(&self) -> u64 {
+        self.frames
     }
 
     /// Frames that could not be used.
@@ -131,7 +144,7 @@ impl Recorder {
 
     /// Whether no frame could be used.
     pub(crate) fn nothing_used(&self) -> bool {
-        self.broken_frames == self.records.len() as u64
+        self.broken_frames == self.frames
     }
 
     /// Adds a frame.
@@ -170,14 +183,23 @@ impl Recorder {
         self.bar.suspend(|| output::message(&format!("frame {} is passed over: {error}", time.frame)));
         self.broken_frames += 1;
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
-        let record = broken_record(time, self.records.last(), at_first, error);
+        let record = broken_record(time, self.last.as_ref(), at_first, error);
         self.keep(record)
     }
 
     fn keep(&mut self, record: FrameRecord) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
-        self.records.push(essence(record));
+        self.frames += 1;
+        self.lost_frames += u64::from(record.state == TrackState::Lost);
+        self.timeline.add(&record, None);
+        self.outcomes.add(&record);
+        let fault = record.mount.as_ref().and_then(|mount| mount.fault.as_ref());
+        if let Some(fault) = fault.filter(|fault| self.mount_faults.last() != Some(fault)) {
+            // The moves of the camera, each once.
+            self.mount_faults.push(fault.clone());
+        }
+        self.last = Some(record);
         Ok(())
     }
 
@@ -192,30 +214,28 @@ impl Recorder {
         let elapsed_s = self.started.elapsed().as_secs_f64();
         self.bar.finish_and_clear();
         let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
-        let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
-        let truth = truth.filter(|_| !self.records.is_empty());
-        let evaluation = truth.map(|truth| evaluate_junctions(&self.records, truth, &ids)).transpose();
-        let state_count = |state| self.records.iter().filter(|record| record.state == state).count() as u64;
+        let compared = truth.filter(|_| self.frames > 0).map(|truth| self.compare(truth)).transpose();
+        let of_truth = compared.as_ref().ok().and_then(Option::as_ref);
         let summary = Summary {
-            frames: self.records.len() as u64,
+            frames: self.frames,
             picture_px: Some(self.subject.picture_px),
             broken_frames: self.broken_frames,
             // A tenth of a frame a second is all that repeats.
-            fps: (10.0 * self.records.len() as f64 / elapsed_s.max(1e-9)).round() / 10.0,
+            fps: (10.0 * self.frames as f64 / elapsed_s.max(1e-9)).round() / 10.0,
             stage_ms: self.times.summary(),
-            features: feature_summaries(&self.records, &self.subject.features),
-            lost_frames: state_count(TrackState::Lost),
-            mount_faults: mount_faults(&self.records),
-            truth: evaluation.as_ref().ok().and_then(|of_truth| Some(of_truth.as_ref()?.summary.clone())),
+            features: self.outcomes.into_summaries(),
+            lost_frames: self.lost_frames,
+            mount_faults: self.mount_faults,
+            truth: of_truth.map(|(of_truth, _)| of_truth.clone()),
             interrupted: end == RunEnd::Interrupted,
             input_broke_off: broke_off,
         };
         self.folder.write_summary(&summary)?;
         let report = report_html(&ReportInput {
             title: &self.wishes.title,
-            records: &self.records,
+            timeline: of_truth.map_or(&self.timeline, |(_, timeline)| timeline),
             summary: &summary,
-            truth: truth.filter(|_| evaluation.is_ok()),
+            truth: truth.filter(|_| of_truth.is_some()),
             route: self.subject.route.as_ref(),
             thresholds: self.subject.thresholds,
             config_toml: &self.subject.config_toml,
@@ -223,22 +243,25 @@ impl Recorder {
         });
         self.folder.write_report(&report)?;
         self.folder.finish()?;
-        evaluation?;
+        compared?;
         video?;
         Ok(summary)
     }
+
+    /// The run against truth, from what was written of it.
+    fn compare(&self, truth: &[TruthRecord]) -> Result<(TruthSummary, Timeline)> {
+        let path = self.folder.frames_path();
+        let text = fingerpost_io::read_text(&path)?;
+        let records: Result<Vec<FrameRecord>, _> =
+            json_lines(&text).map(|record| record.map(essence)).collect();
+        let records = records.with_context(|| path.display().to_string())?;
+        let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
+        let evaluation = evaluate_junctions(&records, truth, &ids)?;
+        Ok((evaluation.summary, Timeline::of(&records, Some(truth))))
+    }
 }
 
-/// The moves of the camera, each once.
-fn mount_faults(records: &[FrameRecord]) -> Vec<MountFaultRecord> {
-    let fault = |record: &FrameRecord| record.mount.as_ref().and_then(|mount| mount.fault.clone());
-    let mut faults: Vec<MountFaultRecord> = records.iter().filter_map(fault).collect();
-    faults.dedup();
-    faults
-}
-
-/// What the end of a run reads of a record. All of it is in the file, and a long run has many: what is kept of a frame
-/// decides how the memory grows.
+/// What a comparison with truth and its page read of a record: a long run has many at once then.
 fn essence(mut record: FrameRecord) -> FrameRecord {
     let departure = record.lanes.as_ref().and_then(|lanes| lanes.departure.as_ref());
     if record.state != TrackState::Lost && departure.is_none_or(|departure| departure.warning.is_none()) {

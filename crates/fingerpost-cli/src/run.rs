@@ -251,7 +251,7 @@ impl RecordedDrive {
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
         let promised = self.source.length().map(|length| length.min(args.frames.unwrap_or(u64::MAX)));
         let broke_off = self.broke_off.is_some();
-        let unusable = Unusable::new(frames as u64, recorder.broken_frames(), broke_off, promised);
+        let unusable = Unusable::new(frames, recorder.broken_frames(), broke_off, promised);
         let broke_off = self.broke_off.map(|cause| cause.to_string());
         let too_many = unusable.exceed(args.max_broken_pct);
         let stopped = interrupted || failure.is_some() || (broke_off.is_some() && too_many);

@@ -18,19 +18,40 @@ pub struct FeatureIdentity {
 /// Detected is the first frame in which the feature is tracked; arrived the first in state `arrived`; the highest P(F)
 /// counts in both states and in the search before. A route that passes the same node twice has it twice.
 pub fn feature_summaries(records: &[FrameRecord], features: &[FeatureIdentity]) -> Vec<FeatureSummary> {
-    let ids: Vec<i64> = features.iter().map(|feature| feature.id).collect();
-    let mut summaries: Vec<FeatureSummary> = features.iter().map(untouched).collect();
-    for sought in records.iter().filter_map(|record| record.sought.as_ref()) {
-        // A node that the route passes twice is searched for twice; the highest P(F) stands for both.
-        for summary in summaries.iter_mut().filter(|summary| summary.id == sought.id) {
-            summary.max_p = summary.max_p.into_iter().chain(sought.p).reduce(f64::max);
+    let mut outcomes = FeatureOutcomes::new(features);
+    records.iter().for_each(|record| outcomes.add(record));
+    outcomes.into_summaries()
+}
+
+/// What becomes of every feature, frame by frame: [`feature_summaries`] of a run that goes on.
+#[derive(Debug, Clone)]
+pub struct FeatureOutcomes {
+    ids: Vec<i64>,
+    summaries: Vec<FeatureSummary>,
+    places: PlacesInRoute,
+}
+
+impl FeatureOutcomes {
+    /// Nothing seen yet of the route's features.
+    pub fn new(features: &[FeatureIdentity]) -> Self {
+        Self {
+            ids: features.iter().map(|feature| feature.id).collect(),
+            summaries: features.iter().map(untouched).collect(),
+            places: PlacesInRoute::default(),
         }
     }
-    for (record, place) in records.iter().zip(places_in_route(records, &ids)) {
-        let Some((summary, feature)) = place.and_then(|i| summaries.get_mut(i)).zip(record.feature.as_ref())
-        else {
-            continue;
-        };
+
+    /// Goes on with the next frame.
+    pub fn add(&mut self, record: &FrameRecord) {
+        if let Some(sought) = &record.sought {
+            // A node that the route passes twice is searched for twice; the highest P(F) stands for both.
+            for summary in self.summaries.iter_mut().filter(|summary| summary.id == sought.id) {
+                summary.max_p = summary.max_p.into_iter().chain(sought.p).reduce(f64::max);
+            }
+        }
+        let place = self.places.next(record, &self.ids);
+        let summary = place.and_then(|place| self.summaries.get_mut(place));
+        let Some((summary, feature)) = summary.zip(record.feature.as_ref()) else { return };
         match record.state {
             TrackState::Tracking if summary.detected_frame.is_none() => {
                 summary.detected_frame = Some(record.frame);
@@ -45,7 +66,11 @@ pub fn feature_summaries(records: &[FrameRecord], features: &[FeatureIdentity]) 
             summary.max_p = summary.max_p.into_iter().chain(feature.p).reduce(f64::max);
         }
     }
-    summaries
+
+    /// What became of them, in the order of the route.
+    pub fn into_summaries(self) -> Vec<FeatureSummary> {
+        self.summaries
+    }
 }
 
 fn untouched(feature: &FeatureIdentity) -> FeatureSummary {
@@ -64,17 +89,20 @@ fn untouched(feature: &FeatureIdentity) -> FeatureSummary {
 ///
 /// Records name nodes and a route may pass a node twice: features are taken in the order of the route, and one that was
 /// arrived at is not followed again.
-pub(crate) fn places_in_route(records: &[FrameRecord], ids: &[i64]) -> Vec<Option<usize>> {
-    let (mut from, mut arrived) = (0, false);
-    records
-        .iter()
-        .map(|record| {
-            let feature = record.feature.as_ref()?;
-            let behind_arrival = usize::from(arrived && record.state == TrackState::Tracking);
-            let place = (from + behind_arrival..ids.len()).find(|&i| ids[i] == feature.id)?;
-            arrived = record.state == TrackState::Arrived || (arrived && place == from);
-            from = place;
-            Some(place)
-        })
-        .collect()
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PlacesInRoute {
+    from: usize,
+    arrived: bool,
+}
+
+impl PlacesInRoute {
+    /// The feature of the next record; `ids` are those of the route's features.
+    pub(crate) fn next(&mut self, record: &FrameRecord, ids: &[i64]) -> Option<usize> {
+        let feature = record.feature.as_ref()?;
+        let behind_arrival = usize::from(self.arrived && record.state == TrackState::Tracking);
+        let place = (self.from + behind_arrival..ids.len()).find(|&i| ids[i] == feature.id)?;
+        self.arrived = record.state == TrackState::Arrived || (self.arrived && place == self.from);
+        self.from = place;
+        Some(place)
+    }
 }

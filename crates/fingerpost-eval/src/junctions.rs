@@ -6,7 +6,7 @@ use fingerpost_format::{ErrorQuantiles, FeatureRecord, FrameRecord, TrackState, 
 use serde::Serialize;
 
 use crate::error::check_ascending;
-use crate::features::places_in_route;
+use crate::features::PlacesInRoute;
 use crate::motion::distance_error_pct;
 use crate::pose::poses_from_truth;
 use crate::truth_features::TruthFeatures;
@@ -57,14 +57,15 @@ pub fn evaluate_junctions(
     let driven: Vec<TruthRecord> = by_frame.values().map(|&truth| truth.clone()).collect();
     // A run without a route has nothing to find, whatever the truth holds.
     let features = TruthFeatures::new(if route_ids.is_empty() { &[] } else { &driven }, route_ids)?;
-    let places = places_in_route(records, route_ids);
+    let mut places = PlacesInRoute::default();
 
     let mut detected = vec![false; route_ids.len()];
     let mut arrived = vec![false; route_ids.len()];
     let mut false_detections = 0;
     let (mut errors_m, mut arrived_errors_m) = (Vec::new(), Vec::new());
     let mut followed_before = None;
-    for (record, place) in records.iter().zip(places) {
+    for record in records {
+        let place = places.next(record, route_ids);
         if record.error.is_some() {
             continue;
         }

@@ -19,7 +19,7 @@ mod truth_features;
 
 pub use campaign::CampaignTally;
 pub use error::EvalError;
-pub use features::{FeatureIdentity, feature_summaries};
+pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
 pub use lanes::{
     LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneError, LaneEvaluation, LaneMean,

@@ -26,7 +26,7 @@ pub use frame_record::{
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
-pub use lines::{LinesError, from_json_lines, to_json_line};
+pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };

@@ -27,11 +27,14 @@ pub enum LinesError {
 /// # Errors
 /// [`LinesError::Parse`] names the first line that is no such record.
 pub fn from_json_lines<T: DeserializeOwned>(text: &str) -> Result<Vec<T>, LinesError> {
-    text.lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty())
+    json_lines(text).collect()
+}
+
+/// The records of a text one after the other, for a reader that keeps but a part of each.
+pub fn json_lines<T: DeserializeOwned>(text: &str) -> impl Iterator<Item = Result<T, LinesError>> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    lines
         .map(|(i, line)| serde_json::from_str(line).map_err(|cause| LinesError::Parse { line: i + 1, cause }))
-        .collect()
 }
 
 /// A record as one line, line end included.

@@ -134,6 +134,11 @@ impl RunFolder {
         Ok(self.frames.finish()?)
     }
 
+    /// Where the records are: every one that was added is there to be read.
+    pub fn frames_path(&self) -> PathBuf {
+        self.path().join(FRAMES_FILE)
+    }
+
     /// Where the annotated video belongs.
     pub fn video_path(&self) -> PathBuf {
         self.path().join("annotated.mp4")

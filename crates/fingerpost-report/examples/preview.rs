@@ -7,7 +7,7 @@ use std::fs::File;
 use std::path::Path;
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
-use fingerpost_report::{ReportInput, StagePictures, Thresholds, compose, report_html};
+use fingerpost_report::{ReportInput, StagePictures, Thresholds, Timeline, compose, report_html};
 use fingerpost_vision::picture::RgbImage;
 use painted_run::painted_run;
 
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         });
         let input = ReportInput {
             title: "painted drive",
-            records: &run.records,
+            timeline: &Timeline::of(&run.records, Some(&run.truth)),
             summary: &run.summary,
             truth: Some(&run.truth),
             route: Some(&run.route),

@@ -7,12 +7,13 @@ mod lane;
 mod map;
 mod tables;
 
-use fingerpost_format::{FrameRecord, Summary, TruthRecord};
+use fingerpost_format::{Summary, TruthRecord};
 use fingerpost_map::Route;
 use maud::{DOCTYPE, PreEscaped, html};
 
 pub(crate) use self::chart::{joined, number, px};
 use crate::key_frames::KeyFrames;
+use crate::timeline::Timeline;
 
 /// P(F) from which a feature counts as seen, and as confirmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +29,8 @@ pub struct Thresholds {
 pub struct ReportInput<'a> {
     /// Title of the page: what was run on.
     pub title: &'a str,
-    /// Every frame of the run.
-    pub records: &'a [FrameRecord],
+    /// The run over time.
+    pub timeline: &'a Timeline,
     /// The run in numbers.
     pub summary: &'a Summary,
     /// Truth of the frames, where there is one.
@@ -71,9 +72,9 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
                 @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
                 h2 { "Over time" }
                 (curves::curves(input))
-                @if let Some(lane) = lane::lane(input.records) { h2 { "Lane" } (lane) }
+                @if let Some(lane) = lane::lane(input.timeline) { h2 { "Lane" } (lane) }
                 h2 { "Losses" }
-                (tables::losses(input))
+                (tables::losses(input.timeline))
                 @if !input.summary.stage_ms.is_empty() {
                     h2 { "Time a stage takes" }
                     (tables::stage_times(input.summary))

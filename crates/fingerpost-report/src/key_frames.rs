@@ -3,11 +3,12 @@
 //! [`KeyFrameChoice::consider`] says from a frame's output and evidence alone whether the frame is wanted, so that nothing
 //! is drawn in vain; [`ChosenFrame::draw`] draws it while its evidence is there, and [`KeyFrames::add`] keeps the pictures
 //! as JPEG, later and elsewhere if need be. What is kept is bounded: of each feature three frames, of losses the first
-//! few, and of the time in which nothing is followed an even spread that is thinned as the run goes on.
+//! few, and of the time in which nothing is followed an even spread that is thinned as the run goes on. Where the pictures
+//! of many features take too much, those of the features with the strongest matches give way.
 
 mod choice;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
@@ -46,6 +47,19 @@ pub enum KeyReason {
     Spread,
 }
 
+impl KeyReason {
+    /// Index in the route of the feature that it is about.
+    fn feature(self) -> Option<usize> {
+        match self {
+            Self::Detection { feature }
+            | Self::Arrival { feature }
+            | Self::Loss { feature }
+            | Self::WeakestMatch { feature } => Some(feature),
+            Self::FirstFrame | Self::Spread => None,
+        }
+    }
+}
+
 /// One picture of a key frame.
 #[derive(Debug, Clone)]
 pub struct KeyPicture {
@@ -70,6 +84,8 @@ pub struct KeyFrame {
     pub reason: KeyReason,
     /// The feature it is about: kind, number and name; empty where it is about none.
     pub feature: String,
+    /// P(F) of the followed feature; none where nothing was followed or seen.
+    pub match_p: Option<f64>,
     /// What was decided in it and what decided it.
     pub why: String,
     /// The composed picture first, then one a stage.
@@ -94,18 +110,13 @@ impl ChosenFrame {
             picture: compose(scene),
         }];
         drawn.extend(StagePictures::draw(scene).pictures);
-        let feature = match reason {
-            KeyReason::Detection { feature }
-            | KeyReason::Arrival { feature }
-            | KeyReason::Loss { feature }
-            | KeyReason::WeakestMatch { feature } => scene.setting.features.get(feature),
-            KeyReason::FirstFrame | KeyReason::Spread => None,
-        };
+        let feature = reason.feature().and_then(|feature| scene.setting.features.get(feature));
         let feature = feature.map_or_else(String::new, |model| {
             format!("{} {} {}", crate::palette::kind(model.kind), model.id, model.name).trim_end().to_owned()
         });
+        let match_p = scene.output.track.followed.as_ref().and_then(|followed| followed.matched.p);
         let (frame, t_s, why) = (scene.frame, scene.t_s, scene.output.why.clone());
-        let key = KeyFrame { frame, t_s, reason, feature, why, pictures: Vec::new() };
+        let key = KeyFrame { frame, t_s, reason, feature, match_p, why, pictures: Vec::new() };
         DrawnFrame { key, spread_stride, drawn }
     }
 }
@@ -114,7 +125,12 @@ impl ChosenFrame {
 #[derive(Debug, Clone, Default)]
 pub struct KeyFrames {
     kept: BTreeMap<(KeyReason, u64), KeyFrame>,
+    features_left_out: BTreeSet<usize>,
 }
+
+/// Bytes that all pictures together may take: as text in a page a third more, which browsers still open at once and mail
+/// still takes.
+const MAX_PICTURE_BYTES: usize = 12 << 20;
 
 /// JPEG quality of the pictures, 1 to 100: lettering stays clean and a key frame takes about 250 kB.
 const JPEG_QUALITY: u8 = 82;
@@ -138,13 +154,46 @@ impl KeyFrames {
         frames
     }
 
+    /// Number of features whose frames gave way to those of others.
+    pub(crate) fn features_left_out(&self) -> usize {
+        self.features_left_out.len()
+    }
+
     fn keep(&mut self, key: KeyFrame, spread_stride: u64) {
+        let newest = key.reason.feature();
         if let KeyReason::WeakestMatch { .. } = key.reason {
             self.kept.retain(|(reason, _), _| *reason != key.reason);
         }
         self.kept.insert((key.reason, key.frame), key);
         self.kept
             .retain(|&(reason, frame), _| reason != KeyReason::Spread || frame.is_multiple_of(spread_stride));
+        self.features_left_out.retain(|feature| Some(*feature) != newest);
+        while self.picture_bytes() > MAX_PICTURE_BYTES {
+            let Some(strongest) = self.strongest_match(newest) else { break };
+            // Losses are few and say most.
+            let stays = |reason: KeyReason| {
+                matches!(reason, KeyReason::Loss { .. }) || reason.feature() != Some(strongest)
+            };
+            self.kept.retain(|&(reason, _), _| stays(reason));
+            self.features_left_out.insert(strongest);
+        }
+    }
+
+    fn picture_bytes(&self) -> usize {
+        self.kept.values().flat_map(|key| &key.pictures).map(|picture| picture.jpeg.len()).sum()
+    }
+
+    /// The feature whose weakest match in the kept frames is the strongest of all; `newest` is still followed.
+    fn strongest_match(&self, newest: Option<usize>) -> Option<usize> {
+        let mut weakest: BTreeMap<usize, f64> = BTreeMap::new();
+        for (&(reason, _), key) in &self.kept {
+            let feature = reason.feature().filter(|_| !matches!(reason, KeyReason::Loss { .. }));
+            if let Some(feature) = feature.filter(|feature| Some(*feature) != newest) {
+                let weakest = weakest.entry(feature).or_insert(f64::INFINITY);
+                *weakest = key.match_p.map_or(*weakest, |p| weakest.min(p));
+            }
+        }
+        weakest.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(feature, _)| feature)
     }
 }
 

@@ -15,6 +15,7 @@ mod road_sheet;
 mod scene;
 mod series;
 mod surface_plot;
+mod timeline;
 
 pub use html::{ReportInput, Thresholds, report_html};
 pub use key_frames::{ChosenFrame, DrawnFrame, KeyFrame, KeyFrameChoice, KeyFrames, KeyPicture, KeyReason};
@@ -22,6 +23,7 @@ pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictur
 pub use road_sheet::{RoadSheetCell, RoadSheetRow, road_sheet};
 pub use scene::{Scene, Setting};
 pub use surface_plot::{SurfacePlot, surface_svg};
+pub use timeline::Timeline;
 
 use thiserror::Error;
 

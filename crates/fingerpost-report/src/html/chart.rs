@@ -5,15 +5,15 @@ use std::ops::RangeInclusive;
 
 use maud::{Markup, html};
 
-use crate::series::{MAX_POINTS, thinned};
+use crate::series::Series;
 
 /// A curve.
-pub(crate) struct Curve {
+pub(crate) struct Curve<'a> {
     pub(crate) label: &'static str,
     /// CSS class that colours it.
     pub(crate) class: &'static str,
-    /// Seconds and value; none where there is no value.
-    pub(crate) points: Vec<(f64, Option<f64>)>,
+    /// The values over seconds.
+    pub(crate) values: &'a Series,
 }
 
 /// A stretch of time in a colour.
@@ -24,7 +24,7 @@ pub(crate) struct Band {
 }
 
 /// Curves over the same time.
-pub(crate) struct Chart {
+pub(crate) struct Chart<'a> {
     pub(crate) title: String,
     pub(crate) unit: &'static str,
     pub(crate) seconds: RangeInclusive<f64>,
@@ -36,7 +36,7 @@ pub(crate) struct Chart {
     pub(crate) strip: Vec<Band>,
     /// Values with a line across and their names.
     pub(crate) lines: Vec<(f64, String)>,
-    pub(crate) curves: Vec<Curve>,
+    pub(crate) curves: Vec<Curve<'a>>,
 }
 
 const WIDTH: f64 = 960.0;
@@ -47,19 +47,28 @@ const TOP: f64 = 12.0;
 const BOTTOM: f64 = 44.0;
 const STRIP: f64 = 10.0;
 
-impl Chart {
+impl Chart<'_> {
+    /// A chart with nothing in it yet.
+    pub(crate) fn over(
+        seconds: RangeInclusive<f64>,
+        title: &str,
+        unit: &'static str,
+        values: RangeInclusive<f64>,
+    ) -> Self {
+        let (bands, strip, lines, curves) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { title: title.to_owned(), unit, seconds, values, bands, strip, lines, curves }
+    }
+
     /// Whether there is anything to be seen in it.
     pub(crate) fn has_values(&self) -> bool {
-        self.curves.iter().flat_map(|curve| &curve.points).any(|(_, value)| value.is_some())
+        self.curves.iter().any(|curve| !curve.values.is_empty())
     }
 
     /// The chart as a figure.
     pub(crate) fn figure(&self) -> Markup {
         let (mut low, mut high) = (*self.values.start(), *self.values.end());
-        for y in
-            self.curves.iter().flat_map(|c| c.points.iter().filter_map(|p| p.1)).filter(|y| y.is_finite())
-        {
-            (low, high) = (low.min(y), high.max(y));
+        for (least, greatest) in self.curves.iter().filter_map(|curve| curve.values.extent()) {
+            (low, high) = (low.min(least), high.max(greatest));
         }
         let high = if high > low { high } else { low + 1.0 };
         let (t0, t1) = (*self.seconds.start(), self.seconds.end().max(self.seconds.start() + 1e-3));
@@ -98,7 +107,7 @@ impl Chart {
                         text x=(px(WIDTH - RIGHT - 4.0)) y=(px(y(*value) - 4.0)) text-anchor="end" { (label) }
                     }
                     @for curve in &self.curves {
-                        @for piece in thinned(&curve.points, MAX_POINTS) {
+                        @for piece in curve.values.pieces() {
                             @if let [(t, v)] = piece[..] {
                                 circle class=(curve.class) cx=(px(x(t))) cy=(px(y(v))) r="2" {}
                             } @else {

@@ -6,14 +6,14 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::chart::number;
-use super::tables::losses_begun;
 use crate::key_frames::{KeyFrame, KeyPicture, KeyReason};
 
 /// The key frames in the order of the run; frames in which nothing was followed apart, where others tell more.
 pub(crate) fn key_frames(input: &ReportInput<'_>) -> Markup {
     let frames = input.key_frames.frames();
     let losses = frames.iter().filter(|key| matches!(key.reason, KeyReason::Loss { .. })).count();
-    let losses_not_shown = losses_begun(input.records).count().saturating_sub(losses);
+    let losses_not_shown = input.timeline.losses.count.saturating_sub(losses);
+    let left_out = input.key_frames.features_left_out();
     let (spread, telling): (Vec<&KeyFrame>, Vec<&KeyFrame>) =
         frames.into_iter().partition(|key| key.reason == KeyReason::Spread);
     let anything = telling.iter().any(|key| key.reason != KeyReason::FirstFrame);
@@ -21,6 +21,9 @@ pub(crate) fn key_frames(input: &ReportInput<'_>) -> Markup {
         @for key in &telling { (key_frame(key)) }
         @if losses_not_shown > 0 {
             p { (losses_not_shown) " more losses are not shown." }
+        }
+        @if left_out > 0 {
+            p { "The features with the strongest matches (" (left_out) ") are not shown." }
         }
         @if !spread.is_empty() && anything {
             details {

@@ -1,39 +1,27 @@
 //! The lane of a run over time: its edges, its width, the speed across it, and the warnings of leaving it.
 
-use fingerpost_format::{DepartureRecord, FrameRecord, LanesRecord, Side};
+use fingerpost_format::Side;
 use maud::{Markup, html};
 
 use super::chart::{Chart, Curve};
-use super::curves::{bands, series};
+use super::curves::bands;
 use super::tables::list;
 use crate::palette;
+use crate::series::Series;
+use crate::timeline::Timeline;
 
 /// The charts; none where the run has no lane on the road.
-pub(crate) fn lane(records: &[FrameRecord]) -> Option<Markup> {
-    let (first, last) = records.first().zip(records.last())?;
-    let seconds = first.t_s..=last.t_s;
+pub(crate) fn lane(timeline: &Timeline) -> Option<Markup> {
+    let seconds = timeline.seconds.clone()?;
+    let lane = &timeline.lane;
     let chart = |title: &str, unit, values, curves| Chart {
-        title: title.to_owned(),
-        unit,
-        seconds: seconds.clone(),
-        values,
-        bands: Vec::new(),
-        strip: Vec::new(),
-        lines: Vec::new(),
         curves,
+        ..Chart::over(seconds.clone(), title, unit, values)
     };
-    let curve = |label, class, value: fn(&LanesRecord) -> Option<f64>| Curve {
-        label,
-        class,
-        points: series(records, |record| value(record.lanes.as_ref()?)),
-    };
-    let edges = vec![
-        curve("left", "one", |lanes| Some(lanes.left?.offset_m)),
-        curve("right", "three", |lanes| Some(lanes.right?.offset_m)),
-    ];
+    let edges = vec![curve("left", "one", &lane.left_m), curve("right", "three", &lane.right_m)];
     let edges = Chart {
-        bands: bands(records, warning),
-        strip: bands(records, silence),
+        bands: bands(timeline, &lane.warnings, |warning| warning.map(warning_band)),
+        strip: bands(timeline, &lane.silences, |because| because.as_deref().map(silence_band)),
         ..chart(
             "Edges of the lane beside the rear axle; coloured where the lane is left, below where that is passed over",
             "metres to the left",
@@ -41,51 +29,36 @@ pub(crate) fn lane(records: &[FrameRecord]) -> Option<Markup> {
             edges,
         )
     };
-    let width = vec![curve("width", "one", |lanes| lanes.width_m)];
-    let speed = vec![curve("to the left", "one", |lanes| lanes.departure.as_ref()?.lateral_speed_mps)];
+    let width = vec![curve("width", "one", &lane.width_m)];
+    let speed = vec![curve("to the left", "one", &lane.lateral_speed_mps)];
     let charts = [
         edges,
         chart("Width of the lane", "metres", 2.5..=4.5, width),
         chart("Speed across the lane", "metres a second", -0.5..=0.5, speed),
     ];
-    let begun: Vec<&FrameRecord> = warnings_begun(records).collect();
     charts[0].has_values().then(|| {
         html! {
             @for chart in charts.iter().filter(|chart| chart.has_values()) { (chart.figure()) }
-            @if begun.is_empty() { p { "There was no warning of leaving the lane." } } @else {
+            @if lane.warnings_begun.count == 0 { p { "There was no warning of leaving the lane." } } @else {
                 h3 { "Warnings of leaving the lane" }
-                (list(&begun, |record| &record.why))
+                (list(&lane.warnings_begun))
             }
         }
     })
 }
 
-fn departure(record: &FrameRecord) -> Option<&DepartureRecord> {
-    record.lanes.as_ref()?.departure.as_ref()
+fn curve<'a>(label: &'static str, class: &'static str, values: &'a Series) -> Curve<'a> {
+    Curve { label, class, values }
 }
 
-fn warned(record: &FrameRecord) -> Option<Side> {
-    departure(record)?.warning
-}
-
-fn warning(record: &FrameRecord) -> Option<(String, String)> {
-    let side = match warned(record)? {
+fn warning_band(side: Side) -> (String, String) {
+    let side = match side {
         Side::Left => "left",
         Side::Right => "right",
     };
-    Some((format!("warning: {side}"), palette::css(palette::REJECTED)))
+    (format!("warning: {side}"), palette::css(palette::REJECTED))
 }
 
-fn silence(record: &FrameRecord) -> Option<(String, String)> {
-    let because = departure(record)?.silent_because.as_ref()?;
-    Some((format!("no warning: {}", because.replace('_', " ")), palette::css(palette::LANE)))
-}
-
-/// The frames in which a warning begins.
-fn warnings_begun(records: &[FrameRecord]) -> impl Iterator<Item = &FrameRecord> {
-    let mut before = None;
-    records.iter().filter(move |record| {
-        let warned = warned(record);
-        std::mem::replace(&mut before, warned) != warned && warned.is_some()
-    })
+fn silence_band(because: &str) -> (String, String) {
+    (format!("no warning: {}", because.replace('_', " ")), palette::css(palette::LANE))
 }

@@ -9,7 +9,7 @@ use nalgebra::Point2;
 use super::ReportInput;
 use super::chart::{joined, px, ticks};
 use crate::palette;
-use crate::series::{MAX_POINTS, stretches, thinned_path};
+use crate::series::{MAX_POINTS, thinned_path};
 
 const WIDTH: f64 = 960.0;
 const MAX_HEIGHT: f64 = 520.0;
@@ -84,17 +84,12 @@ pub(crate) fn map(input: &ReportInput<'_>) -> Option<Markup> {
 }
 
 fn believed(input: &ReportInput<'_>, line: &Polyline, fit: &Fit) -> Vec<(String, String)> {
-    let records: Vec<_> = input.records.iter().filter(|record| record.route_m.is_some()).collect();
-    let shortest = records.len().div_ceil(MAX_POINTS);
-    stretches(records.iter().map(|record| record.state), shortest)
-        .into_iter()
-        .map(|(range, state)| {
-            // One frame on, so that the stretches join.
-            let end = (range.end + 1).min(records.len());
-            let places = records[range.start..end].iter().filter_map(|record| record.route_m);
-            (palette::css(palette::state(state).1), fit.path(places.map(|m| line.at(m).0)))
-        })
-        .collect()
+    let stretches = input.timeline.route_states.joined();
+    let paths = input.timeline.route_m.along(&stretches).map(|(&state, places)| {
+        let points = places.into_iter().map(|m| line.at(m).0);
+        (palette::css(palette::state(state).1), fit.path(points))
+    });
+    paths.collect()
 }
 
 fn features(input: &ReportInput<'_>, route: &Route, plane: &TangentPlane, fit: &Fit) -> Markup {

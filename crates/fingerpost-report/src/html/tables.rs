@@ -1,13 +1,10 @@
 //! A run in numbers: summary, features, stage times, losses.
 
-use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, TrackState};
+use fingerpost_format::{ErrorQuantiles, Summary};
 use maud::{Markup, html};
 
-use super::ReportInput;
 use super::chart::{number, px};
-
-/// Losses and broken frames that are listed; the rest is counted.
-const MAX_LISTED: usize = 40;
+use crate::timeline::{Listed, Timeline};
 
 /// The numbers of the run.
 pub(crate) fn summary(summary: &Summary) -> Markup {
@@ -98,38 +95,26 @@ pub(crate) fn stage_times(summary: &Summary) -> Markup {
     }
 }
 
-/// The frames in which a feature was lost.
-pub(crate) fn losses_begun(records: &[FrameRecord]) -> impl Iterator<Item = &FrameRecord> {
-    let mut before = false;
-    records.iter().filter(move |record| {
-        let lost = record.state == TrackState::Lost;
-        !std::mem::replace(&mut before, lost) && lost
-    })
-}
-
 /// Every loss with its reason, and every frame that could not be used.
-pub(crate) fn losses(input: &ReportInput<'_>) -> Markup {
-    let losses: Vec<&FrameRecord> = losses_begun(input.records).collect();
-    let broken: Vec<&FrameRecord> = input.records.iter().filter(|record| record.error.is_some()).collect();
+pub(crate) fn losses(timeline: &Timeline) -> Markup {
     html! {
-        @if losses.is_empty() { p { "No feature was lost." } } @else {
-            (list(&losses, |record| &record.why))
-        }
-        @if !broken.is_empty() {
+        @if timeline.losses.count == 0 { p { "No feature was lost." } } @else { (list(&timeline.losses)) }
+        @if timeline.broken.count > 0 {
             h3 { "Frames that could not be used" }
-            (list(&broken, |record| record.error.as_deref().unwrap_or_default()))
+            (list(&timeline.broken))
         }
     }
 }
 
 /// Frames with a sentence each.
-pub(super) fn list<'a>(records: &[&'a FrameRecord], text: impl Fn(&'a FrameRecord) -> &'a str) -> Markup {
+pub(super) fn list(listed: &Listed) -> Markup {
+    let more = listed.count - listed.first.len();
     html! {
         ul {
-            @for record in records.iter().take(MAX_LISTED) {
-                li { b { "frame " (record.frame) ", " (number(record.t_s)) " s: " } (text(record)) }
+            @for listed in &listed.first {
+                li { b { "frame " (listed.frame) ", " (number(listed.t_s)) " s: " } (listed.text) }
             }
-            @if records.len() > MAX_LISTED { li { "and " (records.len() - MAX_LISTED) " more" } }
+            @if more > 0 { li { "and " (more) " more" } }
         }
     }
 }

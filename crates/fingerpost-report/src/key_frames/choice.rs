@@ -114,14 +114,14 @@ mod tests {
     use fingerpost::track::{Followed, TrackOutput};
     use nalgebra::{Isometry2, Matrix3};
 
-    use super::super::{KeyFrame, KeyFrames};
+    use super::super::{KeyFrame, KeyFrames, KeyPicture, MAX_PICTURE_BYTES};
     use super::*;
 
-    fn output(state: State, p: Option<f64>) -> FrameOutput {
+    fn output(index: usize, state: State, p: Option<f64>) -> FrameOutput {
         let pose = Isometry2::translation(12.0, 0.0);
         let matched = |p| Match { vehicle_from_feature: pose, p: Some(p), ..Match::default() };
         let followed = p.map(|p| Followed {
-            index: 2,
+            index,
             vehicle_from_feature: pose,
             covariance: Matrix3::identity(),
             matched: matched(p),
@@ -133,7 +133,10 @@ mod tests {
         TrackEvidence { decision, ..TrackEvidence::default() }
     }
 
-    /// A choice and what is kept of it, without pictures.
+    /// Pictures that there is room for.
+    const PICTURES: usize = 20;
+
+    /// A choice and what is kept of it.
     struct Chosen(KeyFrameChoice, KeyFrames);
 
     impl Chosen {
@@ -142,10 +145,24 @@ mod tests {
         }
 
         fn see(&mut self, frame: u64, decision: Decision, state: State, p: Option<f64>) -> Option<KeyReason> {
-            let chosen = self.0.consider(frame, &output(state, p), &evidence(decision))?;
+            self.see_feature(frame, 2, decision, state, p)
+        }
+
+        fn see_feature(
+            &mut self,
+            frame: u64,
+            index: usize,
+            decision: Decision,
+            state: State,
+            p: Option<f64>,
+        ) -> Option<KeyReason> {
+            let chosen = self.0.consider(frame, &output(index, state, p), &evidence(decision))?;
             let (reason, t_s) = (chosen.reason, frame as f64);
-            let (feature, why, pictures) = (String::new(), String::new(), Vec::new());
-            self.1.keep(KeyFrame { frame, t_s, reason, feature, why, pictures }, chosen.spread_stride);
+            let (feature, why) = (String::new(), String::new());
+            let jpeg = vec![0; MAX_PICTURE_BYTES / PICTURES];
+            let pictures = vec![KeyPicture { stage: "", legend: "", jpeg, size_px: (1, 1) }];
+            let key = KeyFrame { frame, t_s, reason, feature, match_p: p, why, pictures };
+            self.1.keep(key, chosen.spread_stride);
             Some(reason)
         }
 
@@ -206,5 +223,24 @@ mod tests {
             .count();
         assert_eq!(drawn, frames.kept().len());
         assert!((MAX_SPREAD / 2..=MAX_SPREAD + 1).contains(&drawn), "{drawn}");
+    }
+
+    #[test]
+    fn of_many_features_those_with_the_weakest_matches_are_kept() {
+        let mut frames = Chosen::of(None);
+        let features = 60;
+        // Every tenth is matched worse.
+        let match_p = |feature: usize| if feature.is_multiple_of(10) { 0.6 } else { 0.9 };
+        for feature in 0..features {
+            let p = Some(match_p(feature));
+            let first = 2 * feature as u64;
+            frames.see_feature(first, feature, Decision::Detected, State::Tracking, p);
+            frames.see_feature(first + 1, feature, Decision::Arrived, State::Arrived, p);
+        }
+        let kept: BTreeSet<usize> = frames.1.frames().iter().filter_map(|key| key.reason.feature()).collect();
+        assert!((0..features).step_by(10).all(|weak| kept.contains(&weak)), "{kept:?}");
+        assert!(kept.contains(&(features - 1)), "the last one may still become weaker: {kept:?}");
+        assert_eq!(kept.len() + frames.1.features_left_out(), features);
+        assert!(frames.1.picture_bytes() <= MAX_PICTURE_BYTES);
     }
 }

@@ -5,7 +5,7 @@ use fingerpost_format::{
     DepartureRecord, FrameRecord, LaneEdgeRecord, LanesRecord, MarkingRecord, Side, Summary, TrackState,
     TruthRecord,
 };
-use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, report_html};
+use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, Timeline, report_html};
 
 const THRESHOLDS: Thresholds = Thresholds { detect: 0.75, confirm: 0.65 };
 
@@ -36,7 +36,7 @@ fn the_page_of_a_drive_holds_everything() {
     }
     let page = report_html(&ReportInput {
         title: "a <painted> drive",
-        records: &run.records,
+        timeline: &Timeline::of(&run.records, Some(&run.truth)),
         summary: &run.summary,
         truth: Some(&run.truth),
         route: Some(&run.route),
@@ -95,7 +95,7 @@ fn losses_are_listed_with_their_reasons_once_each() {
     records[5].error = Some("cannot be decoded: <end> of file".to_owned());
     let page = report_html(&ReportInput {
         title: "losses",
-        records: &records,
+        timeline: &Timeline::of(&records, None),
         summary: &Summary::default(),
         truth: None,
         route: None,
@@ -139,7 +139,7 @@ fn the_lane_has_curves_and_its_warnings_a_list() {
     let page = |records: &[FrameRecord]| {
         report_html(&ReportInput {
             title: "lane",
-            records,
+            timeline: &Timeline::of(records, None),
             summary: &Summary::default(),
             truth: None,
             route: None,
@@ -190,7 +190,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
     let page = |records: &[FrameRecord], truth: Option<&[TruthRecord]>| {
         report_html(&ReportInput {
             title: "long",
-            records,
+            timeline: &Timeline::of(records, truth),
             summary: &Summary::default(),
             truth,
             route: None,
