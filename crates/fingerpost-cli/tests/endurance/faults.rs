@@ -141,6 +141,6 @@ impl Subject {
     }
 }
 
-fn program() -> &'static str {
+pub(crate) fn program() -> &'static str {
     env!("CARGO_BIN_EXE_fingerpost")
 }

@@ -9,6 +9,7 @@
 
 mod faults;
 mod folder;
+mod soak;
 
 use std::io::{self, Write};
 
