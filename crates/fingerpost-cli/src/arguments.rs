@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
+use std::time::Duration;
 
 use clap::ValueEnum;
 use fingerpost::road_surface::RoadMethod;
@@ -95,6 +96,30 @@ impl Display for CourseLength {
     }
 }
 
+/// Longest time that somebody is waited for, seconds: a day.
+const LONGEST_WAIT_S: f64 = 86_400.0;
+
+/// How long an input may give nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct WaitingTime(pub(crate) Duration);
+
+impl FromStr for WaitingTime {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let time_s = text.parse().ok().filter(|time_s| (0.1..=LONGEST_WAIT_S).contains(time_s));
+        time_s
+            .map(|time_s| Self(Duration::from_secs_f64(time_s)))
+            .ok_or_else(|| format!("{text:?} is no time to wait; give 0.1 to {LONGEST_WAIT_S} seconds"))
+    }
+}
+
+impl Display for WaitingTime {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.as_secs_f64().fmt(f)
+    }
+}
+
 /// Frames given as `FROM-TO`, both included, or as one number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FrameRange(pub(crate) RangeInclusive<u64>);
@@ -168,6 +193,9 @@ mod tests {
             assert!(text.parse::<Threads>().is_err_and(|error| error.contains("1 to 512")), "{text}");
             assert!(text.parse::<CourseLength>().is_err_and(|error| error.contains("1 to 19000")), "{text}");
             assert!(format!("{text}x480").parse::<PictureSize>().is_err(), "{text}");
+        }
+        for text in absurd.into_iter().chain(["86401", "0.09"]) {
+            assert!(text.parse::<WaitingTime>().is_err_and(|error| error.contains("0.1 to 86400")), "{text}");
         }
         assert!("512".parse::<Threads>().is_ok() && "19000".parse::<CourseLength>().is_ok());
     }

@@ -64,7 +64,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let wishes = Wishes {
         title: "Fingerpost demo: a simulated drive through Mauren".to_owned(),
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
-        video_fps: None,
+        video: None,
     };
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;

@@ -99,7 +99,7 @@ impl Driver {
             pipeline,
             key_frames: KeyFrameChoice::new(frames),
             pictures: wishes.pictures.clone(),
-            video: wishes.video_fps.is_some(),
+            video: wishes.video.is_some(),
             frames_used: 0,
             last_t_s: None,
         })

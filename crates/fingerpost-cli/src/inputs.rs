@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost::Config;
+use fingerpost_io::FfmpegPrograms;
 use fingerpost_map::{OsmData, RoadGraph, Route, read_route};
 
 /// The roads of an OpenStreetMap file.
@@ -32,4 +33,11 @@ pub(crate) fn config(path: Option<&Path>) -> Result<Config> {
     })?;
     config.check().with_context(|| path.display().to_string())?;
     Ok(config)
+}
+
+/// ffmpeg and ffprobe as this program runs them: they end with it.
+pub(crate) fn ffmpeg() -> FfmpegPrograms {
+    // What this process was started from, even if the file has another name by now.
+    let itself = Path::new("/proc/self/exe");
+    FfmpegPrograms { tether: itself.exists().then(|| itself.to_owned()), ..FfmpegPrograms::default() }
 }

@@ -40,6 +40,11 @@ impl Interrupt {
         &self.0
     }
 
+    /// The same for whoever looks at it longer.
+    pub(crate) fn shared_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+
     /// Whether the work is to end.
     pub(crate) fn wanted(&self) -> bool {
         self.0.load(Ordering::SeqCst)

@@ -30,16 +30,24 @@ mod run;
 mod schema;
 mod simulate;
 mod stage_clock;
+#[cfg(unix)]
+mod tether;
 mod version;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT};
+
+use crate::arguments::WaitingTime;
 
 /// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
 #[derive(Debug, Parser)]
 #[command(name = "fingerpost", version = version::VERSION, about, arg_required_else_help = true)]
 struct Cli {
+    /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, a pipe, ffmpeg.
+    #[arg(long, value_name = "S", global = true, default_value_t = WaitingTime(DEFAULT_LONGEST_WAIT))]
+    timeout_s: WaitingTime,
     #[command(subcommand)]
     command: Command,
 }
@@ -59,10 +67,14 @@ enum Command {
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
+    #[cfg(unix)]
+    #[command(name = TETHER_ARGUMENT, hide = true)]
+    Tether(tether::TetherArgs),
 }
 
 fn main() -> ExitCode {
-    let command = Cli::parse().command;
+    let Cli { timeout_s: WaitingTime(longest_wait), command } = Cli::parse();
+    fingerpost_io::set_longest_wait(longest_wait);
     let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
         Command::Route(args) => route::route(&args),
@@ -75,6 +87,8 @@ fn main() -> ExitCode {
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),
+        #[cfg(unix)]
+        Command::Tether(args) => tether::tether(&args),
     });
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -59,8 +59,17 @@ pub(crate) struct Wishes {
     pub(crate) title: String,
     /// Annotated frames as pictures.
     pub(crate) pictures: Pictures,
-    /// Frame rate of the annotated video, where one is wanted.
-    pub(crate) video_fps: Option<f64>,
+    /// The annotated video, where one is wanted.
+    pub(crate) video: Option<VideoWish>,
+}
+
+/// A video that is wanted.
+#[derive(Debug)]
+pub(crate) struct VideoWish {
+    /// Frames a second.
+    pub(crate) fps: f64,
+    /// What encodes it.
+    pub(crate) programs: FfmpegPrograms,
 }
 
 /// What a run is about, as far as its results say.
@@ -109,10 +118,10 @@ impl Recorder {
     ) -> Result<Self> {
         folder.write_config(&subject.config_toml)?;
         let size = (COMPOSED_WIDTH_PX, COMPOSED_HEIGHT_PX);
-        let video = wishes
-            .video_fps
-            .map(|fps| VideoWriter::create(&folder.video_path(), size, fps, &FfmpegPrograms::default()))
-            .transpose()?;
+        let video = wishes.video.as_ref().map(|VideoWish { fps, programs }| {
+            VideoWriter::create(&folder.video_path(), size, *fps, programs)
+        });
+        let video = video.transpose()?;
         Ok(Self {
             folder,
             outcomes: FeatureOutcomes::new(&subject.features),

@@ -9,7 +9,8 @@ use fingerpost::Sensors;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{
-    FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoError, read_camera, read_truth,
+    FfmpegPrograms, FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoError,
+    read_camera, read_truth,
 };
 use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
@@ -21,7 +22,7 @@ use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
 use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+use crate::recorder::{Pictures, Recorder, RunEnd, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path};
 
@@ -119,7 +120,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
-    let options = SourceOptions { fps: args.fps, threads: args.threads(), ..SourceOptions::default() };
+    // From here on an end that is wanted is one that leaves results.
+    let interrupt = Interrupt::listen()?;
+    let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
+    let options = SourceOptions { fps: args.fps, threads: args.threads(), programs: programs.clone() };
     let source = FrameSource::open(&args.input, &options)?;
     let setting = RunSetting {
         config: &config,
@@ -131,7 +135,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let wishes = Wishes {
         title: args.input.clone(),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
-        video_fps: args.video.then(|| source.fps()),
+        video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
@@ -142,7 +146,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let bar = output::progress(frames, "frames");
     let subject = driver.subject(setting)?;
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
-    let interrupt = Interrupt::listen()?;
     let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt, broke_off: None };
     drive.run(recorder, args, truth.as_deref())
 }

@@ -8,6 +8,8 @@ use std::{
 
 use thiserror::Error;
 
+use crate::waiting::Patience;
+
 /// A file or folder that cannot be read or written.
 #[derive(Debug, Error)]
 pub enum FileError {
@@ -68,6 +70,7 @@ fn advice(cause: &io::Error) -> &'static str {
         ErrorKind::FileTooLarge => {
             "a file may not grow further here: raise the limit (ulimit -f) or choose another place, then run again"
         }
+        ErrorKind::TimedOut => "check what writes it, or wait longer (--timeout-s)",
         ErrorKind::IsADirectory => "name a file in it",
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
             "a file stands where a folder is needed: move it or choose another place"
@@ -97,10 +100,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// The bytes of a file: up to 4 GB of one on a disk, 1 GB of a pipe, and 1 MB of a device.
 ///
 /// # Errors
-/// [`FileError::Read`] when it cannot be read, [`FileError::TooLong`] when it holds more.
+/// [`FileError::Read`] when it cannot be read or, being a pipe, gives nothing for the longest wait,
+/// [`FileError::TooLong`] when it holds more.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    let file = File::open(path).map_err(FileError::reading(path))?;
-    let metadata = file.metadata().map_err(FileError::reading(path))?;
+    let file = InputFile::open(path)?;
+    let metadata = file.file.metadata().map_err(FileError::reading(path))?;
     let (limit, kind) = match metadata.file_type() {
         kind if kind.is_file() || kind.is_dir() => (MOST_OF_A_FILE, "a file"),
         kind if is_pipe(kind) => (MOST_OF_A_PIPE, "a pipe"),
@@ -112,6 +116,50 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
         return Err(FileError::TooLong { path: path.to_owned(), limit_mb: limit / 1_000_000, kind });
     }
     Ok(bytes)
+}
+
+/// A file that is read, whose writer, if it is a pipe, is waited for no longer than anybody else.
+#[derive(Debug)]
+pub(crate) struct InputFile {
+    file: File,
+    /// For pipes and devices, which may have nothing to give yet.
+    patience: Option<Patience>,
+}
+
+impl InputFile {
+    /// Opens a file; a pipe that nobody writes yet, too.
+    ///
+    /// # Errors
+    /// [`FileError::Read`] when that cannot be done.
+    pub(crate) fn open(path: &Path) -> Result<Self, FileError> {
+        let metadata = fs::metadata(path).map_err(FileError::reading(path))?;
+        let on_disk = metadata.is_file() || metadata.is_dir();
+        let mut options = File::options();
+        #[cfg(unix)]
+        if !on_disk {
+            // Else opening a pipe waits for its writer.
+            let flags = rustix::fs::OFlags::NONBLOCK.bits();
+            std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, flags as i32);
+        }
+        let file = options.read(true).open(path).map_err(FileError::reading(path))?;
+        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
+    }
+}
+
+impl Read for InputFile {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        loop {
+            #[cfg(unix)]
+            if let Some(patience) = &self.patience {
+                patience.readable(&self.file)?;
+            }
+            match self.file.read(buffer) {
+                // Another reader was faster.
+                Err(cause) if cause.kind() == ErrorKind::WouldBlock && self.patience.is_some() => {}
+                read => return read,
+            }
+        }
+    }
 }
 
 #[cfg(unix)]

@@ -19,8 +19,10 @@ mod picture_file;
 mod picture_folder;
 mod run_folder;
 mod source;
+mod tether;
 mod video;
 mod video_writer;
+mod waiting;
 mod whole_file;
 
 pub use camera::{CameraReadError, read_camera};
@@ -45,5 +47,9 @@ pub use picture_file::{
 pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
+pub use tether::TETHER_ARGUMENT;
+#[cfg(unix)]
+pub use tether::become_tethered;
 pub use video_writer::VideoWriter;
+pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
 pub use whole_file::{remove_abandoned, write_file};

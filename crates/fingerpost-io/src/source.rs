@@ -21,7 +21,7 @@ use crate::{
 pub const DEFAULT_PICTURE_FPS: f64 = 10.0;
 
 /// How to read an input.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
     /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`] or the video's own rate; a `times.txt` goes before it.
     pub fps: Option<f64>,

@@ -20,7 +20,7 @@ use std::{
     io::{self, BufReader, ErrorKind},
     num::NonZeroUsize,
     path::Path,
-    process::{Child, Command, Stdio},
+    process::Stdio,
     time::Duration,
 };
 
@@ -34,11 +34,10 @@ use self::{
 };
 use crate::{
     decoders::{Decode, Decoded, Decoders},
-    ffmpeg::{FfmpegPrograms, Messages, VideoError, spawn, start_error},
+    ffmpeg::{FfmpegPrograms, RunningProgram, VideoError, start_error},
+    waiting::Patience,
 };
 
-/// Bytes that a pipe is to hold: the most that Linux allows everyone, and a frame of 960 x 540 pixels.
-#[cfg(target_os = "linux")]
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
 
@@ -46,8 +45,9 @@ const LINE_BUFFER_BYTES: usize = 256;
 #[derive(Debug)]
 pub(crate) struct VideoReader {
     input: String,
-    child: Child,
-    messages: Messages,
+    /// Before the pictures: whoever waits for the next one finds the pipe at its end when this is dropped.
+    ffmpeg: RunningProgram,
+    patience: Patience,
     rate: Rate,
     length: Option<u64>,
     frames: u64,
@@ -93,31 +93,34 @@ impl VideoReader {
         let stream = Stream::probe(input, &argument, programs)?;
         let (rate, length) = (stream.rate(), stream.length());
         let coding = stream.yuv420_coding();
-        let mut command = decode_command(&argument, rate, programs, threads);
+        let mut arguments = decode_arguments(&argument, rate, threads);
         let format = match coding {
             Some((pixels, coding)) => {
-                command.args(["-pix_fmt", pixels, "-f", "yuv4mpegpipe", "-"]);
+                arguments.extend(["-pix_fmt", pixels, "-f", "yuv4mpegpipe", "-"].map(str::to_owned));
                 Format::Y4m(Y4mReader::new(coding))
             }
             None => {
-                command.args(["-pix_fmt", "rgb24", "-f", "image2pipe", "-c:v", "ppm", "-"]);
+                let ppm = ["-pix_fmt", "rgb24", "-f", "image2pipe", "-c:v", "ppm", "-"];
+                arguments.extend(ppm.map(str::to_owned));
                 Format::Ppm
             }
         };
-        let mut child = spawn(&mut command, Stdio::null())?;
-        let messages = Messages::listen(child.stderr.take());
-        let Some(stdout) = child.stdout.take() else {
-            let cause = io::Error::from(ErrorKind::BrokenPipe);
-            return Err(start_error(&Command::new(&programs.ffmpeg), cause));
+        let arguments = arguments.iter().map(String::as_str);
+        let patience = programs.patience();
+        let mut ffmpeg = programs.start(&programs.ffmpeg, arguments, Stdio::null(), patience.clone())?;
+        let Some(stdout) = ffmpeg.child.stdout.take() else {
+            return Err(start_error(&programs.ffmpeg, ErrorKind::BrokenPipe.into()));
         };
-        let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, PicturePipe::new(stdout));
+        let pipe = PicturePipe::new(stdout, patience.clone());
+        let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, pipe);
         let stream = PictureStream { pipe, format };
         let pictures = if threads == Some(NonZeroUsize::MIN) {
             Decoders::on_demand(stream)
         } else {
             Decoders::ahead([stream])
         };
-        Ok(Self { input: input.to_owned(), child, messages, rate, length, frames: 0, ended: false, pictures })
+        let (input, frames, ended) = (input.to_owned(), 0, false);
+        Ok(Self { input, ffmpeg, patience, rate, length, frames, ended, pictures })
     }
 
     /// Frames that the container says it holds; none for live inputs and containers that do not say.
@@ -157,40 +160,35 @@ impl VideoReader {
     /// What was wrong with the way the video ended.
     fn end(&mut self, broken_frame: Option<io::Error>) -> Option<VideoError> {
         self.ended = true;
-        if broken_frame.is_some() {
-            // It may still be writing what nobody can make sense of.
-            stop(&mut self.child);
+        let (input, frames) = (self.input.clone(), self.frames);
+        if broken_frame.is_some() || self.patience.is_stopped() {
+            // It may still be writing what nobody can make sense of, or wants.
+            self.ffmpeg.kill();
         }
-        let said = self.messages.last_line();
-        let failed = !self.child.wait().is_ok_and(|status| status.success());
-        let short = self.length.is_none_or(|length| self.frames < length);
+        if self.patience.is_stopped() {
+            return None;
+        }
+        let broken_frame = match broken_frame {
+            Some(cause) if cause.kind() == ErrorKind::TimedOut => {
+                return Some(VideoError::Stalled { input, frames, cause });
+            }
+            broken_frame => broken_frame,
+        };
+        let failed = !self.ffmpeg.wait(|| false).is_ok_and(|status| status.success());
+        let said = self.ffmpeg.last_line();
+        let short = self.length.is_none_or(|length| frames < length);
         let cause = match (broken_frame, said) {
             (_, Some(said)) if failed || short => said,
             (Some(cause), _) => cause.to_string(),
             (None, None) if failed => "ffmpeg failed without a message".to_owned(),
             _ => return None,
         };
-        let input = self.input.clone();
-        Some(if self.frames == 0 {
+        Some(if frames == 0 {
             VideoError::Unreadable { input, cause }
         } else {
-            VideoError::BrokenOff { input, frames: self.frames, cause }
+            VideoError::BrokenOff { input, frames, cause }
         })
     }
-}
-
-impl Drop for VideoReader {
-    fn drop(&mut self) {
-        // Whoever reads its pictures finds the pipe at its end then.
-        stop(&mut self.child);
-    }
-}
-
-/// Ends a child and takes its exit status; one that has ended already is left in peace.
-fn stop(child: &mut Child) {
-    // Both fail only where the child is gone, which is what is wanted.
-    let _ = child.kill();
-    let _ = child.wait();
 }
 
 /// A file's name with the protocol in front, so that a colon in it is no protocol; all else as it is.
@@ -198,26 +196,18 @@ fn ffmpeg_argument(input: &str) -> String {
     if Path::new(input).is_file() { format!("file:{input}") } else { input.to_owned() }
 }
 
-/// The decoding of `argument`, without the format of the pictures.
-fn decode_command(
-    argument: &str,
-    rate: Rate,
-    programs: &FfmpegPrograms,
-    threads: Option<NonZeroUsize>,
-) -> Command {
+/// What makes ffmpeg decode `argument`, without the format of the pictures.
+fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>) -> Vec<String> {
     let Rate { frames, seconds } = rate;
-    let mut command = Command::new(&programs.ffmpeg);
-    command.args(["-v", "error", "-nostdin"]);
+    let mut arguments = ["-v", "error", "-nostdin"].map(str::to_owned).to_vec();
     if let Some(threads) = threads {
-        command.args(["-threads", &threads.to_string()]);
+        arguments.extend(["-threads".to_owned(), threads.to_string()]);
     }
-    command
-        .args(["-i", argument, "-map", "0:v:0"])
-        // Each decoded frame gets the time of its index, so that none is dropped or doubled to make the rate constant;
-        // the option that says so directly has different names in different releases.
-        .arg("-vf")
-        .arg(format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB"))
-        .arg("-r")
-        .arg(format!("{frames}/{seconds}"));
-    command
+    arguments.extend(["-i", argument, "-map", "0:v:0"].map(str::to_owned));
+    // Each decoded frame gets the time of its index, so that none is dropped or doubled to make the rate constant; the
+    // option that says so directly has different names in different releases.
+    let times = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB");
+    let constant_rate = ["-vf".to_owned(), times, "-r".to_owned(), format!("{frames}/{seconds}")];
+    arguments.extend(constant_rate);
+    arguments
 }

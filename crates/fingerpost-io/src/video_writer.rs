@@ -1,15 +1,17 @@
 //! Pictures out as an H.264 video in an MP4 file, encoded by ffmpeg.
 
 use std::{
-    io::{self, Write},
+    fs,
+    io::{self, ErrorKind, Write},
     path::{Path, PathBuf},
-    process::{Child, ChildStdin, Command, Stdio},
+    process::{ChildStdin, Stdio},
 };
 
 use fingerpost_vision::picture::RgbImage;
 
 use crate::{
-    ffmpeg::{FfmpegPrograms, Messages, VideoError, spawn},
+    ffmpeg::{FfmpegPrograms, RunningProgram, VideoError},
+    waiting::Patience,
     whole_file::FileInWork,
 };
 
@@ -27,9 +29,9 @@ pub struct VideoWriter {
     in_work: Option<FileInWork>,
     width: usize,
     height: usize,
-    child: Child,
+    ffmpeg: RunningProgram,
     stdin: Option<ChildStdin>,
-    messages: Messages,
+    patience: Patience,
 }
 
 impl VideoWriter {
@@ -47,17 +49,24 @@ impl VideoWriter {
         programs: &FfmpegPrograms,
     ) -> Result<Self, VideoError> {
         let in_work = FileInWork::begin(path)?;
-        let mut command = Command::new(&programs.ffmpeg);
-        command
-            .args(["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
-            .args(["-s", &format!("{width}x{height}"), "-r", &fps.to_string(), "-i", "-"])
-            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast"])
-            .args(["-crf", RATE_FACTOR, "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"])
-            .arg(format!("file:{}", in_work.temporary_path().display()));
-        let mut child = spawn(&mut command, Stdio::piped())?;
-        let messages = Messages::listen(child.stderr.take());
-        let stdin = child.stdin.take();
-        Ok(Self { path: path.to_owned(), in_work: Some(in_work), width, height, child, stdin, messages })
+        let (size, rate) = (format!("{width}x{height}"), fps.to_string());
+        let file = format!("file:{}", in_work.temporary_path().display());
+        let input =
+            ["-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &rate, "-i", "-"];
+        let even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"];
+        let coding = ["-c:v", "libx264", "-preset", "veryfast", "-crf", RATE_FACTOR, "-pix_fmt", "yuv420p"];
+        let output = ["-movflags", "+faststart", "-f", "mp4", &file];
+        let arguments = input.into_iter().chain(even).chain(coding).chain(output);
+        let patience = programs.patience().with_grace();
+        let mut ffmpeg = programs.start(&programs.ffmpeg, arguments, Stdio::piped(), patience.clone())?;
+        let stdin = ffmpeg.child.stdin.take();
+        #[cfg(unix)]
+        if let Some(stdin) = &stdin {
+            // Where it cannot be set, a program that stalls is waited for.
+            let _ = rustix::io::ioctl_fionbio(stdin, true);
+        }
+        let path = path.to_owned();
+        Ok(Self { path, in_work: Some(in_work), width, height, ffmpeg, stdin, patience })
     }
 
     /// Adds a picture.
@@ -71,7 +80,7 @@ impl VideoWriter {
             let (expected_width, expected_height) = (self.width, self.height);
             return Err(VideoError::Size { width, height, expected_width, expected_height });
         }
-        let written = self.stdin.as_mut().map(|stdin| stdin.write_all(picture.as_slice()));
+        let written = self.stdin.as_mut().map(|stdin| write_all(stdin, picture.as_slice(), &self.patience));
         match written {
             Some(Ok(())) => Ok(()),
             Some(Err(cause)) => {
@@ -94,18 +103,38 @@ impl VideoWriter {
     /// Closes the pipe, which tells ffmpeg that the video is complete, and keeps what it wrote if it ended well.
     fn close(&mut self) -> io::Result<()> {
         self.stdin = None;
-        let status = self.child.wait()?;
-        match self.in_work.take() {
-            Some(in_work) if status.success() => in_work.finish(),
-            _ if status.success() => Ok(()),
-            _ => Err(io::Error::other("ffmpeg failed without a message")),
+        let Some(in_work) = self.in_work.take() else { return Ok(()) };
+        let modified =
+            || fs::metadata(in_work.temporary_path()).and_then(|metadata| metadata.modified()).ok();
+        let mut before = modified();
+        // A long video takes its time, in which its file goes on to change.
+        let status = self.ffmpeg.wait(|| std::mem::replace(&mut before, modified()) != modified())?;
+        if status.success() {
+            in_work.finish()
+        } else {
+            Err(io::Error::other("ffmpeg failed without a message"))
         }
     }
 
     fn write_error(&mut self, otherwise: &str) -> VideoError {
-        let cause = self.messages.last_line().unwrap_or_else(|| otherwise.to_owned());
+        let cause = self.ffmpeg.last_line().unwrap_or_else(|| otherwise.to_owned());
         VideoError::Write { path: self.path.clone(), cause }
     }
+}
+
+/// Writes all of it, waiting for the reader as long as `patience` lasts.
+fn write_all(to: &mut ChildStdin, mut bytes: &[u8], patience: &Patience) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match to.write(bytes) {
+            Ok(0) => return Err(ErrorKind::WriteZero.into()),
+            Ok(written) => bytes = &bytes[written..],
+            Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
+            #[cfg(unix)]
+            Err(cause) if cause.kind() == ErrorKind::WouldBlock => patience.writable(to)?,
+            Err(cause) => return Err(cause),
+        }
+    }
+    Ok(())
 }
 
 impl Drop for VideoWriter {

@@ -7,12 +7,12 @@ use clap::Args;
 use fingerpost::mount::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{FrameError, FrameSource, SourceOptions, read_camera, write_file};
+use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, read_camera, write_file};
 use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
-use crate::{output, output_path};
+use crate::{inputs, output, output_path};
 
 /// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
 ///
@@ -144,7 +144,8 @@ fn for_each_frame(
     interrupt: &Interrupt,
     mut take: impl FnMut(&RgbImage, f64) -> Result<()>,
 ) -> Result<()> {
-    let options = SourceOptions { fps: args.fps, ..SourceOptions::default() };
+    let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
+    let options = SourceOptions { fps: args.fps, programs, ..SourceOptions::default() };
     let mut source = FrameSource::open(&args.input, &options)?;
     let most = args.frames.unwrap_or(u64::MAX);
     let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
@@ -165,6 +166,9 @@ fn for_each_frame(
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if interrupt.wanted() {
+        bail!("interrupted; nothing was written");
+    }
     Ok(())
 }
 

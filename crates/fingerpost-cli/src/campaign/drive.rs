@@ -81,7 +81,7 @@ impl Run {
         let name = format!("{}_{}", named.conditions, named.seed);
         let pictures =
             if setting.args.reports { Pictures::Every(PICTURE_EVERY_FRAMES) } else { Pictures::None };
-        let wishes = Wishes { title: format!("Fingerpost campaign: {name}"), pictures, video_fps: None };
+        let wishes = Wishes { title: format!("Fingerpost campaign: {name}"), pictures, video: None };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
         let folder = setting.args.out.join(name);
         let recorder = setting.args.reports.then(|| {

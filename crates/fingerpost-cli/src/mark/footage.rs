@@ -9,7 +9,7 @@ use fingerpost_io::{
 use fingerpost_mark::{Cause, Picture, Pictures};
 use fingerpost_vision::picture::RgbImage;
 
-use crate::output;
+use crate::{inputs, output};
 
 /// JPEG quality of a video's pictures: edges stay where they are.
 const PICTURE_QUALITY: u8 = 95;
@@ -36,7 +36,10 @@ impl Footage {
     }
 
     fn new(input: &str, fps: Option<f64>, folder: Option<&Path>) -> Result<Self> {
-        let mut source = FrameSource::open(input, &SourceOptions { fps, ..SourceOptions::default() })?;
+        let mut source = FrameSource::open(
+            input,
+            &SourceOptions { fps, programs: inputs::ffmpeg(), ..SourceOptions::default() },
+        )?;
         let path = Path::new(input);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (pictures, picture_px) = if path.is_dir() {

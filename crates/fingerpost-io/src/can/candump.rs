@@ -3,15 +3,14 @@
 //! A line is `(SECONDS) INTERFACE ID#DATA`, with `ID##FLAGS DATA` (flags one digit, no space) for CAN FD; `R` or `T` may
 //! follow for received or sent. Frames that carry no data (requests, errors) are left out.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 use thiserror::Error;
 
 use super::frame::{CanFrame, CanId, LogFrame};
-use crate::file::FileError;
+use crate::file::{FileError, InputFile};
 
 /// First bytes of a file compressed with gzip.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -88,9 +87,8 @@ pub struct CanLogFrames {
 /// # Errors
 /// [`CanLogError::File`] when it cannot be read.
 pub fn read_can_log(path: &Path) -> Result<CanLogFrames, CanLogError> {
-    let mut file = BufReader::new(File::open(path).map_err(FileError::reading(path))?);
+    let mut file = BufReader::new(InputFile::open(path)?);
     let compressed = file.fill_buf().map_err(FileError::reading(path))?.starts_with(&GZIP);
-    file.rewind().map_err(FileError::reading(path))?;
     let reader: Box<dyn BufRead> =
         if compressed { Box::new(BufReader::new(MultiGzDecoder::new(file))) } else { Box::new(file) };
     Ok(CanLogFrames {

@@ -9,10 +9,13 @@ use std::{
     process::ChildStdout,
 };
 
+use crate::waiting::Patience;
+
 /// Reads from a child's standard output, large pieces in one go.
 #[derive(Debug)]
 pub(crate) struct PicturePipe {
     stdout: ChildStdout,
+    patience: Patience,
     /// What the pipe holds at the most, bytes; none where the system does not say.
     capacity: Option<usize>,
 }
@@ -54,17 +57,20 @@ mod gather {
 }
 
 impl PicturePipe {
-    pub(crate) fn new(stdout: ChildStdout) -> Self {
+    /// Reads `stdout`, waiting for its writer as long as `patience` lasts.
+    pub(crate) fn new(stdout: ChildStdout, patience: Patience) -> Self {
         #[cfg(target_os = "linux")]
         let capacity = gather::enlarge(&stdout);
         #[cfg(not(target_os = "linux"))]
         let capacity = None;
-        Self { stdout, capacity }
+        Self { stdout, patience, capacity }
     }
 }
 
 impl Read for PicturePipe {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        #[cfg(unix)]
+        self.patience.readable(&self.stdout)?;
         #[cfg(target_os = "linux")]
         if let Some(capacity) = self.capacity {
             // A pipe's pages may be filled in part: it can be full before it holds its capacity.

@@ -1,11 +1,11 @@
 //! What ffprobe says about a video.
 
-use std::process::{Command, Stdio};
+use std::{io::ErrorKind, process::Stdio};
 
 use fingerpost_vision::colour::{YuvCoding, YuvMatrix, YuvRange};
 use serde::Deserialize;
 
-use crate::ffmpeg::{FfmpegPrograms, VideoError, last_line, start_error};
+use crate::ffmpeg::{FfmpegPrograms, VideoError, answer, start_error};
 
 /// Frame rate that is taken where a stream states none.
 const FALLBACK_RATE: Rate = Rate { frames: 25, seconds: 1 };
@@ -33,6 +33,9 @@ impl Rate {
 /// What of a stream ffprobe is asked to show.
 const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,pix_fmt,color_space,color_range";
 
+/// Most that ffprobe answers, bytes; what is asked of one stream has some hundred.
+const MAX_ANSWER_BYTES: u64 = 1 << 20;
+
 #[derive(Deserialize)]
 struct Probe {
     #[serde(default)]
@@ -53,19 +56,22 @@ pub(super) struct Stream {
 impl Stream {
     /// Asks ffprobe about `input`, which is `argument` to it.
     pub(super) fn probe(input: &str, argument: &str, programs: &FfmpegPrograms) -> Result<Self, VideoError> {
-        let mut command = Command::new(&programs.ffprobe);
-        command
-            .args(["-v", "error", "-select_streams", "v:0", "-of", "json"])
-            .args(["-show_entries", SHOWN, argument])
-            .stdin(Stdio::null());
-        let output = command.output().map_err(|cause| start_error(&command, cause))?;
-        let unreadable =
-            |cause: &str| VideoError::Unreadable { input: input.to_owned(), cause: cause.to_owned() };
-        if !output.status.success() {
-            let said = last_line(&output.stderr);
+        let question = ["-v", "error", "-select_streams", "v:0", "-of", "json", "-show_entries", SHOWN];
+        let arguments = question.into_iter().chain([argument]);
+        let mut ffprobe = programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?;
+        let input = || input.to_owned();
+        let (status, answer) =
+            answer(&mut ffprobe, MAX_ANSWER_BYTES).map_err(|cause| match cause.kind() {
+                ErrorKind::TimedOut => VideoError::Stalled { input: input(), frames: 0, cause },
+                _ if programs.patience().is_stopped() => VideoError::Stopped { input: input() },
+                _ => start_error(&programs.ffprobe, cause),
+            })?;
+        let unreadable = |cause: &str| VideoError::Unreadable { input: input(), cause: cause.to_owned() };
+        if !status.success() {
+            let said = ffprobe.last_line();
             return Err(unreadable(said.as_deref().unwrap_or("ffprobe failed without a message")));
         }
-        let probe: Probe = serde_json::from_slice(&output.stdout)
+        let probe: Probe = serde_json::from_slice(&answer)
             .map_err(|cause| unreadable(&format!("ffprobe's answer is not understood: {cause}")))?;
         probe.streams.into_iter().next().ok_or_else(|| unreadable("there are no moving pictures in it"))
     }
