@@ -34,8 +34,8 @@ impl Machine {
             fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
             path
         };
-        let programs =
-            FfmpegPrograms { ffmpeg: script("ffmpeg", ffmpeg), ffprobe: script("ffprobe", ffprobe) };
+        let (ffmpeg, ffprobe) = (script("ffmpeg", ffmpeg), script("ffprobe", ffprobe));
+        let programs = FfmpegPrograms { ffmpeg, ffprobe, ..FfmpegPrograms::default() };
         fs::write(folder.path().join("drive.mp4"), "not looked into").unwrap();
         Self { folder, programs }
     }

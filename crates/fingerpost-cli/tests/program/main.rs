@@ -24,4 +24,5 @@ mod program;
 mod running;
 mod simulated_bus;
 mod simulating;
+mod stalls;
 mod video_stub;

@@ -20,6 +20,11 @@ impl VideoStub {
     /// Stand-ins that play the drive's first picture as the shell commands `play` say; there, `$PICTURE` is that picture as
     /// ffmpeg writes it into its pipe.
     pub(crate) fn new(play: &str) -> Self {
+        Self::described(r#"echo '{"streams":[{"avg_frame_rate":"10/1","r_frame_rate":"10/1"}]}'"#, play)
+    }
+
+    /// The same with what ffprobe does.
+    pub(crate) fn described(describe: &str, play: &str) -> Self {
         let stub = Self { folder: TempDir::new().unwrap() };
         let picture = read_picture(&Drive::get().path().join("frames/000000.jpg")).unwrap();
         let mut ppm = format!("P6\n{} {}\n255\n", picture.width(), picture.height()).into_bytes();
@@ -27,9 +32,9 @@ impl VideoStub {
         let path = stub.folder.path().join("picture.ppm");
         fs::write(&path, ppm).unwrap();
         fs::write(stub.video(), "played by the stand-ins").unwrap();
-        let says = r#"echo '{"streams":[{"avg_frame_rate":"10/1","r_frame_rate":"10/1"}]}'"#;
-        stub.program("ffprobe", says);
-        stub.program("ffmpeg", &format!("PICTURE={}\n{play}", path.display()));
+        let number = format!("echo $$ >> {}", stub.numbers().display());
+        stub.program("ffprobe", &format!("{number}\n{describe}"));
+        stub.program("ffmpeg", &format!("{number}\nPICTURE={}\n{play}", path.display()));
         stub
     }
 
@@ -37,6 +42,20 @@ impl VideoStub {
         let path = self.folder.path().join(name);
         fs::write(&path, format!("#!/bin/sh\n{commands}\n")).unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    fn numbers(&self) -> PathBuf {
+        self.folder.path().join("numbers")
+    }
+
+    /// The stand-ins that are still running, by their process numbers.
+    pub(crate) fn running(&self) -> Vec<String> {
+        let numbers = fs::read_to_string(self.numbers()).unwrap_or_default();
+        let is_running = |number: &&str| {
+            let status = fs::read_to_string(format!("/proc/{number}/status")).unwrap_or_default();
+            status.lines().any(|line| line.starts_with("State:") && !line.contains('Z'))
+        };
+        numbers.lines().filter(is_running).map(str::to_owned).collect()
     }
 
     fn video(&self) -> PathBuf {
