@@ -89,6 +89,9 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
             message(&format!("distance driven: {percent:.1} % off"));
         }
     }
+    for (state, frames) in &summary.camera_frames {
+        message(&format!("the camera {state} in {frames} frames"));
+    }
     for fault in &summary.mount_faults {
         message(&fault.to_string());
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use fingerpost::camera_state::{CameraEvidence, CameraState};
 use fingerpost::centreline::Centreline;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
@@ -12,8 +13,9 @@ use fingerpost::vehicle_signals::{SignalSource, SignalsEvidence, TurnSignal, Veh
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
-    CentrelineRecord, ContrastRecord, FeatureRecord, FrameRecord, MotionRecord, MountFaultRecord,
-    MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, FeatureRecord, FrameRecord,
+    MotionRecord, MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord,
+    SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
@@ -71,12 +73,13 @@ pub(crate) fn frame_record(
         sought: sought.and_then(|sought| Some(sought_record(sought, features.get(sought.index)?))),
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
+        camera: Some(camera_record(&output.camera)),
         state: track_state(output.track.state),
         feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
         mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
         signals: evidence.signals.as_ref().map(|signals| signals_record(&output.vehicle, signals)),
-        surface: Some(surface_record(&evidence.road)),
+        surface: (output.camera.state == CameraState::Clear).then(|| surface_record(&evidence.road)),
         driving_line_m: output.driving_line.iter().map(|p| [p.x, p.y].map(|m| rounded(m, DIGITS))).collect(),
         driving_line_curvature_per_m: output
             .driving_line_curvature_per_m
@@ -104,6 +107,7 @@ pub(crate) fn broken_record(
         sought: None,
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
+        camera: None,
         state: before.map_or(at_first, |record| record.state),
         feature: None,
         motion: None,
@@ -119,6 +123,19 @@ pub(crate) fn broken_record(
         stage_ms: BTreeMap::new(),
         why: "the frame could not be used and was passed over".to_owned(),
         error: Some(error),
+    }
+}
+
+fn camera_record(camera: &CameraEvidence) -> CameraRecord {
+    CameraRecord {
+        state: match camera.state {
+            CameraState::Clear => CameraRecordState::Clear,
+            CameraState::Frozen => CameraRecordState::Frozen,
+            CameraState::Black => CameraRecordState::Black,
+            CameraState::NoContrast => CameraRecordState::NoContrast,
+        },
+        contrast: rounded(camera.contrast, DIGITS),
+        needed_contrast: rounded(camera.needed_contrast, DIGITS),
     }
 }
 

@@ -7,7 +7,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use fingerpost_eval::{FeatureIdentity, FeatureOutcomes, evaluate_junctions};
 use fingerpost_format::{
-    FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord, TruthSummary, json_lines,
+    CameraRecordState, FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord, TruthSummary,
+    json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
@@ -98,6 +99,7 @@ pub(crate) struct Recorder {
     timeline: Timeline,
     outcomes: FeatureOutcomes,
     mount_faults: Vec<MountFaultRecord>,
+    camera_frames: BTreeMap<CameraRecordState, u64>,
     /// The frame before.
     last: Option<FrameRecord>,
     times: StageTimes,
@@ -131,6 +133,7 @@ impl Recorder {
             key_frames: KeyFrames::default(),
             timeline: Timeline::default(),
             mount_faults: Vec::new(),
+            camera_frames: BTreeMap::new(),
             last: None,
             times: StageTimes::default(),
             frames: 0,
@@ -203,6 +206,10 @@ impl Recorder {
         self.lost_frames += u64::from(record.state == TrackState::Lost);
         self.timeline.add(&record, None);
         self.outcomes.add(&record);
+        let camera = record.camera.map(|camera| camera.state);
+        if let Some(state) = camera.filter(|state| *state != CameraRecordState::Clear) {
+            *self.camera_frames.entry(state).or_default() += 1;
+        }
         let fault = record.mount.as_ref().and_then(|mount| mount.fault.as_ref());
         if let Some(fault) = fault.filter(|fault| self.mount_faults.last() != Some(fault)) {
             // The moves of the camera, each once.
@@ -234,6 +241,7 @@ impl Recorder {
             stage_ms: self.times.summary(),
             features: self.outcomes.into_summaries(),
             lost_frames: self.lost_frames,
+            camera_frames: self.camera_frames,
             mount_faults: self.mount_faults,
             truth: of_truth.map(|(of_truth, _)| of_truth.clone()),
             interrupted: end == RunEnd::Interrupted,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
+use fingerpost::camera_state::{CameraState, CameraWatch};
 use fingerpost::ground_view::{GroundView, GroundViewConfig};
 use fingerpost::road_surface::BackprojectionConfig;
 use fingerpost_format::{FrameRecord, Summary, from_json_lines};
@@ -54,6 +55,30 @@ fn motion_evaluation(run: &Path, poses: &Path) -> serde_json::Value {
         .output()
         .unwrap();
     serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Every recorded drive and still, night, snow, dusk and dust among them.
+#[test]
+fn no_recorded_camera_is_called_blind() {
+    let drives = ["kitti/frames00", "kitti/frames06", "kitti/frames_0926", "camvid/val", "camvid/dusk"];
+    let videos = ["p1_solidWhiteRight.mp4", "p5h_project_video_cut.mp4", "p5h_test_small1.mp4"];
+    let stills = ["unpaved", "tusimple/image", "bdd", "udacity/test_images"];
+    let videos = videos.map(|video| format!("udacity/{video}"));
+    let names = drives.into_iter().chain(stills).chain(videos.iter().map(String::as_str));
+    let mut least = f64::INFINITY;
+    for name in names {
+        let mut watch = CameraWatch::default();
+        let mut count = 0;
+        for frame in FrameSource::open(text(&data(name)), &SourceOptions::default()).unwrap() {
+            let Ok(picture) = frame.picture else { continue };
+            let evidence = watch.look_at(&picture);
+            assert_eq!(evidence.state, CameraState::Clear, "{name}, frame {}: {evidence:?}", frame.index);
+            least = least.min(evidence.contrast / evidence.needed_contrast);
+            count += 1;
+        }
+        assert!(count > 3, "{name}: {count} pictures");
+    }
+    assert!(least > 2.0, "{least}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! One line of `frames.jsonl`: what the program knew and decided in one frame.
 
 use std::collections::BTreeMap;
+use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,9 @@ pub struct FrameRecord {
     pub frame: u64,
     /// Seconds since the first frame.
     pub t_s: f64,
+    /// What the camera's picture was good for; none in broken frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraRecord>,
     /// Where the search stands.
     pub state: TrackState,
     /// The followed or passed feature; none while searching.
@@ -70,6 +74,42 @@ pub struct FrameRecord {
     /// What was wrong with the frame itself, where it could not be used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+}
+
+/// What the camera's picture was good for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraRecord {
+    /// Whether it shows anything.
+    pub state: CameraRecordState,
+    /// By how much a tenth of it differs from its neighbourhood at least, grey levels of 255.
+    pub contrast: f64,
+    /// The contrast that stands out from its noise, grey levels.
+    pub needed_contrast: f64,
+}
+
+/// Whether a camera's picture shows anything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraRecordState {
+    /// It shows something, and something new.
+    Clear,
+    /// It is the picture of the frame before.
+    Frozen,
+    /// It is black.
+    Black,
+    /// Nothing in it stands out from noise: a covered or fogged lens.
+    NoContrast,
+}
+
+impl Display for CameraRecordState {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Clear => "was clear",
+            Self::Frozen => "was frozen",
+            Self::Black => "was black",
+            Self::NoContrast => "showed nothing (covered, fogged or dazzled)",
+        })
+    }
 }
 
 /// The followed feature in the vehicle frame.
@@ -224,8 +264,8 @@ pub struct RoadSurfaceRecord {
     pub remembered_share: Option<f64>,
 }
 
-impl std::fmt::Display for MountFaultRecord {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Display for MountFaultRecord {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { angle, by_deg, since_frame } = self;
         write!(
             f,

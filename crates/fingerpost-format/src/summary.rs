@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::MountFaultRecord;
+use crate::{CameraRecordState, MountFaultRecord};
 
 /// A run in numbers; the last table only where a truth file was given.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -25,6 +25,9 @@ pub struct Summary {
     pub features: Vec<FeatureSummary>,
     /// Frames in state `lost`.
     pub lost_frames: u64,
+    /// Frames in which the camera showed nothing, or nothing new, by what was wrong; none where it always did.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub camera_frames: BTreeMap<CameraRecordState, u64>,
     /// Every time the camera was found to have been turned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mount_faults: Vec<MountFaultRecord>,

@@ -99,6 +99,8 @@ pub enum SectionUse {
 /// Why there is no centreline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoCentreline {
+    /// The camera shows nothing, or nothing new.
+    NothingShown,
     /// No section has both edges.
     NoEdges,
     /// Too few sections agree.
@@ -207,6 +209,13 @@ impl CentrelineFinder {
         let found = if self.config.enabled { self.find_in_window(surface)? } else { Err(NoCentreline::Off) };
         self.evidence.none_because = found.err();
         Ok((found.ok(), &self.evidence))
+    }
+
+    /// In place of [`CentrelineFinder::find`] where there is no surface of this frame.
+    pub(crate) fn pass_over(&mut self) -> &CentrelineEvidence {
+        self.evidence.sections.clear();
+        self.evidence.none_because = Some(NoCentreline::NothingShown);
+        &self.evidence
     }
 
     fn find_in_window(

@@ -8,6 +8,7 @@
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
 pub mod calibration_check;
+pub mod camera_state;
 pub mod centreline;
 pub mod config;
 pub mod driving_line;

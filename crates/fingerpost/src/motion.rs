@@ -13,7 +13,7 @@ mod sway;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::farneback::FarnebackError;
 use fingerpost_vision::picture::Rect;
-use nalgebra::{Isometry2, Matrix3};
+use nalgebra::{Isometry2, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -70,6 +70,19 @@ pub struct Motion {
     pub covariance: Matrix3<f64>,
     /// 0 (do not believe it) to 1.
     pub quality: f64,
+}
+
+/// Standard deviation of a motion of which nothing is known, metres: farther than a vehicle comes while a camera may be covered
+/// and is still waited for.
+const UNKNOWN_SIGMA_M: f64 = 100.0;
+
+impl Motion {
+    /// A motion of which nothing is known.
+    pub fn unknown() -> Self {
+        let sigma = Vector3::new(UNKNOWN_SIGMA_M, UNKNOWN_SIGMA_M, std::f64::consts::PI);
+        let covariance = Matrix3::from_diagonal(&sigma.component_mul(&sigma));
+        Self { previous_from_current: Isometry2::identity(), covariance, quality: 0.0 }
+    }
 }
 
 /// How a motion was found.

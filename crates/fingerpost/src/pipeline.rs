@@ -9,6 +9,7 @@ use nalgebra::Point2;
 use thiserror::Error;
 
 use crate::calibration_check::{self, CalibrationFault};
+use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
@@ -19,7 +20,7 @@ use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{Moved, RouteStop, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::track::{Decision, Moved, RouteStop, State, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSamples, VehicleSignals, VehicleState};
 use crate::why::Why;
 
@@ -58,6 +59,8 @@ pub enum Stage {
 /// What the method says after a frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameOutput {
+    /// What the camera's picture was good for.
+    pub camera: CameraEvidence,
     /// State and followed feature.
     pub track: TrackOutput,
     /// Motion since the frame before.
@@ -145,6 +148,9 @@ pub enum PipelineError {
 /// The whole method with its state.
 pub struct Pipeline {
     view: GroundView,
+    camera_watch: CameraWatch,
+    /// Seconds of the frames that showed nothing, behind the last one that did; none where it was the last.
+    unseen_s: Option<f64>,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
     motion: Box<dyn MotionEstimator>,
@@ -203,7 +209,12 @@ impl Pipeline {
             nearest_seen_m: view.nearest_seen_m(),
             viewpoint: view.viewpoint(),
         };
+        let tracker = Tracker::new(setting, route, start_m)?;
+        let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };
+        let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
+            camera_watch: CameraWatch::default(),
+            unseen_s: None,
             detector,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             motion: config.motion.estimator()?,
@@ -212,7 +223,7 @@ impl Pipeline {
             mount: MountFilter::new(&config.mount),
             signals: VehicleSignals::new(&config.can),
             matcher: Matcher::new(&config.matching, view.grid()),
-            tracker: Tracker::new(setting, route, start_m)?,
+            tracker,
             lanes: config.lanes.finder()?,
             departure: DepartureWarning::default(),
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
@@ -220,7 +231,7 @@ impl Pipeline {
             ground: view.black_picture(),
             surface: RoadSurface::default(),
             track_evidence: TrackEvidence::default(),
-            output: FrameOutput::default(),
+            output: FrameOutput { track, ..FrameOutput::default() },
             view,
         })
     }
@@ -236,10 +247,16 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
+        self.view.render(frame, &mut self.ground)?;
+        let camera = self.camera_watch.look_at(frame);
+        finished(Stage::GroundView);
+        if camera.state != CameraState::Clear {
+            return Ok(self.pass_over(camera, sensors));
+        }
         let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
         let validity = view.validity();
-        view.render(frame, ground)?;
-        finished(Stage::GroundView);
+        output.camera = camera;
+        let unseen_s = self.unseen_s.take();
 
         let attitude = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
         finished(Stage::Mount);
@@ -251,8 +268,11 @@ impl Pipeline {
             self.mount.observe(&attitude, motion);
         }
         let Sensors { gps, signals, dt_s } = sensors;
+        // A motion over frames that showed nothing took longer than this frame.
+        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none());
         let (vehicle, signals_evidence) =
-            self.signals.step(SignalsInput { samples: signals, motion: motion.as_ref(), dt_s });
+            self.signals.step(SignalsInput { samples: signals, motion: of_frame, dt_s });
+        let dt_s = dt_s.map(|dt_s| dt_s + unseen_s.unwrap_or(0.0));
         finished(Stage::Motion);
 
         let sample = config.road_surface.sample_region(view);
@@ -325,6 +345,59 @@ impl Pipeline {
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))
+    }
+
+    /// Takes in a frame whose picture shows nothing, or nothing new: only the bus says anything. What was seen before is
+    /// neither confirmed nor denied; it is given out again while the vehicle stands and the picture repeats.
+    fn pass_over(&mut self, camera: CameraEvidence, sensors: Sensors) -> (&FrameOutput, FrameEvidence<'_>) {
+        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let Sensors { signals, dt_s, .. } = sensors;
+        self.unseen_s = Some(self.unseen_s.unwrap_or(0.0) + dt_s.unwrap_or(0.0));
+        let (vehicle, signals_evidence) =
+            self.signals.step(SignalsInput { samples: signals, motion: None, dt_s });
+        let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
+        let repeats = camera.state == CameraState::Frozen && stood;
+        if !repeats {
+            output.track.followed = None;
+            output.vehicle = vehicle;
+            output.centreline = None;
+            output.lane = None;
+            output.departure = None;
+            output.place_driving_line(tracker.stops());
+        }
+        output.camera = camera;
+        output.motion = Some(Motion::unknown());
+        *track_evidence =
+            TrackEvidence { decision: Decision::NothingShown { camera }, ..TrackEvidence::default() };
+        if surface.probability.size() != view.validity().plane().size() {
+            let (columns, rows) = view.validity().plane().size();
+            surface.probability.reset(columns, rows, 0);
+        }
+        Why {
+            track: &output.track,
+            evidence: track_evidence,
+            stops: tracker.stops(),
+            config: &config.track,
+            mount: output.mount.as_ref(),
+            lane: None,
+            turns_through: false,
+            departure: None,
+        }
+        .write_to(&mut output.why);
+        let evidence = FrameEvidence {
+            ground,
+            validity: view.validity().plane(),
+            surface,
+            road: RoadEvidence::default(),
+            centreline: self.centreline.pass_over(),
+            motion: None,
+            signals: signals.map(|_| signals_evidence),
+            track: track_evidence,
+            lanes: None,
+            departure: None,
+            masks: None,
+        };
+        (output, evidence)
     }
 
     /// The raster and table of the ground view.

@@ -19,6 +19,7 @@ use nalgebra::{Isometry2, Matrix3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::camera_state::CameraEvidence;
 use crate::matching::Match;
 use crate::route_progress::GpsUse;
 
@@ -194,6 +195,11 @@ pub enum Decision {
     /// There is no route.
     #[default]
     NoRoute,
+    /// The camera showed nothing, or nothing new, and nothing was looked for.
+    NothingShown {
+        /// What is wrong with the picture.
+        camera: CameraEvidence,
+    },
     /// The next feature is not in reach of the view yet.
     NotInReach {
         /// Index of the feature.

@@ -23,6 +23,8 @@ const MIN_MOTION_QUALITY: f64 = 0.3;
 const SPEED_TOLERANCE: (f64, f64) = (1.5, 0.3);
 /// The same for yaw rates, radians a second: six degrees and half.
 const YAW_RATE_TOLERANCE: (f64, f64) = (0.1, 0.5);
+/// Slower vehicles count as standing, m/s.
+pub(crate) const STANDING_BELOW_MPS: f64 = 0.3;
 /// A change of speed that is no jump however soon it comes, m/s: coarse signals have steps.
 const SPEED_STEP_MPS: f64 = 0.5;
 /// The same for yaw rates, radians a second: two degrees.
@@ -71,6 +73,13 @@ pub struct VehicleState {
     pub yaw_rate_rps: Option<f64>,
     /// Turn signal.
     pub turn_signal: TurnSignal,
+}
+
+impl VehicleState {
+    /// Whether the vehicle is known to stand.
+    pub(crate) fn stands(&self) -> bool {
+        self.speed_mps.is_some_and(|speed_mps| speed_mps.abs() < STANDING_BELOW_MPS)
+    }
 }
 
 /// Where a value comes from.

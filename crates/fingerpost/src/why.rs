@@ -5,7 +5,7 @@ mod words;
 use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
-    Along, DepartureWords, FeatureName, Frames, Hundredths, LaneWords, MatchWords, MissingWords,
+    Along, CameraWords, DepartureWords, FeatureName, Frames, Hundredths, LaneWords, MatchWords, MissingWords,
     MountFaultWords, Threshold,
 };
 use crate::lanes::departure::DepartureOutput;
@@ -68,6 +68,7 @@ impl Why<'_> {
             (Decision::NoRoute, _) => {
                 f.write_str("no route: nothing is looked for but the road, its lanes and the motion")
             }
+            (Decision::NothingShown { camera }, _) => write!(f, "{}", CameraWords(camera)),
             (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
             (Decision::NotInReach { index, ahead_m }, _) => {
                 write!(f, "{} is believed {}, out of the view's reach", name(index), Along(*ahead_m))

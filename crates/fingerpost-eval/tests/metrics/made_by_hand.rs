@@ -7,6 +7,7 @@ use fingerpost_format::{FeatureRecord, FrameRecord, MotionRecord, TrackState, Tr
 /// A record without a feature.
 pub(crate) fn record(frame: u64, state: TrackState) -> FrameRecord {
     FrameRecord {
+        camera: None,
         sought: None,
         frame,
         t_s: 0.1 * frame as f64,

@@ -33,6 +33,9 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
     }
     html! {
         dl class="facts" { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+        @for (state, frames) in &summary.camera_frames {
+            p class="warning" { "The camera " (state) " in " (frames) " frames." }
+        }
         @for fault in &summary.mount_faults { p class="warning" { (fault.to_string()) "." } }
         @if summary.interrupted { p class="warning" { "The run was ended before its input was." } }
     }

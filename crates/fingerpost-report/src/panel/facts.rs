@@ -1,5 +1,6 @@
 //! The numbers of a frame in words, one fact a line.
 
+use fingerpost::camera_state::{CameraEvidence, CameraState};
 use fingerpost::lanes::{Lane, LaneEdge, MarkingColour, MarkingKind, Side};
 use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
@@ -21,6 +22,12 @@ pub(crate) type Fact = (&'static str, String);
 pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     let (output, evidence) = (scene.output, scene.evidence);
     let mut facts: Vec<Fact> = Vec::new();
+    let CameraEvidence { state, contrast, needed_contrast } = output.camera;
+    if state != CameraState::Clear {
+        let state = state.name().replace('_', " ");
+        facts.push(("camera", format!("{state}; contrast {contrast:.1}, needed {needed_contrast:.1}")));
+        return facts;
+    }
     if let Some((followed, _)) = scene.followed() {
         let sigma = |axis: usize| followed.covariance[(axis, axis)].max(0.0).sqrt();
         let pose = words(&followed.vehicle_from_feature);

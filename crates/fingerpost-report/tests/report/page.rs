@@ -66,6 +66,7 @@ fn the_page_of_a_drive_holds_everything() {
 
 fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
     FrameRecord {
+        camera: None,
         sought: None,
         frame,
         t_s: frame as f64 / 30.0,

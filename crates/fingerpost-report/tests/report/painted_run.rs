@@ -113,6 +113,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         sigma_m: [0.2, 0.1],
     });
     FrameRecord {
+        camera: None,
         sought: None,
         frame,
         t_s,

@@ -30,6 +30,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
     let mut validity = Plane::new(columns, rows, 0);
     (0..rows).for_each(|row| validity.row_mut(row)[..columns / 2].fill(1));
     let output = FrameOutput {
+        camera: Default::default(),
         track: TrackOutput::default(),
         mount: None,
         vehicle: Default::default(),

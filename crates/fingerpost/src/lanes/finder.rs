@@ -17,6 +17,7 @@ use super::sections::SectionLines;
 use super::shape::EdgeShape;
 use super::tracing::{PaintLook, Quality, Reach, Tracer};
 use super::{Lane, LaneEvidence, LaneInput, LanesConfig, Side};
+use crate::vehicle_signals::STANDING_BELOW_MPS;
 
 /// Rows with paint that make an edge a sure one.
 const NEW_ROWS: usize = 9;
@@ -36,8 +37,6 @@ const CROSSED_M: f64 = 0.1;
 const INSIDE_FRAMES: u32 = 3;
 /// How well the place of a line inside another is known when it is first seen, metres.
 const INNER_SIGMA_M: f64 = 0.03;
-/// Slower vehicles count as standing, m/s.
-const SLOWEST_MPS: f64 = 0.3;
 
 /// How an edge is followed.
 #[derive(Debug, Default)]
@@ -123,8 +122,11 @@ impl LaneFinder {
         let Self { config, edges, lines, tracer, filter, evidence, .. } = self;
         evidence.region.lay(config, camera, filter.pitch_rad(), input.vehicle.speed_mps);
         let view = RoadView::new(camera, filter.pitch_rad());
-        let curvature =
-            input.vehicle.yaw_rate_rps.zip(input.vehicle.speed_mps).filter(|(_, speed)| *speed > SLOWEST_MPS);
+        let curvature = input
+            .vehicle
+            .yaw_rate_rps
+            .zip(input.vehicle.speed_mps)
+            .filter(|(_, speed)| *speed > STANDING_BELOW_MPS);
         let curvature_per_m = curvature.map_or(0.0, |(yaw_rate, speed)| yaw_rate / speed);
         edges.find(config, &evidence.region, &view, curvature_per_m, input.frame)?;
         lines.find(config, &evidence.region, &view, edges.thin());
@@ -280,7 +282,7 @@ impl LaneFinder {
     fn judge(&mut self, input: &LaneInput<'_>) {
         // Two edges that make a lane speak for each other.
         let painted_m: f64 = self.followed.iter().filter(|f| f.active).map(|f| f.quality.painted_m).sum();
-        let stands = input.vehicle.speed_mps.is_some_and(|speed| speed.abs() < SLOWEST_MPS);
+        let stands = input.vehicle.stands();
         for followed in &mut self.followed {
             if !followed.active {
                 continue;

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use fingerpost_map::FeatureKind;
 
+use crate::camera_state::{CameraEvidence, CameraState};
 use crate::feature_masks::SubMaskKind;
 use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
@@ -193,5 +194,32 @@ impl Display for DepartureWords<'_> {
             (None, Some(Silence::CoolDown)) => "there has just been a warning",
         };
         write!(f, "; a wheel is at an edge, no warning because {because}")
+    }
+}
+
+/// What is wrong with the camera's picture, and what follows from it.
+pub(super) struct CameraWords<'a>(pub(super) &'a CameraEvidence);
+
+impl Display for CameraWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let CameraEvidence { state, contrast, needed_contrast } = *self.0;
+        match state {
+            CameraState::Clear => return f.write_str("the camera shows the road"),
+            CameraState::Frozen => {
+                return f.write_str(
+                    "the camera is frozen: its picture is that of the frame before, so nothing new is seen and the motion is \
+                     not known",
+                );
+            }
+            CameraState::Black => f.write_str("the camera is black: ")?,
+            CameraState::NoContrast => {
+                f.write_str("the camera shows nothing, as if it were covered, fogged or dazzled: ")?;
+            }
+        }
+        write!(
+            f,
+            "a contrast of {contrast:.1} grey levels where {needed_contrast:.1} would stand out, so nothing is looked for and \
+             the motion is not known"
+        )
     }
 }
