@@ -36,6 +36,9 @@ fn picture((width, height): (usize, usize), noise: f64, brightness: impl Fn(f64,
     RgbImage::from_vec(width, height, data).unwrap()
 }
 
+/// Grey levels at a share of the width and the height.
+type Brightness<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 const SIZES: [(usize, usize); 5] = [(64, 64), (320, 240), (641, 479), (1241, 376), (1280, 720)];
 
 fn state(frame: &RgbImage) -> CameraState {
@@ -65,7 +68,7 @@ fn what_shows_nothing_is_named() {
         for noise in [0.0, 0.5, 2.0, 6.0] {
             assert_eq!(state(&picture(size, noise, |_, _| 0.0)), CameraState::Black, "{size:?} {noise}");
             let vignette = |x: f64, y: f64| 90.0 - 120.0 * ((x - 0.5).powi(2) + (y - 0.5).powi(2));
-            let covers: [(&str, &dyn Fn(f64, f64) -> f64); 4] = [
+            let covers: [(&str, Brightness<'_>); 4] = [
                 ("grey", &|_, _| 128.0),
                 ("white", &|_, _| 255.0),
                 ("vignette", &vignette),
