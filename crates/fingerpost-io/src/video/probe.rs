@@ -31,7 +31,7 @@ impl Rate {
 }
 
 /// What of a stream ffprobe is asked to show.
-const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,pix_fmt,color_space,color_range";
+const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION";
 
 /// Most that ffprobe answers, bytes; what is asked of one stream has some hundred.
 const MAX_ANSWER_BYTES: u64 = 1 << 20;
@@ -48,9 +48,19 @@ pub(super) struct Stream {
     avg_frame_rate: Option<String>,
     r_frame_rate: Option<String>,
     nb_frames: Option<String>,
+    duration: Option<String>,
+    #[serde(default)]
+    tags: Tags,
     pix_fmt: Option<String>,
     color_space: Option<String>,
     color_range: Option<String>,
+}
+
+/// What Matroska says of a stream.
+#[derive(Debug, Default, Deserialize)]
+struct Tags {
+    #[serde(rename = "DURATION")]
+    duration: Option<String>,
 }
 
 impl Stream {
@@ -58,7 +68,8 @@ impl Stream {
     pub(super) fn probe(input: &str, argument: &str, programs: &FfmpegPrograms) -> Result<Self, VideoError> {
         let question = ["-v", "error", "-select_streams", "v:0", "-of", "json", "-show_entries", SHOWN];
         let arguments = question.into_iter().chain([argument]);
-        let mut ffprobe = programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?;
+        let mut ffprobe =
+            programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?.listened_to();
         let input = || input.to_owned();
         let (status, answer) =
             answer(&mut ffprobe, MAX_ANSWER_BYTES).map_err(|cause| match cause.kind() {
@@ -103,11 +114,42 @@ impl Stream {
     pub(super) fn length(&self) -> Option<u64> {
         self.nb_frames.as_ref()?.parse().ok()
     }
+
+    /// Frames that fill the duration that the container states, where it counts none.
+    pub(super) fn estimated_length(&self) -> Option<u64> {
+        let stated_s = self.duration.as_ref().and_then(|text| text.parse().ok());
+        let duration_s: f64 = stated_s.or_else(|| clock_s(self.tags.duration.as_ref()?))?;
+        let frames = duration_s * self.rate().fps();
+        // As a float of that size it is a whole number still.
+        (0.0..2_f64.powi(53)).contains(&frames).then(|| frames.round() as u64)
+    }
+}
+
+/// Seconds of `00:01:02.500`.
+fn clock_s(text: &str) -> Option<f64> {
+    let mut parts = text.split(':').map(|part| part.parse::<f64>().ok());
+    let (hours, minutes, seconds) = (parts.next()??, parts.next()??, parts.next()??);
+    Some((hours * 60.0 + minutes) * 60.0 + seconds)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_duration_gives_a_number_of_frames() {
+        let frames = |duration: Option<&str>, tag: Option<&str>| {
+            let [rate, duration, tag] =
+                [Some("30000/1001"), duration, tag].map(|text| text.map(str::to_owned));
+            let tags = Tags { duration: tag };
+            Stream { avg_frame_rate: rate, duration, tags, ..Stream::default() }.estimated_length()
+        };
+        assert_eq!(frames(Some("10.010000"), None), Some(300));
+        assert_eq!(frames(None, Some("01:00:10.010000000")), Some(108_192));
+        for none in [None, Some("N/A"), Some("-1"), Some("1e300"), Some("NaN")] {
+            assert_eq!(frames(none, Some("what?")), None, "{none:?}");
+        }
+    }
 
     #[test]
     fn pixels_that_need_no_ffmpeg_to_be_turned_into_colours() {
