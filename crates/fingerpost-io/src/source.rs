@@ -146,8 +146,8 @@ impl FrameSource {
         }
     }
 
-    /// Number of frames that there should be: like [`FrameSource::length`], else as many as fill the duration that a video
-    /// states.
+    /// Number of frames that there should be: like [`FrameSource::length`], or as many as fill the duration that a video states
+    /// where they are fewer or nothing else is known.
     pub fn expected_length(&self) -> Option<u64> {
         match &self.input {
             Input::Pictures { count, .. } => Some(*count),

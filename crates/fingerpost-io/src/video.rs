@@ -148,9 +148,10 @@ impl VideoReader {
         self.length
     }
 
-    /// Frames that there should be: those that the container counts, or those that fill the duration that it states.
+    /// Frames that there should be: those that the container counts, or those that fill the duration that it states where they
+    /// are fewer. A cut without coding anew leaves frames in front that are counted and not shown.
     pub(crate) fn expected_length(&self) -> Option<u64> {
-        self.length.or(self.estimated_length)
+        [self.length, self.estimated_length].into_iter().flatten().min()
     }
 
     /// What ffmpeg complained about last.
@@ -189,12 +190,14 @@ impl VideoReader {
 
     /// What is missing now that nothing more comes.
     fn missing(&self) -> Missing {
+        let frames = self.frames;
         match (self.length, self.estimated_length) {
-            (Some(promised), _) if self.frames < promised => Missing::Counted(promised),
+            (Some(counted), estimated) if estimated.is_none_or(|estimated| counted <= estimated) => {
+                if frames < counted { Missing::Counted(counted) } else { Missing::None }
+            }
             // Whether a duration reaches from the first frame to the last or to its end differs.
-            (None, Some(estimated)) if self.frames.saturating_add(1) < estimated => Missing::Likely,
-            (None, None) => Missing::Likely,
-            _ => Missing::None,
+            (_, Some(estimated)) if frames.saturating_add(1) >= estimated => Missing::None,
+            _ => Missing::Likely,
         }
     }
 
