@@ -32,7 +32,7 @@ use self::{
     decode_log::{DecodeLog, FRAME_LINES, FormChange, LOG_ARGUMENTS},
     pipe::PicturePipe,
     ppm::read_ppm,
-    probe::{Rate, Stream},
+    probe::{Expected, Rate, Stream},
     y4m::Y4mReader,
 };
 use crate::{
@@ -53,7 +53,7 @@ pub(crate) struct VideoReader {
     patience: Patience,
     rate: Rate,
     length: Option<u64>,
-    estimated_length: Option<u64>,
+    expected: Expected,
     log: DecodeLog,
     frames: u64,
     ended: bool,
@@ -110,7 +110,7 @@ impl VideoReader {
     ) -> Result<Self, VideoError> {
         let argument = ffmpeg_argument(input);
         let stream = Stream::probe(input, &argument, programs)?;
-        let (rate, length, estimated_length) = (stream.rate(), stream.length(), stream.estimated_length());
+        let (rate, length, expected) = (stream.rate(), stream.length(), stream.expected_length());
         let coding = stream.yuv420_coding();
         let mut arguments = decode_arguments(&argument, rate, threads);
         let format = match coding {
@@ -140,7 +140,7 @@ impl VideoReader {
             Decoders::ahead([stream])
         };
         let (input, frames, ended) = (input.to_owned(), 0, false);
-        Ok(Self { input, ffmpeg, patience, rate, length, estimated_length, log, frames, ended, pictures })
+        Ok(Self { input, ffmpeg, patience, rate, length, expected, log, frames, ended, pictures })
     }
 
     /// Frames that the container says it holds; none for live inputs and containers that do not say.
@@ -148,10 +148,12 @@ impl VideoReader {
         self.length
     }
 
-    /// Frames that there should be: those that the container counts, or those that fill the duration that it states where they
-    /// are fewer. A cut without coding anew leaves frames in front that are counted and not shown.
+    /// Frames that there should be: those that the container counts and shows, or those that fill the duration that it states.
     pub(crate) fn expected_length(&self) -> Option<u64> {
-        [self.length, self.estimated_length].into_iter().flatten().min()
+        match self.expected {
+            Expected::Counted(frames) | Expected::Estimated(frames) => Some(frames),
+            Expected::Unknown => None,
+        }
     }
 
     /// What ffmpeg complained about last.
@@ -188,19 +190,6 @@ impl VideoReader {
         self.pictures.recycle(buffer);
     }
 
-    /// What is missing now that nothing more comes.
-    fn missing(&self) -> Missing {
-        let frames = self.frames;
-        match (self.length, self.estimated_length) {
-            (Some(counted), estimated) if estimated.is_none_or(|estimated| counted <= estimated) => {
-                if frames < counted { Missing::Counted(counted) } else { Missing::None }
-            }
-            // Whether a duration reaches from the first frame to the last or to its end differs.
-            (_, Some(estimated)) if frames.saturating_add(1) >= estimated => Missing::None,
-            _ => Missing::Likely,
-        }
-    }
-
     /// What was wrong with the way the video ended.
     fn end(&mut self, broken_frame: Option<io::Error>) -> Option<VideoError> {
         self.ended = true;
@@ -225,11 +214,16 @@ impl VideoReader {
             broken_frame => broken_frame,
         };
         let failed = !self.ffmpeg.wait(|| false).is_ok_and(|status| status.success());
-        let cause = match (broken_frame, self.log.complaint(), self.missing()) {
-            (_, Some(said), missing) if failed || missing != Missing::None => said,
+        let short = match self.expected {
+            Expected::Counted(counted) => frames < counted,
+            Expected::Estimated(estimated) => frames.saturating_add(1) < estimated,
+            Expected::Unknown => true,
+        };
+        let cause = match (broken_frame, self.log.complaint(), self.expected) {
+            (_, Some(said), _) if failed || short => said,
             (Some(cause), ..) => cause.to_string(),
             (None, None, _) if failed => "ffmpeg failed without a message".to_owned(),
-            (None, None, Missing::Counted(promised)) => format!("the container counts {promised}"),
+            (None, None, Expected::Counted(counted)) if short => format!("the container counts {counted}"),
             _ => return None,
         };
         Some(if frames == 0 {
@@ -238,16 +232,6 @@ impl VideoReader {
             VideoError::BrokenOff { input, frames, cause }
         })
     }
-}
-
-/// Frames that a video should have given beyond those that came.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Missing {
-    None,
-    /// The container counts so many.
-    Counted(u64),
-    /// Some, as far as anybody knows: the duration says so, or nothing is stated.
-    Likely,
 }
 
 fn form_change(cause: &io::Error) -> Option<&FormChange> {

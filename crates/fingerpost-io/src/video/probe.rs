@@ -31,7 +31,7 @@ impl Rate {
 }
 
 /// What of a stream ffprobe is asked to show.
-const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION";
+const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION:format=format_name";
 
 /// Most that ffprobe answers, bytes; what is asked of one stream has some hundred.
 const MAX_ANSWER_BYTES: u64 = 1 << 20;
@@ -40,6 +40,16 @@ const MAX_ANSWER_BYTES: u64 = 1 << 20;
 struct Probe {
     #[serde(default)]
     streams: Vec<Stream>,
+    #[serde(default)]
+    format: Container,
+}
+
+/// What holds the streams.
+#[derive(Debug, Default, Deserialize)]
+struct Container {
+    /// All names of its kind: "mov,mp4,m4a,3gp,3g2,mj2".
+    #[serde(default)]
+    format_name: String,
 }
 
 /// The stream of moving pictures in a video.
@@ -51,9 +61,23 @@ pub(super) struct Stream {
     duration: Option<String>,
     #[serde(default)]
     tags: Tags,
+    /// Whether the container may count frames that are not shown, as a cut without coding anew leaves them in front.
+    #[serde(skip)]
+    hides_frames: bool,
     pix_fmt: Option<String>,
     color_space: Option<String>,
     color_range: Option<String>,
+}
+
+/// Frames that there should be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Expected {
+    /// The container counts them.
+    Counted(u64),
+    /// They fill the duration that it states; whether that reaches to the beginning of the last frame or to its end differs.
+    Estimated(u64),
+    /// Nothing is stated.
+    Unknown,
 }
 
 /// What Matroska says of a stream.
@@ -84,7 +108,9 @@ impl Stream {
         }
         let probe: Probe = serde_json::from_slice(&answer)
             .map_err(|cause| unreadable(&format!("ffprobe's answer is not understood: {cause}")))?;
-        probe.streams.into_iter().next().ok_or_else(|| unreadable("there are no moving pictures in it"))
+        let hides_frames = probe.format.format_name.split(',').any(|name| name == "mov");
+        let stream = probe.streams.into_iter().next().map(|stream| Self { hides_frames, ..stream });
+        stream.ok_or_else(|| unreadable("there are no moving pictures in it"))
     }
 
     /// Frames a second, on average.
@@ -115,8 +141,19 @@ impl Stream {
         self.nb_frames.as_ref()?.parse().ok()
     }
 
-    /// Frames that fill the duration that the container states, where it counts none.
-    pub(super) fn estimated_length(&self) -> Option<u64> {
+    /// Frames that there should be: as many as the container counts, or else as fill the duration that it states.
+    pub(super) fn expected_length(&self) -> Expected {
+        match (self.length(), self.estimated_length()) {
+            (Some(counted), Some(shown)) if self.hides_frames && shown < counted => {
+                Expected::Estimated(shown)
+            }
+            (Some(counted), _) => Expected::Counted(counted),
+            (None, Some(shown)) => Expected::Estimated(shown),
+            (None, None) => Expected::Unknown,
+        }
+    }
+
+    fn estimated_length(&self) -> Option<u64> {
         let stated_s = self.duration.as_ref().and_then(|text| text.parse().ok());
         let duration_s: f64 = stated_s.or_else(|| clock_s(self.tags.duration.as_ref()?))?;
         let frames = duration_s * self.rate().fps();
