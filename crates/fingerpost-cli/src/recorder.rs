@@ -105,6 +105,7 @@ pub(crate) struct Recorder {
     times: StageTimes,
     frames: u64,
     broken_frames: u64,
+    damaged_frames: u64,
     lost_frames: u64,
     started: Instant,
     bar: ProgressBar,
@@ -138,6 +139,7 @@ impl Recorder {
             times: StageTimes::default(),
             frames: 0,
             broken_frames: 0,
+            damaged_frames: 0,
             lost_frames: 0,
             started: Instant::now(),
             bar,
@@ -152,6 +154,11 @@ impl Recorder {
     /// Frames that could not be used.
     pub(crate) fn broken_frames(&self) -> u64 {
         self.broken_frames
+    }
+
+    /// Says how many frames were used although they are damaged.
+    pub(crate) fn note_damaged(&mut self, frames: u64) {
+        self.damaged_frames = frames;
     }
 
     /// Whether no frame could be used.
@@ -236,6 +243,7 @@ impl Recorder {
             frames: self.frames,
             picture_px: Some(self.subject.picture_px),
             broken_frames: self.broken_frames,
+            damaged_frames: self.damaged_frames,
             // A tenth of a frame a second is all that repeats.
             fps: (10.0 * self.frames as f64 / elapsed_s.max(1e-9)).round() / 10.0,
             stage_ms: self.times.summary(),

@@ -92,8 +92,8 @@ pub(crate) struct RunArgs {
     /// not depend on it.
     #[arg(long, value_name = "NAME")]
     instruction_set: Option<InstructionSetName>,
-    /// Share of the frames, percent, that may be broken (or missing behind the place where a video breaks off) in a run that
-    /// ends well; with more the results are written and the exit code is 1. 10 by default: a camera that loses one frame in ten
+    /// Share of the frames, percent, that may be broken, damaged (in part made up by the decoder) or missing where a video breaks
+    /// off, in a run that ends well; with more the results are written and the exit code is 1. 10 by default: a camera that loses one frame in ten
     /// is faulty.
     #[arg(long, value_name = "PERCENT", default_value_t = 10, value_parser = clap::value_parser!(u8).range(0..=100))]
     max_broken_pct: u8,
@@ -146,7 +146,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let bar = output::progress(frames, "frames");
     let subject = driver.subject(setting)?;
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
-    let drive = RecordedDrive { driver, source, gps, can, left: most, interrupt, broke_off: None };
+    let drive = RecordedDrive {
+        driver,
+        source,
+        gps,
+        can,
+        left: most,
+        interrupt,
+        damaged: 0,
+        broke_off: None,
+        gave_out: None,
+    };
     drive.run(recorder, args, truth.as_deref())
 }
 
@@ -216,25 +226,29 @@ struct RecordedDrive {
     /// Frames still wanted.
     left: u64,
     interrupt: Interrupt,
+    /// Frames that were used although the decoder had to make up parts of them.
+    damaged: u64,
     /// Why the input ended before it should have, where it did.
     broke_off: Option<VideoError>,
+    /// Why nothing more can be used of what the input still has or may have: it stalls, or goes on in another form.
+    gave_out: Option<String>,
 }
 
-/// Frames that a run could not use.
+/// Frames of a run that are not what the camera saw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Unusable {
-    /// How many: broken ones, and those that are missing behind the place where the input broke off.
+    /// How many: broken ones, damaged ones, and those that are missing behind the place where the input broke off.
     count: u64,
     /// Of so many that there should be.
     of: u64,
 }
 
 impl Unusable {
-    /// Of `frames` that came `broken` ones, and what is missing of `promised` ones where the input `broke_off`: one at the least,
-    /// since something could not be read.
-    fn new(frames: u64, broken: u64, broke_off: bool, promised: Option<u64>) -> Self {
-        let missing = if broke_off { promised.unwrap_or(0).saturating_sub(frames).max(1) } else { 0 };
-        Self { count: broken.saturating_add(missing), of: frames.saturating_add(missing) }
+    /// Of `frames` that came, `bad` ones that are broken or damaged, and what is missing of `expected` ones where the input
+    /// `broke_off`: one at the least, since something could not be read.
+    fn new(frames: u64, bad: u64, broke_off: bool, expected: Option<u64>) -> Self {
+        let missing = if broke_off { expected.unwrap_or(0).saturating_sub(frames).max(1) } else { 0 };
+        Self { count: bad.saturating_add(missing), of: frames.saturating_add(missing) }
     }
 
     /// Whether they are more than so many percent.
@@ -252,14 +266,18 @@ impl RecordedDrive {
         let kept = learned.map_or(Ok(()), |(bank, surfaces)| write_surfaces(bank, &surfaces));
         let interrupted = self.interrupt.wanted();
         let (frames, unused) = (recorder.frames(), recorder.nothing_used());
-        let promised = self.source.length().map(|length| length.min(args.frames.unwrap_or(u64::MAX)));
-        let broke_off = self.broke_off.is_some();
-        let unusable = Unusable::new(frames, recorder.broken_frames(), broke_off, promised);
+        let expected =
+            self.source.expected_length().map(|length| length.min(args.frames.unwrap_or(u64::MAX)));
+        let damaged = self.damaged;
+        recorder.note_damaged(damaged);
+        let complaint = self.source.complaint().filter(|_| self.broke_off.is_none());
+        let bad = recorder.broken_frames().saturating_add(damaged);
+        let unusable = Unusable::new(frames, bad, self.broke_off.is_some(), expected);
         let broke_off = self.broke_off.map(|cause| cause.to_string());
         let too_many = unusable.exceed(args.max_broken_pct);
         let stopped = interrupted || failure.is_some() || (broke_off.is_some() && too_many);
         let end = if stopped { RunEnd::Interrupted } else { RunEnd::Complete };
-        let summary = recorder.finish(end, broke_off.clone(), truth);
+        let summary = recorder.finish(end, broke_off.clone().or(self.gave_out), truth);
         if let (true, Err(error)) = (stopped || unused || too_many, &summary) {
             output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
         }
@@ -279,7 +297,7 @@ impl RecordedDrive {
             let Unusable { count, of } = unusable;
             let because = broke_off.map(|cause| format!(" ({cause})")).unwrap_or_default();
             bail!(
-                "{count} of {of} frames of {} are broken or missing, more than {} %{because}; results so far are in {}; mend the \
+                "{count} of {of} frames of {} are broken, damaged or missing, more than {} %{because}; results so far are in {}; mend the \
                  input, or allow more with --max-broken-pct",
                 args.input,
                 args.max_broken_pct,
@@ -291,12 +309,21 @@ impl RecordedDrive {
         if let Some(cause) = broke_off {
             output::message(&cause);
         }
+        if damaged > 0 {
+            output::message(&format!(
+                "{damaged} of {frames} frames of {} are damaged, and the decoder made up parts of them; copy or record it again",
+                args.input
+            ));
+        } else if let Some(complaint) = complaint {
+            output::message(&format!("{} has faults, but all its frames came ({complaint})", args.input));
+        }
         output::print_summary(&summary, &args.out);
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }
 
     /// Runs the method on a frame.
     fn result(&mut self, frame: Frame) -> Result<FrameResult> {
+        self.damaged += u64::from(frame.damaged);
         let time = FrameTime { frame: frame.index, t_s: frame.t_s };
         let mut result = match frame.picture {
             Ok(picture) => {
@@ -307,7 +334,10 @@ impl RecordedDrive {
                 result
             }
             Err(FrameError::Picture(cause)) => pass_over(time, &cause),
-            Err(cause @ FrameError::Video(_)) => return Err(cause.into()),
+            Err(cause @ FrameError::Video(_)) => {
+                self.gave_out = Some(cause.to_string());
+                return Err(cause.into());
+            }
         };
         result.stage_ms.insert("decode".to_owned(), milliseconds(frame.decoding));
         Ok(result)

@@ -17,6 +17,9 @@ pub struct Summary {
     /// Frames that could not be read and were passed over.
     #[serde(default)]
     pub broken_frames: u64,
+    /// Frames that were used although they are damaged and the decoder made up parts of them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub damaged_frames: u64,
     /// Frames a second of the whole run, decoding and writing included.
     pub fps: f64,
     /// Wall time of every stage.
@@ -37,9 +40,14 @@ pub struct Summary {
     /// Whether the run was ended before its input was.
     #[serde(default)]
     pub interrupted: bool,
-    /// Why the input ended before it should have, where it did: a video that breaks off.
+    /// Why the input ended before it should have, where it did: a video that breaks off, stalls or goes on in another
+    /// form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_broke_off: Option<String>,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Wall time of a stage over a run, milliseconds.

@@ -54,6 +54,8 @@ impl FfmpegPrograms {
 
     /// Starts `program`, one of the two, with pipes to it, in a process group of its own.
     ///
+    /// Somebody has to listen to its messages, or it waits for that once there are many.
+    ///
     /// Ctrl-C in a terminal reaches the whole group of the program that runs there. A child in that group would end before
     /// its last frames are written; in its own it ends when its pipes do, or when this program does.
     pub(crate) fn start<'a>(
@@ -72,9 +74,8 @@ impl FfmpegPrograms {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         command.args(arguments).stdin(stdin).stdout(Stdio::piped()).stderr(Stdio::piped());
-        let mut child = command.spawn().map_err(failed)?;
-        let messages = Messages::listen(child.stderr.take());
-        Ok(RunningProgram { child, messages, patience })
+        let child = command.spawn().map_err(failed)?;
+        Ok(RunningProgram { child, messages: Messages { tail: None }, patience })
     }
 }
 
@@ -117,6 +118,18 @@ pub enum VideoError {
         frames: u64,
         /// ffmpeg's last message.
         cause: String,
+    },
+    /// The pictures go on in another size or another way of coding pixels.
+    #[error(
+        "{input} changes at frame {frames} {change}; the frames before are good, split it there and take each part by itself"
+    )]
+    Changed {
+        /// File, address or device.
+        input: String,
+        /// Frames that were read.
+        frames: u64,
+        /// Both forms: "from 640 x 480 (yuv420p) to 320 x 240 (yuv420p)".
+        change: String,
     },
     /// The video gives nothing any more.
     #[error(
@@ -212,6 +225,12 @@ impl RunningProgram {
                 Ok(status) => return Ok(status),
             }
         }
+    }
+
+    /// The same, with its messages listened to and their end kept.
+    pub(crate) fn listened_to(mut self) -> Self {
+        self.messages = Messages::listen(self.child.stderr.take());
+        self
     }
 
     /// Ends it, and whatever it started; one that has ended already is left in peace.

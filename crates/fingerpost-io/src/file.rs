@@ -151,7 +151,7 @@ impl Read for InputFile {
         loop {
             #[cfg(unix)]
             if let Some(patience) = &self.patience {
-                patience.readable(&self.file)?;
+                patience.readable(&self.file, || Ok(()))?;
             }
             match self.file.read(buffer) {
                 // Another reader was faster.

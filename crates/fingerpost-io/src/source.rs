@@ -77,6 +77,8 @@ pub struct Frame {
     pub t_s: f64,
     /// Wall time that decoding took in its own thread, waiting for ffmpeg with it.
     pub decoding: Duration,
+    /// Whether the picture is damaged and the decoder made up parts of it; of pictures in files it is not known.
+    pub damaged: bool,
     /// The picture, or why there is none.
     pub picture: Result<RgbImage, FrameError>,
 }
@@ -144,6 +146,23 @@ impl FrameSource {
         }
     }
 
+    /// Number of frames that there should be: like [`FrameSource::length`], or as many as fill the duration that a video states
+    /// where they are fewer or nothing else is known.
+    pub fn expected_length(&self) -> Option<u64> {
+        match &self.input {
+            Input::Pictures { count, .. } => Some(*count),
+            Input::Video(video) => video.expected_length(),
+        }
+    }
+
+    /// What the video's decoder complained about last, if it did; frames may be whole all the same.
+    pub fn complaint(&self) -> Option<String> {
+        match &self.input {
+            Input::Pictures { .. } => None,
+            Input::Video(video) => video.complaint(),
+        }
+    }
+
     /// Frames a second; the mean where every frame has its own time.
     pub fn fps(&self) -> f64 {
         self.fps
@@ -175,18 +194,19 @@ impl Iterator for FrameSource {
     fn next(&mut self) -> Option<Frame> {
         let index = self.next_index;
         let t_s = self.time_s(index);
-        let (decoding, picture) = match &mut self.input {
+        let (decoding, damaged, picture) = match &mut self.input {
             Input::Pictures { pictures, .. } => {
                 let Decoded { picture, decoding } = pictures.next()?;
-                (decoding, picture.map_err(FrameError::from))
+                (decoding, false, picture.map_err(FrameError::from))
             }
             Input::Video(video) => {
                 let Decoded { picture, decoding } = video.next_picture()?;
-                (decoding, picture.map_err(FrameError::from))
+                let damaged = picture.as_ref().is_ok_and(|picture| picture.damaged);
+                (decoding, damaged, picture.map(|picture| picture.picture).map_err(FrameError::from))
             }
         };
         self.next_index += 1;
-        Some(Frame { index, t_s, decoding, picture })
+        Some(Frame { index, t_s, decoding, damaged, picture })
     }
 }
 

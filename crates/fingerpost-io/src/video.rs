@@ -5,12 +5,14 @@
 //! red, green and blue by ffmpeg, as PPM. Both, rather than bare bytes, because they state their size: what rotation marks
 //! and codecs make of the size in the container's header does not matter.
 //!
-//! A video has broken off when ffmpeg fails, when its last picture is cut, or when it complained and delivered fewer
-//! frames than the container promised; where the container promises nothing, any complaint counts.
+//! A video has broken off when ffmpeg fails, when its last picture is cut, when it delivered fewer frames than the container
+//! counts, or when it complained and delivered fewer than fill the duration that the container states; where that states
+//! nothing, any complaint counts. Where size or pixels change half-way the video ends; what comes before is read.
 //!
 //! Limits: a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
 //! varying rate (some telephones) are timed as if theirs were constant.
 
+mod decode_log;
 mod pipe;
 mod ppm;
 mod probe;
@@ -27,9 +29,10 @@ use std::{
 use fingerpost_vision::picture::RgbImage;
 
 use self::{
+    decode_log::{DecodeLog, FRAME_LINES, FormChange, LOG_ARGUMENTS},
     pipe::PicturePipe,
     ppm::read_ppm,
-    probe::{Rate, Stream},
+    probe::{Expected, Rate, Stream},
     y4m::Y4mReader,
 };
 use crate::{
@@ -50,6 +53,8 @@ pub(crate) struct VideoReader {
     patience: Patience,
     rate: Rate,
     length: Option<u64>,
+    expected: Expected,
+    log: DecodeLog,
     frames: u64,
     ended: bool,
     pictures: Decoders<PictureStream>,
@@ -62,6 +67,15 @@ pub(crate) struct PictureStream {
     format: Format,
 }
 
+/// A picture of a video.
+#[derive(Debug)]
+pub(crate) struct VideoPicture {
+    /// It.
+    pub(crate) picture: RgbImage,
+    /// Whether ffmpeg had to make up parts of it.
+    pub(crate) damaged: bool,
+}
+
 /// How ffmpeg writes them.
 #[derive(Debug)]
 enum Format {
@@ -70,14 +84,19 @@ enum Format {
 }
 
 impl Decode for PictureStream {
-    type Picture = io::Result<RgbImage>;
+    type Picture = io::Result<VideoPicture>;
 
     fn decode(&mut self, buffer: Vec<u8>) -> Option<Self::Picture> {
-        match &mut self.format {
+        let picture = match &mut self.format {
             Format::Ppm => read_ppm(&mut self.pipe, buffer),
             Format::Y4m(reader) => reader.read(&mut self.pipe, buffer),
-        }
-        .transpose()
+        };
+        let picture = picture.transpose()?;
+        Some(
+            picture.and_then(|picture| {
+                Ok(VideoPicture { picture, damaged: self.pipe.get_mut().end_picture()? })
+            }),
+        )
     }
 }
 
@@ -91,7 +110,7 @@ impl VideoReader {
     ) -> Result<Self, VideoError> {
         let argument = ffmpeg_argument(input);
         let stream = Stream::probe(input, &argument, programs)?;
-        let (rate, length) = (stream.rate(), stream.length());
+        let (rate, length, expected) = (stream.rate(), stream.length(), stream.expected_length());
         let coding = stream.yuv420_coding();
         let mut arguments = decode_arguments(&argument, rate, threads);
         let format = match coding {
@@ -108,10 +127,11 @@ impl VideoReader {
         let arguments = arguments.iter().map(String::as_str);
         let patience = programs.patience();
         let mut ffmpeg = programs.start(&programs.ffmpeg, arguments, Stdio::null(), patience.clone())?;
-        let Some(stdout) = ffmpeg.child.stdout.take() else {
+        let Some((stdout, stderr)) = ffmpeg.child.stdout.take().zip(ffmpeg.child.stderr.take()) else {
             return Err(start_error(&programs.ffmpeg, ErrorKind::BrokenPipe.into()));
         };
-        let pipe = PicturePipe::new(stdout, patience.clone());
+        let log = DecodeLog::listen(stderr).map_err(|cause| start_error(&programs.ffmpeg, cause))?;
+        let pipe = PicturePipe::new(stdout, log.clone(), patience.clone());
         let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, pipe);
         let stream = PictureStream { pipe, format };
         let pictures = if threads == Some(NonZeroUsize::MIN) {
@@ -120,12 +140,25 @@ impl VideoReader {
             Decoders::ahead([stream])
         };
         let (input, frames, ended) = (input.to_owned(), 0, false);
-        Ok(Self { input, ffmpeg, patience, rate, length, frames, ended, pictures })
+        Ok(Self { input, ffmpeg, patience, rate, length, expected, log, frames, ended, pictures })
     }
 
     /// Frames that the container says it holds; none for live inputs and containers that do not say.
     pub(crate) fn length(&self) -> Option<u64> {
         self.length
+    }
+
+    /// Frames that there should be: those that the container counts and shows, or those that fill the duration that it states.
+    pub(crate) fn expected_length(&self) -> Option<u64> {
+        match self.expected {
+            Expected::Counted(frames) | Expected::Estimated(frames) => Some(frames),
+            Expected::Unknown => None,
+        }
+    }
+
+    /// What ffmpeg complained about last.
+    pub(crate) fn complaint(&self) -> Option<String> {
+        self.log.complaint()
     }
 
     /// Frames a second.
@@ -134,7 +167,7 @@ impl VideoReader {
     }
 
     /// The next frame; none behind the last. After an error there is nothing more.
-    pub(crate) fn next_picture(&mut self) -> Option<Decoded<Result<RgbImage, VideoError>>> {
+    pub(crate) fn next_picture(&mut self) -> Option<Decoded<Result<VideoPicture, VideoError>>> {
         if self.ended {
             return None;
         }
@@ -168,6 +201,12 @@ impl VideoReader {
         if self.patience.is_stopped() {
             return None;
         }
+        if let Some(change) = broken_frame.as_ref().and_then(form_change) {
+            return Some(VideoError::Changed { input, frames, change: change.to_string() });
+        }
+        if let Err(change) = self.log.check_form(frames) {
+            return Some(VideoError::Changed { input, frames, change: change.to_string() });
+        }
         let broken_frame = match broken_frame {
             Some(cause) if cause.kind() == ErrorKind::TimedOut => {
                 return Some(VideoError::Stalled { input, frames, cause });
@@ -175,12 +214,16 @@ impl VideoReader {
             broken_frame => broken_frame,
         };
         let failed = !self.ffmpeg.wait(|| false).is_ok_and(|status| status.success());
-        let said = self.ffmpeg.last_line();
-        let short = self.length.is_none_or(|length| frames < length);
-        let cause = match (broken_frame, said) {
-            (_, Some(said)) if failed || short => said,
-            (Some(cause), _) => cause.to_string(),
-            (None, None) if failed => "ffmpeg failed without a message".to_owned(),
+        let short = match self.expected {
+            Expected::Counted(counted) => frames < counted,
+            Expected::Estimated(estimated) => frames.saturating_add(1) < estimated,
+            Expected::Unknown => true,
+        };
+        let cause = match (broken_frame, self.log.complaint(), self.expected) {
+            (_, Some(said), _) if failed || short => said,
+            (Some(cause), ..) => cause.to_string(),
+            (None, None, _) if failed => "ffmpeg failed without a message".to_owned(),
+            (None, None, Expected::Counted(counted)) if short => format!("the container counts {counted}"),
             _ => return None,
         };
         Some(if frames == 0 {
@@ -191,6 +234,10 @@ impl VideoReader {
     }
 }
 
+fn form_change(cause: &io::Error) -> Option<&FormChange> {
+    cause.get_ref()?.downcast_ref()
+}
+
 /// A file's name with the protocol in front, so that a colon in it is no protocol; all else as it is.
 fn ffmpeg_argument(input: &str) -> String {
     if Path::new(input).is_file() { format!("file:{input}") } else { input.to_owned() }
@@ -199,14 +246,14 @@ fn ffmpeg_argument(input: &str) -> String {
 /// What makes ffmpeg decode `argument`, without the format of the pictures.
 fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>) -> Vec<String> {
     let Rate { frames, seconds } = rate;
-    let mut arguments = ["-v", "error", "-nostdin"].map(str::to_owned).to_vec();
+    let mut arguments = LOG_ARGUMENTS.into_iter().chain(["-nostdin"]).map(str::to_owned).collect::<Vec<_>>();
     if let Some(threads) = threads {
         arguments.extend(["-threads".to_owned(), threads.to_string()]);
     }
     arguments.extend(["-i", argument, "-map", "0:v:0"].map(str::to_owned));
     // Each decoded frame gets the time of its index, so that none is dropped or doubled to make the rate constant; the
     // option that says so directly has different names in different releases.
-    let times = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB");
+    let times = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB,{FRAME_LINES}");
     let constant_rate = ["-vf".to_owned(), times, "-r".to_owned(), format!("{frames}/{seconds}")];
     arguments.extend(constant_rate);
     arguments

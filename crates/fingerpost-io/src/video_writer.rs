@@ -58,7 +58,8 @@ impl VideoWriter {
         let output = ["-movflags", "+faststart", "-f", "mp4", &file];
         let arguments = input.into_iter().chain(even).chain(coding).chain(output);
         let patience = programs.patience().with_grace();
-        let mut ffmpeg = programs.start(&programs.ffmpeg, arguments, Stdio::piped(), patience.clone())?;
+        let mut ffmpeg =
+            programs.start(&programs.ffmpeg, arguments, Stdio::piped(), patience.clone())?.listened_to();
         let stdin = ffmpeg.child.stdin.take();
         #[cfg(unix)]
         if let Some(stdin) = &stdin {

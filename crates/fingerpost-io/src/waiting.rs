@@ -77,13 +77,20 @@ impl Patience {
         }
     }
 
-    /// Waits until there is something to be read, or the end.
+    /// Waits until there is something to be read, or the end, while `check` finds nothing wrong.
     ///
     /// # Errors
-    /// As [`Patience::until`].
+    /// As [`Patience::until`], and those of `check`.
     #[cfg(unix)]
-    pub(crate) fn readable(&self, from: &impl std::os::fd::AsFd) -> io::Result<()> {
-        self.until(|glance| is_ready(from, rustix::event::PollFlags::IN, glance))
+    pub(crate) fn readable(
+        &self,
+        from: &impl std::os::fd::AsFd,
+        mut check: impl FnMut() -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.until(|glance| {
+            check()?;
+            is_ready(from, rustix::event::PollFlags::IN, glance)
+        })
     }
 
     /// Waits until something can be written, or nobody reads any more.

@@ -1,10 +1,11 @@
 //! Video with the real ffmpeg; its absence is a failure.
 
 // A helper that fails has failed the test that calls it.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::{
     fs,
+    num::NonZeroUsize,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -168,4 +169,198 @@ fn a_place_that_cannot_be_written_is_named() {
     let message = error.to_string();
     assert!(message.contains("gone/out.mp4 cannot be written (No such file"), "{message}");
     assert!(!message.contains("fingerpost-tmp"), "{message}");
+}
+
+/// Numbers below `limit` that look drawn by lot and are the same in every run (SplitMix64).
+fn lots(seed: u64) -> impl FnMut(u64) -> u64 {
+    let mut state = seed;
+    move |limit| {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed ^ (mixed >> 31)) % limit
+    }
+}
+
+/// A test pattern of ten frames a second.
+fn pattern(to: &Path, (width, height): (u64, u64), frames: u64, arguments: &[&str]) {
+    let source = format!("testsrc2=size={width}x{height}:rate=10");
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y", "-f", "lavfi", "-i", &source, "-frames:v", &frames.to_string()]);
+    assert!(command.args(arguments).arg(to).status().unwrap().success(), "{arguments:?}");
+}
+
+#[test]
+fn a_stream_that_changes_half_way_ends_there_and_names_both_forms() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second, both] = ["first.ts", "second.ts", "both.ts"].map(|name| folder.path().join(name));
+    let mut draw = lots(1);
+    for codec in ["libx264", "mpeg2video", "mpeg4"] {
+        for kind in 0..4 {
+            let size = (160 + 16 * draw(6), 96 + 16 * draw(4));
+            let (other, pixels) = match kind {
+                0 => ((size.0 * 2, size.1 * 2), "yuv420p"),
+                1 => ((size.0 - 32, size.1 - 16), "yuv420p"),
+                2 => ((size.1, size.0), "yuv420p"),
+                // Other decoders of ffmpeg do not tell, or cannot.
+                _ if codec != "libx264" => continue,
+                _ => (size, "yuv422p"),
+            };
+            let (before, behind) = (3 + draw(12), 3 + draw(30));
+            let coding = |pixels| ["-c:v", codec, "-pix_fmt", pixels, "-bf", "0"];
+            pattern(&first, size, before, &coding("yuv420p"));
+            pattern(&second, other, behind, &coding(pixels));
+            fs::write(&both, [fs::read(&first).unwrap(), fs::read(&second).unwrap()].concat()).unwrap();
+            for threads in [NonZeroUsize::new(1), None] {
+                let options = SourceOptions { threads, ..SourceOptions::default() };
+                let source = FrameSource::open(both.to_str().unwrap(), &options).unwrap();
+                let mut pictures: Vec<_> = source.map(|frame| frame.picture).collect();
+                let name = format!("{codec} {size:?} to {other:?} {pixels} at {before}");
+                let last = pictures.pop().unwrap().map(|picture| picture.size()).unwrap_err();
+                let FrameError::Video(VideoError::Changed { frames, change, .. }) = last else {
+                    panic!("{name}: {last}")
+                };
+                let forms =
+                    format!("from {} x {} (yuv420p) to {} x {} ({pixels})", size.0, size.1, other.0, other.1);
+                assert_eq!(change, forms, "{name}");
+                // A decoder that has a frame in hand may lose it there.
+                let in_hand = u64::from(codec != "libx264");
+                assert!((before - in_hand..=before).contains(&frames), "{name}: {frames}");
+                let sizes: Vec<_> = pictures.into_iter().map(|picture| picture.unwrap().size()).collect();
+                assert_eq!(sizes, vec![(size.0 as usize, size.1 as usize); frames as usize], "{name}");
+            }
+        }
+    }
+}
+
+/// What was read of a video.
+#[derive(Debug, PartialEq)]
+struct Reading {
+    good: u64,
+    damaged: u64,
+    error: Option<String>,
+    complaint: Option<String>,
+    expected: Option<u64>,
+}
+
+/// Reads a video in one thread; none where it cannot be opened.
+fn read(path: &Path) -> Option<Reading> {
+    let options = SourceOptions { threads: NonZeroUsize::new(1), ..SourceOptions::default() };
+    let mut source = FrameSource::open(path.to_str().unwrap(), &options).ok()?;
+    let (mut good, mut damaged, mut error) = (0, 0, None);
+    for frame in source.by_ref() {
+        assert!(error.is_none(), "something comes behind {error:?}");
+        damaged += u64::from(frame.damaged);
+        match frame.picture {
+            Ok(_) => good += 1,
+            Err(cause) => error = Some(cause.to_string()),
+        }
+    }
+    let expected = source.expected_length();
+    // An address in memory is another in every run.
+    let words = |text: String| {
+        text.split_whitespace().filter(|word| !word.starts_with("0x")).collect::<Vec<_>>().join(" ")
+    };
+    Some(Reading {
+        good,
+        damaged,
+        error: error.map(words),
+        complaint: source.complaint().map(words),
+        expected,
+    })
+}
+
+const FRAMES: u64 = 30;
+const VIDEOS: [(&str, &str); 8] = [
+    ("mp4", "libx264"),
+    ("mkv", "libx264"),
+    ("ts", "libx264"),
+    ("mp4", "mpeg4"),
+    ("mkv", "mpeg4"),
+    ("ts", "mpeg2video"),
+    ("avi", "mpeg4"),
+    ("avi", "mjpeg"),
+];
+
+fn video(folder: &Path, container: &str, codec: &str) -> PathBuf {
+    let path = folder.join(format!("whole.{container}"));
+    let mut arguments = vec!["-c:v", codec, "-g", "6", "-bf", "0"];
+    if container == "mp4" {
+        arguments.extend(["-movflags", "+faststart"]);
+    }
+    pattern(&path, (160, 96), FRAMES, &arguments);
+    let whole = read(&path).unwrap();
+    assert_eq!((whole.good, whole.damaged, &whole.error, &whole.complaint), (FRAMES, 0, &None, &None));
+    assert!(whole.expected.is_some_and(|expected| expected.abs_diff(FRAMES) <= 1), "{container}: {whole:?}");
+    path
+}
+
+#[test]
+fn damaged_bytes_never_cost_frames_in_silence() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut said, mut damaged) = (0, 0);
+    for (container, codec) in VIDEOS {
+        let path = video(folder.path(), container, codec);
+        let bytes = fs::read(&path).unwrap();
+        for seed in 0..6 {
+            let (mut draw, mut bytes) = (lots(seed), bytes.clone());
+            for _ in 0..1 << draw(6) {
+                let place = bytes.len() as u64 / 6 + draw(bytes.len() as u64 * 4 / 6);
+                bytes[place as usize] ^= 1 + draw(255) as u8;
+            }
+            let path = folder.path().join(format!("damaged.{container}"));
+            fs::write(&path, &bytes).unwrap();
+            let name = format!("{codec} in {container}, {seed}");
+            let Some(found) = read(&path) else { continue };
+            assert_eq!(read(&path).as_ref(), Some(&found), "{name}: not twice the same");
+            let anything = found.error.is_some() || found.complaint.is_some() || found.damaged > 0;
+            assert!(found.good == FRAMES || anything, "{name}: {found:?}");
+            assert!(found.damaged <= found.good, "{name}: {found:?}");
+            let counted = matches!(container, "mp4" | "avi");
+            assert!(!counted || found.good >= FRAMES || found.error.is_some(), "{name}: {found:?}");
+            said += u64::from(anything);
+            damaged += found.damaged;
+        }
+    }
+    assert!(said > 20 && damaged > 20, "the lots must do damage: {said} {damaged}");
+}
+
+#[test]
+fn a_video_cut_anywhere_says_how_many_frames_are_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    for (container, codec) in VIDEOS {
+        let path = video(folder.path(), container, codec);
+        let bytes = fs::read(&path).unwrap();
+        for seed in 0..4 {
+            let mut draw = lots(seed);
+            let length = bytes.len() as u64 / 3 + draw(bytes.len() as u64 / 3);
+            let path = folder.path().join(format!("cut.{container}"));
+            fs::write(&path, &bytes[..length as usize]).unwrap();
+            let name = format!("{codec} in {container}, {length} bytes of {}", bytes.len());
+            let found = read(&path).unwrap();
+            assert!((1..FRAMES).contains(&found.good), "{name}: {found:?}");
+            if container == "ts" {
+                // It states no length: what is there is all that anybody knows of.
+                assert!(found.expected.is_none_or(|expected| expected <= FRAMES), "{name}: {found:?}");
+            } else {
+                assert!(found.error.is_some(), "{name}: {found:?}");
+                assert!(
+                    found.expected.is_some_and(|expected| expected.abs_diff(FRAMES) <= 1),
+                    "{name}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cut_that_hides_frames_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, cut] = ["whole.mp4", "cut.mp4"].map(|name| folder.path().join(name));
+    pattern(&whole, (160, 96), 40, &["-c:v", "libx264", "-g", "12", "-bf", "0"]);
+    let mut command = Command::new("ffmpeg");
+    command.args(["-v", "error", "-y", "-ss", "1.7", "-i"]).arg(&whole).args(["-c", "copy"]).arg(&cut);
+    assert!(command.status().unwrap().success());
+    let found = read(&cut).unwrap();
+    assert_eq!((found.good, found.error, found.expected), (23, None, Some(23)));
 }

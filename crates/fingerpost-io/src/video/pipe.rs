@@ -9,6 +9,7 @@ use std::{
     process::ChildStdout,
 };
 
+use super::decode_log::DecodeLog;
 use crate::waiting::Patience;
 
 /// Reads from a child's standard output, large pieces in one go.
@@ -16,6 +17,9 @@ use crate::waiting::Patience;
 pub(crate) struct PicturePipe {
     stdout: ChildStdout,
     patience: Patience,
+    log: DecodeLog,
+    /// Index of the picture that is being read.
+    frame: u64,
     /// What the pipe holds at the most, bytes; none where the system does not say.
     capacity: Option<usize>,
 }
@@ -58,19 +62,30 @@ mod gather {
 
 impl PicturePipe {
     /// Reads `stdout`, waiting for its writer as long as `patience` lasts.
-    pub(crate) fn new(stdout: ChildStdout, patience: Patience) -> Self {
+    pub(crate) fn new(stdout: ChildStdout, log: DecodeLog, patience: Patience) -> Self {
         #[cfg(target_os = "linux")]
         let capacity = gather::enlarge(&stdout);
         #[cfg(not(target_os = "linux"))]
         let capacity = None;
-        Self { stdout, patience, capacity }
+        Self { stdout, patience, log, frame: 0, capacity }
+    }
+
+    /// Ends a picture that has come whole, and says whether it is damaged.
+    ///
+    /// # Errors
+    /// As [`DecodeLog::check_form`].
+    pub(crate) fn end_picture(&mut self) -> io::Result<bool> {
+        self.log.check_form(self.frame).map_err(io::Error::other)?;
+        let damaged = self.log.take_damage(self.frame);
+        self.frame += 1;
+        Ok(damaged)
     }
 }
 
 impl Read for PicturePipe {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         #[cfg(unix)]
-        self.patience.readable(&self.stdout)?;
+        self.patience.readable(&self.stdout, || self.log.check_form(self.frame).map_err(io::Error::other))?;
         #[cfg(target_os = "linux")]
         if let Some(capacity) = self.capacity {
             // A pipe's pages may be filled in part: it can be full before it holds its capacity.

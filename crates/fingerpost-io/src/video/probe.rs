@@ -31,7 +31,7 @@ impl Rate {
 }
 
 /// What of a stream ffprobe is asked to show.
-const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,pix_fmt,color_space,color_range";
+const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION:format=format_name";
 
 /// Most that ffprobe answers, bytes; what is asked of one stream has some hundred.
 const MAX_ANSWER_BYTES: u64 = 1 << 20;
@@ -40,6 +40,16 @@ const MAX_ANSWER_BYTES: u64 = 1 << 20;
 struct Probe {
     #[serde(default)]
     streams: Vec<Stream>,
+    #[serde(default)]
+    format: Container,
+}
+
+/// What holds the streams.
+#[derive(Debug, Default, Deserialize)]
+struct Container {
+    /// All names of its kind: "mov,mp4,m4a,3gp,3g2,mj2".
+    #[serde(default)]
+    format_name: String,
 }
 
 /// The stream of moving pictures in a video.
@@ -48,9 +58,33 @@ pub(super) struct Stream {
     avg_frame_rate: Option<String>,
     r_frame_rate: Option<String>,
     nb_frames: Option<String>,
+    duration: Option<String>,
+    #[serde(default)]
+    tags: Tags,
+    /// Whether the container may count frames that are not shown, as a cut without coding anew leaves them in front.
+    #[serde(skip)]
+    hides_frames: bool,
     pix_fmt: Option<String>,
     color_space: Option<String>,
     color_range: Option<String>,
+}
+
+/// Frames that there should be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Expected {
+    /// The container counts them.
+    Counted(u64),
+    /// They fill the duration that it states; whether that reaches to the beginning of the last frame or to its end differs.
+    Estimated(u64),
+    /// Nothing is stated.
+    Unknown,
+}
+
+/// What Matroska says of a stream.
+#[derive(Debug, Default, Deserialize)]
+struct Tags {
+    #[serde(rename = "DURATION")]
+    duration: Option<String>,
 }
 
 impl Stream {
@@ -58,7 +92,8 @@ impl Stream {
     pub(super) fn probe(input: &str, argument: &str, programs: &FfmpegPrograms) -> Result<Self, VideoError> {
         let question = ["-v", "error", "-select_streams", "v:0", "-of", "json", "-show_entries", SHOWN];
         let arguments = question.into_iter().chain([argument]);
-        let mut ffprobe = programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?;
+        let mut ffprobe =
+            programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?.listened_to();
         let input = || input.to_owned();
         let (status, answer) =
             answer(&mut ffprobe, MAX_ANSWER_BYTES).map_err(|cause| match cause.kind() {
@@ -73,7 +108,9 @@ impl Stream {
         }
         let probe: Probe = serde_json::from_slice(&answer)
             .map_err(|cause| unreadable(&format!("ffprobe's answer is not understood: {cause}")))?;
-        probe.streams.into_iter().next().ok_or_else(|| unreadable("there are no moving pictures in it"))
+        let hides_frames = probe.format.format_name.split(',').any(|name| name == "mov");
+        let stream = probe.streams.into_iter().next().map(|stream| Self { hides_frames, ..stream });
+        stream.ok_or_else(|| unreadable("there are no moving pictures in it"))
     }
 
     /// Frames a second, on average.
@@ -103,11 +140,53 @@ impl Stream {
     pub(super) fn length(&self) -> Option<u64> {
         self.nb_frames.as_ref()?.parse().ok()
     }
+
+    /// Frames that there should be: as many as the container counts, or else as fill the duration that it states.
+    pub(super) fn expected_length(&self) -> Expected {
+        match (self.length(), self.estimated_length()) {
+            (Some(counted), Some(shown)) if self.hides_frames && shown < counted => {
+                Expected::Estimated(shown)
+            }
+            (Some(counted), _) => Expected::Counted(counted),
+            (None, Some(shown)) => Expected::Estimated(shown),
+            (None, None) => Expected::Unknown,
+        }
+    }
+
+    fn estimated_length(&self) -> Option<u64> {
+        let stated_s = self.duration.as_ref().and_then(|text| text.parse().ok());
+        let duration_s: f64 = stated_s.or_else(|| clock_s(self.tags.duration.as_ref()?))?;
+        let frames = duration_s * self.rate().fps();
+        // As a float of that size it is a whole number still.
+        (0.0..2_f64.powi(53)).contains(&frames).then(|| frames.round() as u64)
+    }
+}
+
+/// Seconds of `00:01:02.500`.
+fn clock_s(text: &str) -> Option<f64> {
+    let mut parts = text.split(':').map(|part| part.parse::<f64>().ok());
+    let (hours, minutes, seconds) = (parts.next()??, parts.next()??, parts.next()??);
+    Some((hours * 60.0 + minutes) * 60.0 + seconds)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_duration_gives_a_number_of_frames() {
+        let frames = |duration: Option<&str>, tag: Option<&str>| {
+            let [rate, duration, tag] =
+                [Some("30000/1001"), duration, tag].map(|text| text.map(str::to_owned));
+            let tags = Tags { duration: tag };
+            Stream { avg_frame_rate: rate, duration, tags, ..Stream::default() }.estimated_length()
+        };
+        assert_eq!(frames(Some("10.010000"), None), Some(300));
+        assert_eq!(frames(None, Some("01:00:10.010000000")), Some(108_192));
+        for none in [None, Some("N/A"), Some("-1"), Some("1e300"), Some("NaN")] {
+            assert_eq!(frames(none, Some("what?")), None, "{none:?}");
+        }
+    }
 
     #[test]
     fn pixels_that_need_no_ffmpeg_to_be_turned_into_colours() {

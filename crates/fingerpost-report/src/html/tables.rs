@@ -19,6 +19,9 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
     if summary.broken_frames > 0 {
         facts.push(("broken frames passed over", summary.broken_frames.to_string()));
     }
+    if summary.damaged_frames > 0 {
+        facts.push(("damaged frames used", summary.damaged_frames.to_string()));
+    }
     if let Some(truth) = &summary.truth {
         facts.push((
             "detected, of those passed",
