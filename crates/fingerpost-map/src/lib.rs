@@ -19,6 +19,8 @@ mod osm_budget;
 mod osm_pbf;
 mod osm_xml;
 mod path;
+mod pbf_block;
+mod pbf_fields;
 mod plan;
 mod road;
 mod route;
