@@ -75,7 +75,7 @@ pub enum OsmError {
     /// More data than may be held.
     #[error(
         "the map takes more than the {limit_mb} MB of memory that it may take; cut out the area that is driven (osmium \
-         extract)"
+         extract), or allow more (--max-input-mib)"
     )]
     TooLarge {
         /// The memory that it may take, megabytes.
@@ -109,7 +109,7 @@ const PBF_NAME_AT: usize = 6;
 impl OsmData {
     /// Memory that a map may take where nothing else is said, bytes: about 28 million nodes, those of a small country; an
     /// extract of 100 km has some ten million.
-    pub const MEMORY_BYTES: usize = 2_000_000_000;
+    pub const MEMORY_BYTES: usize = 2048 << 20;
 
     /// Reads OSM XML or OSM PBF, whichever it is, within [`Self::MEMORY_BYTES`].
     ///

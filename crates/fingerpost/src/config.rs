@@ -53,7 +53,7 @@ pub struct Config {
 
 /// A setting that cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{key} = {value} cannot be used: give {expected}")]
+#[error("{key} = {} cannot be used: give {expected}", short(*.value))]
 pub struct ConfigError {
     /// Key, with its table.
     pub key: &'static str,
@@ -61,6 +61,11 @@ pub struct ConfigError {
     pub value: f64,
     /// What would be accepted.
     pub expected: &'static str,
+}
+
+/// A number in a few digits, with an exponent where it is very large or small.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 impl Config {
