@@ -120,7 +120,7 @@ pub(crate) fn route(bytes: &[u8]) -> bool {
         let written = must(write_route(&route), "a route that was read");
         let again = must(read_route(&written), "a route that was written");
         // Places are rounded when they are written, so a bearing between two near ones may differ in its last digits.
-        assert_eq!((again.points.len(), again.features.len()), (route.points.len(), route.features.len()));
+        assert_eq!((again.line.len(), again.features.len()), (route.line.len(), route.features.len()));
         must(write_route(&again), "a route that was read again");
         return true;
     }
