@@ -34,7 +34,7 @@ const INTEGERS: [i64; 9] = [0, -1, 1, i64::MIN, i64::MAX, 1 << 31, 1 << 32, 1_00
 /// The paths of all numbers in a table.
 fn numbers(table: &Table, path: &[String], found: &mut Vec<Vec<String>>) {
     for (key, value) in table {
-        let path = [path, &[key.clone()]].concat();
+        let path = [path, std::slice::from_ref(key)].concat();
         match value {
             Value::Table(table) => numbers(table, &path, found),
             Value::Integer(_) | Value::Float(_) => found.push(path),

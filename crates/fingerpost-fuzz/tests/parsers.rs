@@ -3,6 +3,9 @@
 //! `FINGERPOST_FUZZ_PARSER` names one parser for a longer run, `FINGERPOST_FUZZ_SEED` another seed. An input that breaks
 //! something is written to the folder for temporary files, and its path is said.
 
+// Functions shared by tests fail their test by panicking, and how many inputs ran is said where output is shown.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 

@@ -187,7 +187,7 @@ impl<'a> Block<'a> {
 }
 
 /// The packed numbers of the fields of these numbers; none where a field is missing.
-fn columns<'a, const N: usize>(message: &'a [u8], wanted: [u32; N]) -> Result<[&'a [u8]; N], OsmError> {
+fn columns<const N: usize>(message: &[u8], wanted: [u32; N]) -> Result<[&[u8]; N], OsmError> {
     let mut found: [&[u8]; N] = [&[]; N];
     let mut fields = Fields::of(message);
     while let Some((number, value)) = fields.next().map_err(broken)? {
