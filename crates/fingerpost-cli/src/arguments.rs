@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::ValueEnum;
 use fingerpost::road_surface::RoadMethod;
-use fingerpost_map::LatLon;
+use fingerpost_map::{LatLon, OsmData};
 use fingerpost_vision::simd::InstructionSet;
 
 /// A place given as `LAT,LON`, degrees.
@@ -120,6 +120,45 @@ impl Display for WaitingTime {
     }
 }
 
+/// How much memory an input may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::Args)]
+pub(crate) struct InputLimit {
+    /// Memory that a map or GPS track may take, MiB, 1 to 65536: so much of its file is read, and so much is made of it.
+    #[arg(long, value_name = "MIB", default_value_t = (OsmData::MEMORY_BYTES >> 20) as u32,
+          value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    max_input_mib: u32,
+}
+
+impl InputLimit {
+    /// The limit in bytes.
+    pub(crate) const fn bytes(self) -> usize {
+        (self.max_input_mib as usize).saturating_mul(1 << 20)
+    }
+}
+
+/// Reads a number from `least` to `most`; `what` is what it says, `unit` what it counts.
+pub(crate) fn number(
+    least: f64,
+    most: f64,
+    what: &'static str,
+    unit: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+        number.ok_or_else(|| format!("{text:?} is no {what}; give {least} to {most} {unit}"))
+    }
+}
+
+/// Reads the frame rate of an input, frames a second.
+pub(crate) fn frame_rate(text: &str) -> Result<f64, String> {
+    number(0.01, 1000.0, "frame rate", "frames a second")(text)
+}
+
+/// Reads the frame rate of a simulation, frames a second.
+pub(crate) fn simulated_rate(text: &str) -> Result<f64, String> {
+    number(0.1, 1000.0, "frame rate", "frames a second")(text)
+}
+
 /// Frames given as `FROM-TO`, both included, or as one number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FrameRange(pub(crate) RangeInclusive<u64>);
@@ -198,6 +237,19 @@ mod tests {
             assert!(text.parse::<WaitingTime>().is_err_and(|error| error.contains("0.1 to 86400")), "{text}");
         }
         assert!("512".parse::<Threads>().is_ok() && "19000".parse::<CourseLength>().is_ok());
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_named_in_a_short_message() {
+        for text in
+            ["0", "-1", "1e-300", "1e300", "-1e300", "NaN", "inf", "9223372036854775808", "1001", "", "ten"]
+        {
+            for read in [frame_rate, simulated_rate] {
+                let error = read(text).unwrap_err();
+                assert!(error.contains("to 1000 frames a second") && error.len() < 100, "{error}");
+            }
+        }
+        assert!(frame_rate("0.01").is_ok() && simulated_rate("1000").is_ok());
     }
 
     #[test]

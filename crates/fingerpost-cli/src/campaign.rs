@@ -24,7 +24,7 @@ use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
-use crate::arguments::{PictureSize, Threads};
+use crate::arguments::{InputLimit, PictureSize, Threads};
 use crate::demo::TOWN_OSM;
 use crate::interrupt::Interrupt;
 use crate::simulate::{Lens, default_camera};
@@ -34,7 +34,7 @@ use crate::{inputs, output, output_path};
 /// place and of motion, by conditions. The truth is only used to measure the results.
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// How many drives.
+    /// How many drives, 1 to 1000000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     drives: u64,
     /// Seed of the first drive; the others count up from it. A drive follows from its seed and its conditions.
@@ -47,14 +47,16 @@ pub(crate) struct CampaignArgs {
     /// OpenStreetMap data to drive on, in place of the built-in town.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Settings of the method; every key is optional.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Size of the pictures, pixels.
     #[arg(long, value_name = "WxH", default_value = "480x360")]
     size: PictureSize,
-    /// Frames a second.
-    #[arg(long, default_value_t = 10.0)]
+    /// Frames a second, 0.1 to 1000.
+    #[arg(long, default_value_t = 10.0, value_parser = crate::arguments::simulated_rate)]
     fps: f64,
     /// Drives at the same time; as many as the machine has processor cores by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
@@ -89,7 +91,7 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
         bail!("--seed {} leaves no seeds for {} drives; give a smaller one", args.seed, args.drives);
     }
     let graph = match &args.map {
-        Some(map) => inputs::road_graph(map)?,
+        Some(map) => inputs::road_graph(map, args.limit)?,
         None => RoadGraph::from_osm(&OsmData::from_bytes(TOWN_OSM)?)?,
     };
     let setting = Setting {

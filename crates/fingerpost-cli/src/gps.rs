@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
-use fingerpost_map::{LatLon, parse_gpx};
+use anyhow::{Result, bail};
+use fingerpost_map::LatLon;
 
-use crate::output;
+use crate::arguments::InputLimit;
+use crate::{inputs, output};
 
 /// A position farther than this in time from every frame belongs to none, seconds: receivers give one a second.
 const NEAR_S: f64 = 1.0;
@@ -23,9 +24,8 @@ pub(crate) struct GpsTrack {
 
 impl GpsTrack {
     /// Reads a GPX track with times.
-    pub(crate) fn read(path: &Path) -> Result<Self> {
-        let text = fingerpost_io::read_text(path)?;
-        let points = parse_gpx(&text).with_context(|| path.display().to_string())?;
+    pub(crate) fn read(path: &Path, limit: InputLimit) -> Result<Self> {
+        let points = inputs::gps_points(path, limit)?;
         let timed: Vec<(f64, LatLon)> =
             points.iter().filter_map(|point| Some((point.time_s?, point.at))).collect();
         let (track, passed_over) = Self::of(timed);

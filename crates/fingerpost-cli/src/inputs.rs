@@ -5,13 +5,22 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost_io::FfmpegPrograms;
-use fingerpost_map::{OsmData, RoadGraph, Route, read_route};
+use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gpx_within, read_route};
 
-/// The roads of an OpenStreetMap file.
-pub(crate) fn road_graph(path: &Path) -> Result<RoadGraph> {
-    let bytes = fingerpost_io::read_bytes(path)?;
-    let osm = OsmData::from_bytes(&bytes).with_context(|| path.display().to_string())?;
+use crate::arguments::InputLimit;
+
+/// The roads of an OpenStreetMap file that takes no more than the limit.
+pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
+    let bytes = fingerpost_io::read_bytes_within(path, limit.bytes() as u64)?;
+    let osm = OsmData::from_bytes_within(&bytes, limit.bytes());
+    let osm = osm.with_context(|| path.display().to_string())?;
     RoadGraph::from_osm(&osm).with_context(|| path.display().to_string())
+}
+
+/// The points of a GPX file that takes no more than the limit.
+pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>> {
+    let text = fingerpost_io::read_text_within(path, limit.bytes() as u64)?;
+    parse_gpx_within(&text, limit.bytes()).with_context(|| path.display().to_string())
 }
 
 /// A route file.

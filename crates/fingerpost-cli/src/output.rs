@@ -10,24 +10,32 @@ use serde::Serialize;
 
 /// A message on standard error. Where nobody can read it any more, the program goes on without saying it.
 ///
-/// Much of what messages hold comes from files and arguments: what would steer a terminal or turn the direction of writing is
-/// written as its code; lines and tabs stay.
+/// Much of what messages hold comes from files and arguments: what would steer a terminal, break a line unseen, turn the
+/// direction of writing or hide in it is written as its code; lines and tabs stay.
 pub(crate) fn message(text: &str) {
     let _ = writeln!(io::stderr(), "{}", harmless(text));
 }
 
 fn harmless(text: &str) -> String {
     let is_layout = |c: char| matches!(c, '\n' | '\t');
-    let turns_writing = |c: char| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
-        if (c.is_control() && !is_layout(c)) || turns_writing(c) {
+        if (c.is_control() && !is_layout(c)) || is_unseen(c) {
             shown.extend(c.escape_unicode());
         } else {
             shown.push(c);
         }
     }
     shown
+}
+
+/// Whether a character shows nothing of itself: Unicode's marks of direction, separators of lines and paragraphs, joiners and
+/// fillers without width, annotations, and tags. The joiners U+200C and U+200D are letters' forms in Persian and Indian names.
+const fn is_unseen(c: char) -> bool {
+    matches!(c,
+        '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}' | '\u{180b}'..='\u{180f}'
+        | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}'
+        | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
 }
 
 /// Data on standard output, as one JSON object on a line.
@@ -109,7 +117,24 @@ mod tests {
         for c in (0..=char::MAX as u32).filter_map(char::from_u32) {
             let shown = harmless(&format!("a{c}b"));
             let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
-            assert!(!shown.chars().any(steers), "U+{:04X}", c as u32);
+            assert!(!shown.chars().any(|c| steers(c) || is_unseen(c)), "U+{:04X}", c as u32);
+            // What is replaced can be told from what it was, and all else stays.
+            let is_replaced = steers(c) || is_unseen(c);
+            let expected = if is_replaced { format!("a\\u{{{:x}}}b", c as u32) } else { format!("a{c}b") };
+            assert_eq!(shown, expected);
+        }
+        for c in [
+            '\u{2028}',
+            '\u{2029}',
+            '\u{feff}',
+            '\u{e0001}',
+            '\u{e007f}',
+            '\u{200b}',
+            '\u{202e}',
+            '\u{9b}',
+            '\u{7f}',
+        ] {
+            assert!(harmless(&c.to_string()).is_ascii(), "U+{:04X}", c as u32);
         }
         assert_eq!(harmless("\u{1b}[31m"), "\\u{1b}[31m");
         assert_eq!(harmless("user\u{202e}gpj.exe"), "user\\u{202e}gpj.exe");

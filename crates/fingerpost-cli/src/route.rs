@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use fingerpost_map::{ArmRole, FeatureOptions, LatLon, Route, match_track, parse_gpx, plan, write_route};
+use fingerpost_map::{ArmRole, FeatureOptions, LatLon, Route, match_track, plan, write_route};
 use serde::Serialize;
 
-use crate::arguments::Place;
+use crate::arguments::{InputLimit, Place};
 use crate::record::kind_name;
 use crate::{inputs, output, output_path};
 
@@ -18,6 +18,8 @@ pub(crate) struct RouteArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE")]
     map: PathBuf,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Where the route starts, degrees; moved to the nearest road within 100 m.
     #[arg(
         long,
@@ -65,12 +67,11 @@ struct FeatureReport<'a> {
 pub(crate) fn route(args: &RouteArgs) -> Result<()> {
     let inputs = [Some(&args.map), args.gpx.as_ref()].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_file(&args.out, inputs)?;
-    let graph = inputs::road_graph(&args.map)?;
+    let graph = inputs::road_graph(&args.map, args.limit)?;
     let options = FeatureOptions::default();
     let route = match &args.gpx {
         Some(path) => {
-            let text = fingerpost_io::read_text(path)?;
-            let points = parse_gpx(&text).with_context(|| path.display().to_string())?;
+            let points = inputs::gps_points(path, args.limit)?;
             let track: Vec<LatLon> = points.iter().map(|point| point.at).collect();
             match_track(&graph, &track, &options).with_context(|| path.display().to_string())?
         }

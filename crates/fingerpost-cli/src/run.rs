@@ -15,7 +15,7 @@ use fingerpost_io::{
 use fingerpost_map::Route;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
-use crate::arguments::{FrameRange, InstructionSetName, Threads};
+use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Threads, number};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::gps::GpsTrack;
@@ -40,8 +40,9 @@ pub(crate) struct RunArgs {
     /// Route, as written by `fingerpost route`.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
-    /// Distance along the route at the first frame, metres, where it is known.
-    #[arg(long, value_name = "M", requires = "route", allow_hyphen_values = true)]
+    /// Distance along the route at the first frame, metres, where it is known; -1e6 to 1e6.
+    #[arg(long, value_name = "M", requires = "route", allow_hyphen_values = true,
+          value_parser = number(-1e6, 1e6, "place on a route", "metres"))]
     start_m: Option<f64>,
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
@@ -50,6 +51,8 @@ pub(crate) struct RunArgs {
     /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "route")]
     gps: Option<PathBuf>,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Signals of the vehicle's bus: a log of `candump -L`, plain or .gz, whose first line belongs to the first frame (else
     /// can.time_offset_s of the configuration); or, built with the feature socketcan, a bus, as in socketcan:can0. The
     /// configuration's table "can" says which signals mean what.
@@ -68,8 +71,8 @@ pub(crate) struct RunArgs {
     /// Stop after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
-    #[arg(long, value_name = "N")]
+    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate; 0.01 to 1000.
+    #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// The pictures have nothing to do with each other: each is taken as a drive's first frame.
     #[arg(long, conflicts_with_all = ["route", "bank"])]
@@ -116,7 +119,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let camera = read_camera(&args.camera)?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     check_start(args.start_m, route.as_ref())?;
-    let gps = args.gps.as_deref().map(GpsTrack::read).transpose()?.unwrap_or_default();
+    let gps =
+        args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?.unwrap_or_default();
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;

@@ -19,7 +19,7 @@ use fingerpost_sim::{
 use rayon::prelude::*;
 
 use self::course::CourseArgs;
-use crate::arguments::PictureSize;
+use crate::arguments::{InputLimit, PictureSize};
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -31,6 +31,8 @@ pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "route")]
     map: Option<PathBuf>,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Route on that map, as written by `fingerpost route`.
     #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "map")]
     route: Option<PathBuf>,
@@ -49,8 +51,8 @@ pub(crate) struct SimulateArgs {
     /// Size of the pictures, pixels; the camera's focal length goes with the width.
     #[arg(long, value_name = "WxH", default_value = "640x480", conflicts_with = "camera")]
     size: PictureSize,
-    /// Frames a second.
-    #[arg(long, default_value_t = 10.0)]
+    /// Frames a second, 0.1 to 1000.
+    #[arg(long, default_value_t = 10.0, value_parser = crate::arguments::simulated_rate)]
     fps: f64,
     /// A calibrated camera to look through, in place of a 75 degree one, 1.5 m above the road and 1.5 m ahead of the
     /// rear axle, looking 8 degrees down.
@@ -148,7 +150,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
             let (graph, route) = road.roads()?;
             (graph, route, config)
         }
-        (None, Some(map), Some(route)) => (inputs::road_graph(map)?, inputs::route(route)?, config),
+        (None, Some(map), Some(route)) => {
+            (inputs::road_graph(map, args.limit)?, inputs::route(route)?, config)
+        }
         (None, ..) => bail!("neither a road nor a map with a route; give --course, or --map and --route"),
     };
     let camera = match (&args.camera, args.road.course) {

@@ -92,7 +92,15 @@ const MOST_OF_A_DEVICE: u64 = 1_000_000;
 /// # Errors
 /// Those of [`read_bytes`], and [`FileError::NotText`] when it is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let text = String::from_utf8(read_bytes(path)?);
+    read_text_within(path, MOST_OF_A_FILE)
+}
+
+/// [`read_text`] of at most `most_bytes`.
+///
+/// # Errors
+/// Those of [`read_text`].
+pub fn read_text_within(path: &Path, most_bytes: u64) -> Result<String, FileError> {
+    let text = String::from_utf8(read_bytes_within(path, most_bytes)?);
     let text = text.map_err(|_| FileError::NotText { path: path.to_owned() })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
@@ -103,6 +111,14 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// [`FileError::Read`] when it cannot be read or, being a pipe, gives nothing for the longest wait,
 /// [`FileError::TooLong`] when it holds more.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    read_bytes_within(path, MOST_OF_A_FILE)
+}
+
+/// [`read_bytes`] of at most `most_bytes`.
+///
+/// # Errors
+/// Those of [`read_bytes`].
+pub fn read_bytes_within(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> {
     let file = InputFile::open(path)?;
     let metadata = file.file.metadata().map_err(FileError::reading(path))?;
     let (limit, kind) = match metadata.file_type() {
@@ -110,8 +126,9 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
         kind if is_pipe(kind) => (MOST_OF_A_PIPE, "a pipe"),
         _ => (MOST_OF_A_DEVICE, "a device"),
     };
+    let limit = limit.min(most_bytes);
     let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(FileError::reading(path))?;
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(FileError::reading(path))?;
     if bytes.len() as u64 > limit {
         return Err(FileError::TooLong { path: path.to_owned(), limit_mb: limit / 1_000_000, kind });
     }

@@ -8,7 +8,7 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use thiserror::Error;
 
-use crate::LatLon;
+use crate::{LatLon, OsmData};
 
 /// A point of a GPX track.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +30,14 @@ pub enum GpxError {
         /// What is wrong there.
         cause: String,
     },
+    /// More points than may be held.
+    #[error(
+        "the GPX has more points than the {limit_mb} MB of memory hold that it may take; cut out the drive, or allow more (--max-input-mib)"
+    )]
+    TooLarge {
+        /// The memory that it may take, megabytes.
+        limit_mb: usize,
+    },
     /// No points.
     #[error("the GPX holds no track, route or waypoints; export the track itself")]
     NoPoints,
@@ -38,13 +46,27 @@ pub enum GpxError {
 /// The elements that hold points, in the order of preference.
 const POINT_ELEMENTS: [&str; 3] = ["trkpt", "rtept", "wpt"];
 
-/// Reads the points of a GPX document.
+/// Elements within each other at the most: a track's points have five above them, extensions of receivers a few more.
+const MOST_DEPTH: usize = 64;
+/// Bytes that a point takes: a list that grows is copied into one of twice its size, and for a moment both are there.
+const POINT_BYTES: usize = 3 * size_of::<GpxPoint>();
+
+/// Reads the points of a GPX document, as many as fit into the memory that a map may take where nothing else is said.
 ///
 /// # Errors
-/// [`GpxError::Broken`] and [`GpxError::NoPoints`].
+/// As [`parse_gpx_within`].
 pub fn parse_gpx(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
+    parse_gpx_within(text, OsmData::MEMORY_BYTES)
+}
+
+/// Reads the points of a GPX document into at most `memory_bytes`; at most 64 elements may stand within each other.
+///
+/// # Errors
+/// [`GpxError::Broken`], [`GpxError::TooLarge`] and [`GpxError::NoPoints`].
+pub fn parse_gpx_within(text: &str, memory_bytes: usize) -> Result<Vec<GpxPoint>, GpxError> {
     let mut reader = Reader::from_str(text);
     let mut document = Document::default();
+    let most_points = memory_bytes / POINT_BYTES;
     loop {
         let at_byte = reader.buffer_position();
         let step = match reader.read_event() {
@@ -60,6 +82,9 @@ pub fn parse_gpx(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
             Err(error) => Err(error.to_string()),
         };
         step.map_err(|cause| GpxError::Broken { at_byte, cause })?;
+        if document.points.iter().map(Vec::len).sum::<usize>() > most_points {
+            return Err(GpxError::TooLarge { limit_mb: memory_bytes / 1_000_000 });
+        }
     }
     document.finish().map_err(|cause| GpxError::Broken { at_byte: text.len() as u64, cause })?
 }
@@ -84,6 +109,9 @@ impl Document {
                 return Err(format!("the document is <{name}>, not <gpx>"));
             }
             self.is_gpx = true;
+        }
+        if self.open.len() == MOST_DEPTH {
+            return Err(format!("more than {MOST_DEPTH} elements stand within each other"));
         }
         if let Some(sort) = POINT_ELEMENTS.iter().position(|point| *point == name) {
             let at = LatLon::new(degrees(element, "lat")?, degrees(element, "lon")?);

@@ -19,6 +19,8 @@ mod osm_budget;
 mod osm_pbf;
 mod osm_xml;
 mod path;
+mod pbf_block;
+mod pbf_fields;
 mod plan;
 mod road;
 mod route;
@@ -28,7 +30,7 @@ mod search;
 mod tangent_plane;
 
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
-pub use gpx::{GpxError, GpxPoint, parse_gpx};
+pub use gpx::{GpxError, GpxPoint, parse_gpx, parse_gpx_within};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
 pub use match_track::match_track;
 pub use osm::{OsmData, OsmError, OsmNode, OsmWay};

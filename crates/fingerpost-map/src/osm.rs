@@ -67,15 +67,15 @@ pub enum OsmError {
         cause: String,
     },
     /// PBF whose blocks are packed in a way that is not read.
-    #[error(
-        "the blocks of the OSM PBF are packed with LZMA, LZ4 or zstd, which is not read here; pack them with zlib (osmium cat \
-         IN.osm.pbf -o OUT.osm.pbf -f pbf,pbf_compression=zlib)"
-    )]
-    PackedBlocks,
+    #[error("the blocks of the OSM PBF are packed with {packing}, which is not read here; {}", repacking(.packing))]
+    PackedBlocks {
+        /// The way that their blobs name.
+        packing: &'static str,
+    },
     /// More data than may be held.
     #[error(
         "the map takes more than the {limit_mb} MB of memory that it may take; cut out the area that is driven (osmium \
-         extract)"
+         extract), or allow more (--max-input-mib)"
     )]
     TooLarge {
         /// The memory that it may take, megabytes.
@@ -89,6 +89,18 @@ pub enum OsmError {
     },
 }
 
+/// What to do about blocks of a packing: osmium-tool reads zlib and LZ4 alone.
+fn repacking(packing: &str) -> &'static str {
+    match packing {
+        "LZ4" => "pack them with zlib (osmium cat IN.osm.pbf -o OUT.osm.pbf -f pbf,pbf_compression=zlib)",
+        _ => {
+            "osmium does not read it either: have the program that wrote it pack with zlib, or download the area anew, as a \
+             .osm.pbf of download.geofabrik.de or by its corners with wget -O map.osm \
+             \"https://overpass-api.de/api/map?bbox=WEST,SOUTH,EAST,NORTH\""
+        }
+    }
+}
+
 /// How many of the first bytes a message shows.
 const SHOWN_BYTES: usize = 16;
 /// Where a PBF file names its first block: after the block header's length (4 bytes) and the name's tag and length.
@@ -97,7 +109,7 @@ const PBF_NAME_AT: usize = 6;
 impl OsmData {
     /// Memory that a map may take where nothing else is said, bytes: about 28 million nodes, those of a small country; an
     /// extract of 100 km has some ten million.
-    pub const MEMORY_BYTES: usize = 2_000_000_000;
+    pub const MEMORY_BYTES: usize = 2048 << 20;
 
     /// Reads OSM XML or OSM PBF, whichever it is, within [`Self::MEMORY_BYTES`].
     ///
@@ -143,13 +155,11 @@ impl OsmData {
 
     /// Reads OSM PBF into at most `memory_bytes`.
     ///
-    /// Limits: the block being read comes on top. Unpacked it has at most 32 MB, but one that was made to do harm, of millions
-    /// of empty groups, takes about sixty times that in the decoder. Sums of differences in such a block may wrap: a place that
-    /// is none is refused, a wrong number of a node is not.
+    /// The block being read, at most 32 MiB, and the list of its texts are counted while they are there.
     ///
     /// # Errors
     /// [`OsmError::Empty`], [`OsmError::TooLarge`], [`OsmError::PackedBlocks`], and [`OsmError::Pbf`] for data that is cut short,
-    /// damaged, or holds a place that is none.
+    /// damaged, or holds a place that is none or a number beyond 64 bits.
     pub fn from_pbf(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
         if bytes.is_empty() {
             return Err(OsmError::Empty);

@@ -40,7 +40,13 @@ impl Budget {
         self.take(OVERHEAD_BYTES.saturating_add(key.len()).saturating_add(value.len()))
     }
 
-    fn take(&mut self, bytes: usize) -> Result<(), OsmError> {
+    /// Gives back what something took that is there no more, bytes.
+    pub(crate) fn give_back(&mut self, bytes: usize) {
+        self.left_bytes = self.left_bytes.saturating_add(bytes).min(self.limit_bytes);
+    }
+
+    /// Takes so many bytes.
+    pub(crate) fn take(&mut self, bytes: usize) -> Result<(), OsmError> {
         let limit_mb = self.limit_bytes / 1_000_000;
         self.left_bytes = self.left_bytes.checked_sub(bytes).ok_or(OsmError::TooLarge { limit_mb })?;
         Ok(())

@@ -1,6 +1,6 @@
 //! GPX: which points are read, and what broken tracks say.
 
-use fingerpost_map::{GpxError, parse_gpx};
+use fingerpost_map::{GpxError, parse_gpx, parse_gpx_within};
 
 const TRACK: &str = r#"<?xml version="1.0"?>
 <gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1" xmlns:x="urn:x">
@@ -43,5 +43,29 @@ fn broken_tracks_say_what_and_what_next() {
     );
     for length in [30, 120, 300, TRACK.len() - 8] {
         assert!(message(&TRACK[..length]).contains("broken at byte"), "{length}");
+    }
+}
+
+#[test]
+fn elements_within_each_other_and_points_have_a_bound() {
+    for depth in [1, 10, 62, 63, 64, 1000, 300_000] {
+        let text =
+            format!("<gpx><wpt lat=\"1\" lon=\"2\"/>{}{}</gpx>", "<a>".repeat(depth), "</a>".repeat(depth));
+        let read = parse_gpx(&text);
+        assert_eq!(read.is_ok(), depth < 64, "{depth}: {read:?}");
+    }
+    for points in [1, 10, 1000, 20_000] {
+        let text = format!("<gpx>{}</gpx>", "<wpt lat=\"1\" lon=\"2\"/>".repeat(points));
+        for memory_bytes in [0, 50, 1000, 100_000, 10_000_000] {
+            let mut read = Ok(0);
+            let taken = allocation_counter::measure(|| {
+                read = parse_gpx_within(&text, memory_bytes).map(|points| points.len());
+            });
+            assert!(
+                read == Ok(points) || matches!(read, Err(GpxError::TooLarge { .. })),
+                "{points}: {read:?}"
+            );
+            assert!(taken.bytes_max < memory_bytes as u64 + 4096, "{points}: {} bytes", taken.bytes_max);
+        }
     }
 }

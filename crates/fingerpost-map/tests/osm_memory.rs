@@ -3,33 +3,13 @@
 // Functions shared by tests fail their test by unwrapping.
 #![allow(clippy::unwrap_used)]
 
+mod pbf_bytes;
+
 use fingerpost_map::{OsmData, OsmError};
+use pbf_bytes::{field, map_of, varint};
 
 /// Memory that the maps may take, bytes.
 const LIMIT_BYTES: usize = 20_000_000;
-
-/// A number in base 128, as protocol buffers have it.
-fn varint(mut value: u64) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while value >= 128 {
-        bytes.push(value as u8 | 128);
-        value >>= 7;
-    }
-    bytes.push(value as u8);
-    bytes
-}
-
-/// A field of bytes with its number.
-fn field(number: u8, body: &[u8]) -> Vec<u8> {
-    [vec![number << 3 | 2], varint(body.len() as u64), body.to_vec()].concat()
-}
-
-/// A blob with its header, not packed.
-fn blob(kind: &str, block: &[u8]) -> Vec<u8> {
-    let blob = field(1, block);
-    let header = [field(1, kind.as_bytes()), vec![3 << 3], varint(blob.len() as u64)].concat();
-    [&(header.len() as u32).to_be_bytes(), header.as_slice(), &blob].concat()
-}
 
 /// A map of one way that has `tags` tags, each of a key of its own and all of one value of `value_bytes` bytes.
 fn map(tags: u32, value_bytes: usize) -> Vec<u8> {
@@ -41,7 +21,7 @@ fn map(tags: u32, value_bytes: usize) -> Vec<u8> {
     let values: Vec<u8> = (0..=tags).flat_map(|_| varint(2)).collect();
     let way = [vec![1 << 3, 1], field(2, &keys), field(3, &values)].concat();
     let block = [field(1, &table), field(2, &field(3, &way))].concat();
-    [blob("OSMHeader", &[]), blob("OSMData", &block)].concat()
+    map_of(&block)
 }
 
 /// Reads a map, and says how much memory that took at once, bytes.

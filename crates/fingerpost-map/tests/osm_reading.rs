@@ -103,14 +103,20 @@ fn a_map_is_read_whole_within_its_memory_or_refused() {
 
 #[test]
 fn blocks_that_are_packed_in_another_way_say_how_to_pack_them() {
-    // A blob's field 3 is its contents packed with zlib; 4 is LZMA, 6 LZ4, 7 zstd, all of them bytes.
+    // A blob's field 3 is its contents packed with zlib; 4 is LZMA, 5 bzip2, 6 LZ4, 7 zstd, all of them bytes.
     let header = PBF.windows(9).position(|bytes| bytes == b"OSMHeader").unwrap() + 9;
     let zlib_field = PBF[header..].iter().position(|byte| *byte == 0x1a).unwrap() + header;
-    for field in [0x22, 0x32, 0x3a] {
+    for (field, packing, next) in [
+        (0x22, "LZMA", "download"),
+        (0x2a, "bzip2", "download"),
+        (0x32, "LZ4", "osmium cat"),
+        (0x3a, "zstd", "download"),
+    ] {
         let mut bytes = PBF.to_vec();
         bytes[zlib_field] = field;
         let error = OsmData::from_bytes(&bytes).unwrap_err();
-        assert_eq!(error, OsmError::PackedBlocks);
-        assert!(error.to_string().contains("osmium cat"), "{error}");
+        assert_eq!(error, OsmError::PackedBlocks { packing });
+        let message = error.to_string();
+        assert!(message.contains(packing) && message.contains(next), "{message}");
     }
 }

@@ -53,7 +53,7 @@ pub struct Config {
 
 /// A setting that cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{key} = {value} cannot be used: give {expected}")]
+#[error("{key} = {} cannot be used: give {expected}", short(*.value))]
 pub struct ConfigError {
     /// Key, with its table.
     pub key: &'static str,
@@ -61,6 +61,11 @@ pub struct ConfigError {
     pub value: f64,
     /// What would be accepted.
     pub expected: &'static str,
+}
+
+/// A number in a few digits, with an exponent where it is very large or small.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 impl Config {
@@ -81,6 +86,41 @@ impl Config {
                 "0.5 to 20 metres",
             ),
             ("road_surface.sample_width_m", self.road_surface.sample_width_m, 0.2, 10.0, "0.2 to 10 metres"),
+            (
+                "road_surface.backprojection.hue_bins",
+                f64::from(self.road_surface.backprojection.hue_bins),
+                2.0,
+                180.0,
+                "2 to 180 bins",
+            ),
+            (
+                "road_surface.backprojection.saturation_bins",
+                f64::from(self.road_surface.backprojection.saturation_bins),
+                2.0,
+                256.0,
+                "2 to 256 bins",
+            ),
+            (
+                "road_surface.backprojection.prior",
+                self.road_surface.backprojection.prior,
+                0.01,
+                1.0,
+                "a share, 0.01 to 1",
+            ),
+            (
+                "road_surface.backprojection.smoothing_bins",
+                self.road_surface.backprojection.smoothing_bins,
+                0.0,
+                60.0,
+                "0 (none) to 60 bins",
+            ),
+            (
+                "road_surface.backprojection.disc_radius_px",
+                f64::from(self.road_surface.backprojection.disc_radius_px),
+                0.0,
+                32.0,
+                "0 (none) to 32 pixels",
+            ),
             (
                 "road_surface.backprojection.frames",
                 self.road_surface.backprojection.frames as f64,

@@ -11,6 +11,7 @@ use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, read
 use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
+use crate::arguments::number;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -28,20 +29,20 @@ pub(crate) struct MountArgs {
     /// Calibration of the camera; its mount is where the search begins, roughly is enough.
     #[arg(long, value_name = "FILE")]
     camera: PathBuf,
-    /// Mean speed of the vehicle over the whole input, metres a second.
-    #[arg(long, value_name = "V", group = "scale")]
+    /// Mean speed of the vehicle over the whole input, metres a second; 0.1 to 100.
+    #[arg(long, value_name = "V", group = "scale", value_parser = number(0.1, 100.0, "speed", "metres a second"))]
     speed_mps: Option<f64>,
-    /// Distance driven from the first frame to the last, metres.
-    #[arg(long, value_name = "D", group = "scale")]
+    /// Distance driven from the first frame to the last, metres; 1 to 1e6.
+    #[arg(long, value_name = "D", group = "scale", value_parser = number(1.0, 1e6, "distance", "metres"))]
     distance_m: Option<f64>,
-    /// Width of the lane that is driven in, from the middle of one marking to the middle of the other, metres.
-    #[arg(long, value_name = "W", group = "scale")]
+    /// Width of the lane that is driven in, from the middle of one marking to the middle of the other, metres; 1 to 10.
+    #[arg(long, value_name = "W", group = "scale", value_parser = number(1.0, 10.0, "width of a lane", "metres"))]
     lane_width_m: Option<f64>,
     /// Stop after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate.
-    #[arg(long, value_name = "N")]
+    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate; 0.01 to 1000.
+    #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// Calibration to write, camera.toml.
     #[arg(long, value_name = "FILE")]

@@ -35,6 +35,51 @@ fn wrong_arguments_are_told_from_failed_runs() {
     call_line("evaluate motion run").refused(2, &["--truth"]);
 }
 
+/// What is called for an argument that is a number, and the argument.
+const NUMBERS: [(&str, &str); 20] = [
+    ("run in --camera c --out o", "--fps"),
+    ("run in --camera c --out o", "--frames"),
+    ("run in --camera c --out o", "--threads"),
+    ("run in --camera c --out o", "--max-input-mib"),
+    ("run in --camera c --route r --out o", "--start-m"),
+    ("route --map m --from 1,2 --to 1,2 --out o", "--max-input-mib"),
+    ("simulate --map m --route r --out o", "--fps"),
+    ("simulate --map m --route r --out o", "--frames"),
+    ("simulate --map m --route r --out o", "--seed"),
+    ("simulate --map m --route r --out o", "--max-input-mib"),
+    ("simulate --course country --out o", "--length-m"),
+    ("campaign --drives 1 --out o", "--fps"),
+    ("campaign --out o", "--drives"),
+    ("campaign --drives 1 --out o", "--threads"),
+    ("campaign --drives 1 --out o", "--max-input-mib"),
+    ("calibrate mount in --camera c --out o", "--speed-mps"),
+    ("calibrate mount in --camera c --out o", "--distance-m"),
+    ("calibrate mount in --camera c --out o", "--lane-width-m"),
+    ("calibrate mount in --camera c --out o", "--fps"),
+    ("mark in", "--port"),
+];
+
+#[test]
+fn no_argument_takes_a_number_that_is_none() {
+    for (line, argument) in NUMBERS {
+        for value in [
+            "-1e300",
+            "1e300",
+            "NaN",
+            "inf",
+            "-inf",
+            "18446744073709551616",
+            "-9223372036854775809",
+            "ten",
+            "0x7",
+        ] {
+            let called = call_line(&format!("{line} {argument}={value}"));
+            called.refused(2, &[argument, value]);
+            assert!(called.stderr.len() < 400, "{line} {argument}={value}: {}", called.stderr);
+        }
+    }
+}
+
 #[test]
 fn inputs_that_are_not_there() {
     run_with(|line| line.replace("/drive ", "/nothing ")).refused(1, &["there is no", "give a folder"]);
@@ -214,8 +259,8 @@ fn unknown_conditions_and_absurd_rates() {
         out.path().display()
     );
     call_line(&format!("{line} --conditions fog")).refused(2, &["fog", "shadows"]);
-    call_line(&format!("{line} --fps 0")).refused(1, &["fps", "0.1 to 1000"]);
-    run_with(|line| format!("{line} --fps 0")).refused(1, &["a frame rate of 0", "give 0.01"]);
+    call_line(&format!("{line} --fps 0")).refused(2, &["fps", "0.1 to 1000"]);
+    run_with(|line| format!("{line} --fps 0")).refused(2, &["is no frame rate", "give 0.01"]);
 }
 
 #[test]

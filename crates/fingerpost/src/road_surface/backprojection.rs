@@ -33,11 +33,11 @@ pub struct BackprojectionConfig {
     pub saturation_bins: u16,
     /// Frames in the rolling mean of the model histogram, at least 1; default 5 (paper 1, IV-B).
     pub frames: usize,
-    /// Share of the ground view expected to be road, above 0 to 1; default 0.8.
+    /// Share of the ground view expected to be road, 0.01 to 1; default 0.8.
     pub prior: f64,
-    /// Standard deviation of the histograms' smoothing, bins, 0 or more; default 1.2.
+    /// Standard deviation of the histograms' smoothing, bins, 0 to 60; default 1.2.
     pub smoothing_bins: f64,
-    /// Radius of the disc, pixels, 0 or more; default 2 (a 5 x 5 disc).
+    /// Radius of the disc, pixels, 0 to 32; default 2 (a 5 x 5 disc).
     pub disc_radius_px: u16,
     /// A sample whose mean probability under the model so far is below this is left out, 0 to 1; default 0.3.
     pub min_sample_probability: f64,

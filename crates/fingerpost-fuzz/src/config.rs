@@ -1,0 +1,48 @@
+//! Configurations and known surfaces.
+
+use fingerpost::Config;
+use fingerpost::road_surface::{RoadMethod, RoadSurfaceConfig, SurfaceFile};
+
+use crate::must;
+
+/// A configuration that is accepted reads back and is accepted again.
+pub(crate) fn config(bytes: &[u8]) -> bool {
+    if let Ok(text) = str::from_utf8(bytes)
+        && let Ok(config) = toml::from_str::<Config>(text)
+        && config.check().is_ok()
+    {
+        let written = must(toml::to_string(&config), "a configuration that was read");
+        let again: Config = must(toml::from_str(&written), "a configuration that was written");
+        assert_eq!(again, config);
+        return true;
+    }
+    false
+}
+
+pub(crate) fn config_seeds() -> Vec<Vec<u8>> {
+    let all = must(toml::to_string(&Config::default()), "a seed");
+    vec![all.into_bytes(), include_bytes!("../../fingerpost-sim/src/bus/can.toml").to_vec()]
+}
+
+/// Surfaces that a detector takes come out of it again and are taken by another.
+pub(crate) fn bank(bytes: &[u8]) -> bool {
+    let Ok(surfaces) = serde_json::from_slice::<SurfaceFile>(bytes) else { return false };
+    let detector = || {
+        let config = RoadSurfaceConfig { detector: RoadMethod::Bank, ..RoadSurfaceConfig::default() };
+        must(config.detector(), "a detector")
+    };
+    let mut first = detector();
+    if first.know(&surfaces).is_ok()
+        && let Some(known) = first.known_surfaces()
+    {
+        must(detector().know(&known), "surfaces that were known");
+        return true;
+    }
+    false
+}
+
+pub(crate) fn bank_seeds() -> Vec<Vec<u8>> {
+    let text = "{\"version\": 1, \"surfaces\": [{\"name\": \"asphalt\", \"frames\": 120, \"histogram\": [[320, 0.5], [321, 0.25], \
+                [352, 0.25]]}, {\"name\": \"grass\", \"frames\": 7, \"histogram\": [[13, 1.0]]}]}";
+    vec![text.as_bytes().to_vec()]
+}

@@ -1,0 +1,127 @@
+//! What stands in the folders of drives and runs: calibrations, times, truth, records and marks.
+
+use fingerpost_format::{
+    FrameRecord, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml, camera_to_toml,
+    from_json_lines, marks_from_json, marks_to_json, parse_times, to_json_line,
+};
+use fingerpost_geometry::{Camera, Mount, Pixel};
+use serde::{Serialize, de::DeserializeOwned};
+
+use crate::must;
+
+/// What is seen by a camera that was accepted is finite, and the camera reads back where it can be written.
+fn check_camera(camera: &Camera) {
+    let (width, height) = (camera.width() as f64, camera.height() as f64);
+    for (u, v) in [(0.0, 0.0), (0.5 * width, 0.9 * height), (width - 1.0, height - 1.0)] {
+        if let Some(place) = camera.ground_of_pixel(Pixel::new(u, v)) {
+            assert!(place.x.is_finite() && place.y.is_finite(), "({u}, {v}) shows {place:?}");
+        }
+    }
+    if let Ok(text) = camera_to_toml(camera) {
+        must(camera_from_toml(&text), "a camera that was written");
+    }
+}
+
+pub(crate) fn camera_toml(bytes: &[u8]) -> bool {
+    if let Ok(text) = str::from_utf8(bytes)
+        && let Ok(camera) = camera_from_toml(text)
+    {
+        check_camera(&camera);
+        return true;
+    }
+    false
+}
+
+pub(crate) fn camera_toml_seeds() -> Vec<Vec<u8>> {
+    seeds(&[include_str!("../seeds/camera.toml"), include_str!("../seeds/points.toml")])
+}
+
+pub(crate) fn camera_yaml(bytes: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(bytes) else { return false };
+    let cameras = [None, Some(Mount::level(1.5))].map(|mount| camera_from_yaml(text, mount));
+    cameras.iter().flatten().for_each(check_camera);
+    cameras.iter().any(Result::is_ok)
+}
+
+pub(crate) fn camera_yaml_seeds() -> Vec<Vec<u8>> {
+    seeds(&[include_str!("../seeds/ros.yaml"), include_str!("../seeds/opencv.yaml")])
+}
+
+/// Times begin at zero and do not run backwards.
+pub(crate) fn times(bytes: &[u8]) -> bool {
+    if let Ok(text) = str::from_utf8(bytes)
+        && let Ok(times_s) = parse_times(text)
+    {
+        assert!(times_s.first().is_none_or(|first_s| *first_s == 0.0));
+        assert!(times_s.iter().all(|t_s| t_s.is_finite()));
+        assert!(times_s.is_sorted(), "times run backwards");
+        return true;
+    }
+    false
+}
+
+pub(crate) fn times_seeds() -> Vec<Vec<u8>> {
+    seeds(&["0.000000\n0.033333\n0.066667\n1.5e1\n", "1700000000.25\n\n1700000000.35\n"])
+}
+
+/// Records that are read can be written, and what is written reads back and is written the same.
+fn check_lines<T: DeserializeOwned + Serialize>(bytes: &[u8]) -> bool {
+    let Ok(records) =
+        str::from_utf8(bytes).map_err(drop).and_then(|text| from_json_lines::<T>(text).map_err(drop))
+    else {
+        return false;
+    };
+    for record in records {
+        let line = must(to_json_line(&record), "a record that was read");
+        must(from_json_lines::<T>(&line), "a record that was written");
+    }
+    true
+}
+
+pub(crate) fn frames(bytes: &[u8]) -> bool {
+    check_lines::<FrameRecord>(bytes)
+}
+
+pub(crate) fn frames_seeds() -> Vec<Vec<u8>> {
+    seeds(&[include_str!("../seeds/frames.jsonl")])
+}
+
+pub(crate) fn truth(bytes: &[u8]) -> bool {
+    check_lines::<TruthRecord>(bytes)
+}
+
+pub(crate) fn truth_seeds() -> Vec<Vec<u8>> {
+    let record =
+        TruthRecord { t_s: 0.5, lat: 48.5, lon: 8.25, feature_id: Some(7), ..TruthRecord::default() };
+    vec![must(to_json_line(&record), "a seed").into_bytes()]
+}
+
+pub(crate) fn tusimple(bytes: &[u8]) -> bool {
+    check_lines::<TuSimpleRecord>(bytes)
+}
+
+pub(crate) fn tusimple_seeds() -> Vec<Vec<u8>> {
+    seeds(&[
+        "{\"lanes\": [[-2, 300.5, 310], [500, 510, -2]], \"h_samples\": [240, 250, 260], \"raw_file\": \"a/1.jpg\"}\n",
+    ])
+}
+
+/// Marks that are accepted come back as they were.
+pub(crate) fn marks(bytes: &[u8]) -> bool {
+    if let Ok(text) = str::from_utf8(bytes)
+        && let Ok(marks) = marks_from_json(text)
+    {
+        let written = must(marks_to_json(&marks), "marks that were read");
+        must(marks_from_json(&written), "marks that were written");
+        return true;
+    }
+    false
+}
+
+pub(crate) fn marks_seeds() -> Vec<Vec<u8>> {
+    seeds(&[include_str!("../../fingerpost-cli/tests/marks/p5h_test_small1.json")])
+}
+
+fn seeds(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}

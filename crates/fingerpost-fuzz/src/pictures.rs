@@ -1,0 +1,25 @@
+//! Pictures: PNG and JPEG.
+
+use fingerpost_io::{encode_jpeg, encode_png, read_picture};
+use fingerpost_vision::picture::RgbImage;
+
+use crate::{file, must};
+
+/// A picture that is read has the pixels of its size.
+pub(crate) fn picture(bytes: &[u8]) -> bool {
+    let Ok(picture) = read_picture(file(bytes, ".png").path()) else { return false };
+    let (width, height) = picture.size();
+    assert!(width > 0 && height > 0, "{width} x {height} pixels");
+    assert_eq!(picture.as_slice().len(), width * height * RgbImage::CHANNELS);
+    true
+}
+
+pub(crate) fn seeds() -> Vec<Vec<u8>> {
+    let mut picture = RgbImage::new(40, 24);
+    for row in 0..24 {
+        for (column, byte) in picture.row_mut(row).iter_mut().enumerate() {
+            *byte = ((row * 7 + column * 3) % 251) as u8;
+        }
+    }
+    vec![must(encode_png(&picture), "a seed"), must(encode_jpeg(&picture, 80), "a seed")]
+}
