@@ -83,11 +83,22 @@ pub fn read_picture(path: &Path) -> Result<RgbImage, PictureFileError> {
 
 /// [`read_picture`] into the memory of `buffer`, where the decoder allows it.
 pub(crate) fn read_picture_into(path: &Path, buffer: Vec<u8>) -> Result<RgbImage, PictureFileError> {
-    let bytes = read_bytes(path)?;
+    decode_into(&read_bytes(path)?, path, buffer)
+}
+
+/// The picture that bytes of a PNG or JPEG file hold; `path` says in messages where they come from.
+///
+/// # Errors
+/// [`PictureFileError`] when they are of another kind, truncated or damaged.
+pub fn decode_picture(bytes: &[u8], path: &Path) -> Result<RgbImage, PictureFileError> {
+    decode_into(bytes, path, Vec::new())
+}
+
+fn decode_into(bytes: &[u8], path: &Path, buffer: Vec<u8>) -> Result<RgbImage, PictureFileError> {
     let decoded = if bytes.starts_with(PNG_SIGNATURE) {
-        decode_png(&bytes, buffer)
+        decode_png(bytes, buffer)
     } else if bytes.starts_with(JPEG_SIGNATURE) {
-        decode_jpeg(&bytes, buffer)
+        decode_jpeg(bytes, buffer)
     } else if bytes.is_empty() {
         Err("the file is empty".to_owned())
     } else {
@@ -227,6 +238,10 @@ fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|cause| cause.to_string())?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    // The decoder takes it for granted.
+    if reader.info().palette.as_ref().is_some_and(|palette| palette.is_empty() || palette.len() % 3 != 0) {
+        return Err("its palette is not made of whole colours".to_owned());
+    }
     let (colour, _) = reader.output_color_type();
     buffer.clear();
     buffer.resize(width * height * colour.samples(), 0);

@@ -6,7 +6,8 @@
 use std::{fs, io::Write, path::Path};
 
 use fingerpost_io::{
-    FileError, PictureFileError, encode_jpeg, encode_png, read_picture, write_grey_png, write_jpeg, write_png,
+    FileError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_grey_png,
+    write_jpeg, write_png,
 };
 use fingerpost_vision::picture::{Plane, RgbImage};
 
@@ -221,4 +222,34 @@ fn a_picture_without_pixels_is_not_written() {
     }
     assert!(encode_png(&RgbImage::default()).is_err());
     assert!(!path.exists());
+}
+
+/// A chunk of a PNG file.
+fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+    let body = [kind, data].concat();
+    [&(data.len() as u32).to_be_bytes(), body.as_slice(), &crc32(&body).to_be_bytes()].concat()
+}
+
+#[test]
+fn palettes_of_every_length_are_looked_up_or_refused() {
+    let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(&[0, 0b0001_1011]).unwrap();
+    let packed = packed.finish().unwrap();
+    for depth in [1, 2, 4, 8] {
+        for (colours, alphas) in (0..14).flat_map(|colours| (0..6).map(move |alphas| (colours, alphas))) {
+            let header = [0, 0, 0, 1, 0, 0, 0, 1, depth, 3, 0, 0, 0];
+            let chunks = [
+                chunk(b"IHDR", &header),
+                chunk(b"PLTE", &vec![7; colours]),
+                chunk(b"tRNS", &vec![9; alphas]),
+                chunk(b"IDAT", &packed),
+                chunk(b"IEND", &[]),
+            ];
+            let bytes = [b"\x89PNG\r\n\x1a\n".as_slice(), &chunks.concat()].concat();
+            let read = decode_picture(&bytes, Path::new("palette.png"));
+            let is_whole = colours > 0 && colours % 3 == 0;
+            assert!(is_whole || read.is_err(), "{colours} bytes of colours, {alphas} of alphas: {read:?}");
+            assert!(!is_whole || alphas > colours / 3 || read.is_ok(), "{colours}, {alphas}: {read:?}");
+        }
+    }
 }

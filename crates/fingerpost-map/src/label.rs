@@ -9,7 +9,8 @@ pub(crate) fn cleaned(name: &str) -> String {
     let spaced: String = name.chars().map(|c| if c.is_whitespace() { ' ' } else { c }).collect();
     let words = spaced.split(' ').map(|word| word.chars().filter(|c| !is_steering(*c)).collect::<String>());
     let words: Vec<String> = words.filter(|word| !word.is_empty()).collect();
-    words.join(" ").chars().take(MOST_CHARACTERS).collect()
+    let cut: String = words.join(" ").chars().take(MOST_CHARACTERS).collect();
+    cut.trim_end().to_owned()
 }
 
 /// Control characters (Unicode's category Cc), the marks, embeddings, overrides and isolates of writing directions, and the
@@ -34,6 +35,14 @@ mod tests {
             }
         }
         assert_eq!(cleaned("Main\u{1b}[31mStreet\r\n"), "Main[31mStreet");
+    }
+
+    #[test]
+    fn a_name_that_was_cleaned_stays_wherever_it_was_cut() {
+        for first in 1..300 {
+            let once = cleaned(&format!("{} {}", "a".repeat(first), "b c ".repeat(60)));
+            assert_eq!(cleaned(&once), once);
+        }
     }
 
     #[test]

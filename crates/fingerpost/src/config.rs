@@ -352,6 +352,13 @@ impl Config {
             ),
             ("track.alignment.slide_step_m", self.track.alignment.slide_step_m, 0.02, 1.0, "0.02 to 1 metre"),
             ("track.alignment.min_edge_step", self.track.alignment.min_edge_step, 0.01, 1.0, "0.01 to 1"),
+            (
+                "track.alignment.kerb_radius_m",
+                self.track.alignment.kerb_radius_m,
+                0.0,
+                50.0,
+                "0 to 50 metres",
+            ),
             ("track.alignment.max_wider_m", self.track.alignment.max_wider_m, 0.0, 50.0, "0 to 50 metres"),
             (
                 "track.alignment.min_width_share",

@@ -227,7 +227,7 @@ fn route_files_that_are_none() {
 fn a_start_that_is_not_on_the_route() {
     run_with(|line| line.replace("--start-m 5", "--start-m 5000")).refused(1, &["5000", "give 0 to"]);
     run_with(|line| line.replace("--start-m 5", "--start-m -1")).refused(1, &["-1", "give 0 to"]);
-    run_with(|line| line.replace("--start-m 5", "--start-m nan")).refused(1, &["NaN", "give 0 to"]);
+    run_with(|line| line.replace("--start-m 5", "--start-m nan")).refused(2, &["nan", "--start-m"]);
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     call_line(&format!("{line} --frames 12"))
         .refused(1, &["nothing was written", "straight", "give a longer drive"]);
     call_line(&format!("{line} --speed-mps 8 --distance-m 40")).refused(2, &["--distance-m"]);
-    call_line(&format!("{line} --speed-mps 0")).refused(1, &["--speed-mps 0", "give 0.5 to"]);
+    call_line(&format!("{line} --speed-mps 0")).refused(2, &["--speed-mps", "give 0.1 to 100"]);
     assert!(!folder.path().join("out.toml").exists());
 }
 

@@ -57,7 +57,7 @@ pub struct AlignmentConfig {
     pub sigma_m: f64,
     /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.16.
     pub width_sigma_share: f64,
-    /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own; default 4.
+    /// Radius of the kerbs where roads meet, metres, 0 to 50: within them a road's edge is not its own; default 4.
     pub kerb_radius_m: f64,
     /// Standard deviation of what is not known of the camera's pitch, degrees: far places are less sure, in however many
     /// frames they are seen; default 0.2.
