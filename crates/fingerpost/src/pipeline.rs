@@ -304,6 +304,7 @@ impl Pipeline {
             stops: tracker.stops(),
             config: &config.track,
             mount: output.mount.as_ref(),
+            signals: signals.is_some().then_some(&signals_evidence),
             lane: output.lane.as_ref().zip(lanes),
             turns_through,
             departure: output.departure.as_ref(),
