@@ -64,6 +64,11 @@ impl GpsTrack {
         (Self { positions, next: 0 }, first_other.map(|first| (first, others)))
     }
 
+    /// All positions, in the order of their times.
+    pub(crate) fn positions(&self) -> impl Iterator<Item = LatLon> {
+        self.positions.iter().map(|(_, at)| *at)
+    }
+
     /// The position taken nearest to `t_s`, seconds since the first frame, if it is not another frame's already. Frames
     /// are asked for in their order.
     pub(crate) fn at(&mut self, t_s: f64) -> Option<LatLon> {

@@ -30,6 +30,7 @@ mod run;
 mod schema;
 mod simulate;
 mod stage_clock;
+mod start_check;
 #[cfg(unix)]
 mod tether;
 mod version;

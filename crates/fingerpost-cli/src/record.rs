@@ -9,13 +9,13 @@ use fingerpost::motion::Motion;
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::road_surface::RoadEvidence;
 use fingerpost::track::{Followed, RouteStop, Sought, State};
-use fingerpost::vehicle_signals::{SignalSource, SignalsEvidence, TurnSignal, VehicleState};
+use fingerpost::vehicle_signals::{Disagreement, SignalSource, SignalsEvidence, TurnSignal, VehicleState};
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
-    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, FeatureRecord, FrameRecord,
-    MotionRecord, MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord,
-    SoughtRecord, TrackState,
+    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
+    FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
+    RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
@@ -139,6 +139,14 @@ fn camera_record(camera: &CameraEvidence) -> CameraRecord {
     }
 }
 
+const fn angle_name(angle: MountAngle) -> &'static str {
+    match angle {
+        MountAngle::Pitch => "pitch",
+        MountAngle::Yaw => "yaw",
+        MountAngle::Roll => "roll",
+    }
+}
+
 fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
     let degrees = |rad: f64| rounded(rad.to_degrees(), DIGITS);
     MountRecord {
@@ -153,14 +161,14 @@ fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
             MountState::Moved => MountRecordState::Moved,
         },
         fault: mount.fault.map(|fault| MountFaultRecord {
-            angle: match fault.angle {
-                MountAngle::Pitch => "pitch",
-                MountAngle::Yaw => "yaw",
-                MountAngle::Roll => "roll",
-            }
-            .to_owned(),
+            angle: angle_name(fault.angle).to_owned(),
             by_deg: degrees(fault.by_rad),
             since_frame: frame.saturating_sub(fault.frames_since as u64),
+        }),
+        contradiction: mount.contradiction.map(|found| MountContradictionRecord {
+            angle: angle_name(found.angle).to_owned(),
+            by_deg: degrees(found.by_rad),
+            most_deg: degrees(found.most_rad),
         }),
     }
 }
@@ -182,7 +190,16 @@ fn signals_record(state: &VehicleState, evidence: &SignalsEvidence) -> SignalsRe
         SignalSource::Can => Some("can".to_owned()),
         SignalSource::Camera => Some("camera".to_owned()),
     };
+    let disagreement = |found: Option<Disagreement>, unit: f64| {
+        found.map(|Disagreement { bus, camera, allowed_share }| DisagreementRecord {
+            bus: rounded(bus * unit, DIGITS),
+            camera: rounded(camera * unit, DIGITS),
+            allowed_share,
+        })
+    };
     SignalsRecord {
+        disagreement_m: disagreement(evidence.speed_disagreement, 1.0),
+        disagreement_deg: disagreement(evidence.yaw_rate_disagreement, 1_f64.to_degrees()),
         speed_mps: state.speed_mps.map(|mps| rounded(mps, DIGITS)),
         yaw_rate_rps: state.yaw_rate_rps.map(|rps| rounded(rps, ANGLE_DIGITS)),
         turn_signal: match state.turn_signal {

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use fingerpost::Sensors;
 use fingerpost::road_surface::SurfaceFile;
+use fingerpost::{Config, Sensors};
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{
     FfmpegPrograms, FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoError,
     read_camera, read_truth,
 };
-use fingerpost_map::Route;
+use fingerpost_map::{LatLon, Route};
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Threads, number};
@@ -24,7 +24,7 @@ use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RunEnd, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
-use crate::{inputs, output, output_path};
+use crate::{inputs, output, output_path, start_check};
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
 /// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,
@@ -118,9 +118,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
-    check_start(args.start_m, route.as_ref())?;
     let gps =
         args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?.unwrap_or_default();
+    check_start(&config, args.start_m, route.as_ref(), &gps)?;
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
@@ -207,18 +207,14 @@ fn write_surfaces(bank: &Path, surfaces: &SurfaceFile) -> Result<()> {
     Ok(fingerpost_io::write_file(bank, text)?)
 }
 
-fn check_start(start_m: Option<f64>, route: Option<&Route>) -> Result<()> {
-    let Some((start_m, route)) = start_m.zip(route) else {
-        return Ok(());
-    };
-    let length_m = route.polyline()?.length_m();
-    if (0.0..=length_m).contains(&start_m) {
-        Ok(())
-    } else {
-        bail!(
-            "--start-m {start_m} is not on the route, which is {length_m:.0} m long; give 0 to {length_m:.0}"
-        )
+/// Refuses a start or a GPS track that the route cannot have, and says where the two contradict each other.
+fn check_start(config: &Config, start_m: Option<f64>, route: Option<&Route>, gps: &GpsTrack) -> Result<()> {
+    let Some(route) = route else { return Ok(()) };
+    let positions: Vec<LatLon> = gps.positions().collect();
+    for contradiction in start_check::check(&config.route_progress, route, start_m, &positions)? {
+        output::message(&contradiction);
     }
+    Ok(())
 }
 
 /// A drive that is run on.

@@ -216,6 +216,20 @@ pub struct MountRecord {
     /// The camera's last move, while the state is `moved`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<MountFaultRecord>,
+    /// The calibrated angle that cannot be true by what the drive shows, while the state is `valid`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contradiction: Option<MountContradictionRecord>,
+}
+
+/// A calibrated angle of the mount that the drive contradicts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MountContradictionRecord {
+    /// `pitch` or `yaw`.
+    pub angle: String,
+    /// What would have to be added to it, degrees.
+    pub by_deg: f64,
+    /// How much that may be at the most, degrees.
+    pub most_deg: f64,
 }
 
 /// A camera that has been turned.
@@ -241,9 +255,26 @@ pub struct SignalsRecord {
     /// Where `speed`, `yaw_rate` and `turn_signal` come from: `can` or `camera`; those that are not known are left out.
     pub source: BTreeMap<String, String>,
     /// Why the bus's `speed`, `yaw_rate` or `turn_signal` was not used: `missing`, `late`, `out_of_range`, `jump`,
-    /// `contradicts_camera`.
+    /// `contradicts_camera`, `disagrees_with_camera`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub not_used: BTreeMap<String, String>,
+    /// Metres driven over the same way, where the bus's speed and the camera's disagree.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagreement_m: Option<DisagreementRecord>,
+    /// Degrees turned in the same turns, where the bus's yaw rate and the camera's disagree.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagreement_deg: Option<DisagreementRecord>,
+}
+
+/// What bus and camera say of the same stretches.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DisagreementRecord {
+    /// By the bus.
+    pub bus: f64,
+    /// By the camera.
+    pub camera: f64,
+    /// By what share of the larger they may differ, 0 to 1.
+    pub allowed_share: f64,
 }
 
 /// The road's surface as it was found.

@@ -20,9 +20,9 @@ pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_f
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, WorstDrive};
 pub use frame_record::{
-    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, FeatureRecord, FixRecord, FrameRecord,
-    MotionRecord, MountFaultRecord, MountRecord, MountRecordState, RoadSurfaceRecord, SignalsRecord,
-    SoughtRecord, TrackState,
+    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
+    FixRecord, FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,

@@ -87,6 +87,17 @@ pub struct MountFault {
     pub frames_since: usize,
 }
 
+/// A calibrated angle that the drive contradicts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MountContradiction {
+    /// The angle that is off farthest.
+    pub angle: MountAngle,
+    /// What would have to be added to it, radians.
+    pub by_rad: f64,
+    /// How much that may be at the most, radians.
+    pub most_rad: f64,
+}
+
 /// Where the camera looks against the configured mount.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MountEstimate {
@@ -104,6 +115,8 @@ pub struct MountEstimate {
     pub state: MountState,
     /// What moved the camera last, while the state is [`MountState::Moved`].
     pub fault: Option<MountFault>,
+    /// The angle in which the calibration cannot be true, where there is one and the state is [`MountState::Valid`].
+    pub contradiction: Option<MountContradiction>,
 }
 
 /// Settings of the mount's estimate while driving.

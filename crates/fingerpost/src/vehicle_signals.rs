@@ -2,17 +2,21 @@
 //!
 //! Paper 3 takes the yaw rate from the vehicle's data bus and silences its warnings while the driver signals (sections III-B
 //! and II). A bus can be unplugged, late, or read by the wrong database, so that every sample is judged before it is
-//! used: its age, what a vehicle can do at all, how fast its value can change, and, over a while, what the camera sees of
-//! the motion. A signal that fails is replaced by the camera's own estimate, and the evidence says so. Nothing replaces a
-//! turn signal: without it the state is [`TurnSignal::Unknown`].
+//! used: its age, what a vehicle can do at all, how fast its value can change, and what the camera sees of the motion, for a
+//! while and over the metres driven and the turns taken. A signal that fails is replaced by the camera's own estimate, and
+//! the evidence says so. Nothing replaces a turn signal: without it the state is [`TurnSignal::Unknown`].
 //!
-//! Limits: a constant bias of the yaw rate (half a degree a second is usual) is not found.
+//! Limits: a constant bias of the yaw rate (half a degree a second is usual) is not found, nor is a small scale error:
+//! of the speed below a fifth, which the camera's own height may explain, of the yaw rate below two fifths.
 
+mod agreement;
 mod config;
 mod gate;
 
+pub use agreement::Disagreement;
 pub use config::{CanConfig, PositiveYaw, SignalValue, SpeedUnit, YawRateUnit};
 
+use self::agreement::AgreementLimits;
 use self::gate::{Gate, Limits};
 use crate::motion::Motion;
 
@@ -110,6 +114,8 @@ pub enum NotUsed {
     Jump,
     /// It has said something else than the camera for long.
     ContradictsCamera,
+    /// Over what has been driven it does not agree with the camera: [`Disagreement`].
+    DisagreesWithCamera,
 }
 
 impl NotUsed {
@@ -121,6 +127,7 @@ impl NotUsed {
             Self::OutOfRange => "out_of_range",
             Self::Jump => "jump",
             Self::ContradictsCamera => "contradicts_camera",
+            Self::DisagreesWithCamera => "disagrees_with_camera",
         }
     }
 }
@@ -143,6 +150,10 @@ pub struct SignalsEvidence {
     pub yaw_rate: SignalUse,
     /// Of the turn signal.
     pub turn_signal: SignalUse,
+    /// Where the bus's speed and the camera's do not agree: metres driven by either.
+    pub speed_disagreement: Option<Disagreement>,
+    /// Where the bus's yaw rate and the camera's do not agree: radians turned by either.
+    pub yaw_rate_disagreement: Option<Disagreement>,
 }
 
 /// What a frame says.
@@ -166,7 +177,7 @@ pub struct VehicleSignals {
 
 impl VehicleSignals {
     /// Nothing is known yet.
-    pub const fn new(config: &CanConfig) -> Self {
+    pub fn new(config: &CanConfig) -> Self {
         let speed = Limits {
             max_age_s: config.max_age_s,
             max: config.max_speed_mps,
@@ -174,12 +185,14 @@ impl VehicleSignals {
             step: SPEED_STEP_MPS,
             tolerance: SPEED_TOLERANCE,
             contradiction_s: config.contradiction_s,
+            agreement: AgreementLimits::SPEED,
         };
         let yaw_rate = Limits {
             max: config.max_yaw_rate_deg_per_s.to_radians(),
             max_change_per_s: config.max_yaw_acceleration_deg_per_s2.to_radians(),
             step: YAW_RATE_STEP_RPS,
             tolerance: YAW_RATE_TOLERANCE,
+            agreement: AgreementLimits::YAW_RATE,
             ..speed
         };
         Self {
@@ -206,7 +219,14 @@ impl VehicleSignals {
         let (yaw_rate_rps, yaw_rate) = self.yaw_rate.choose(samples.yaw_rate_rps, camera_rps, dt_s);
         let (turn_signal, signal_use) = self.turn_signal(samples.turn_signal);
         let state = VehicleState { speed_mps, yaw_rate_rps, turn_signal };
-        (state, SignalsEvidence { speed, yaw_rate, turn_signal: signal_use })
+        let evidence = SignalsEvidence {
+            speed,
+            yaw_rate,
+            turn_signal: signal_use,
+            speed_disagreement: self.speed.disagreement(),
+            yaw_rate_disagreement: self.yaw_rate.disagreement(),
+        };
+        (state, evidence)
     }
 
     fn turn_signal(&self, sample: Option<Sample<TurnSignal>>) -> (TurnSignal, SignalUse) {
@@ -224,5 +244,7 @@ impl VehicleSignals {
     }
 }
 
+#[cfg(test)]
+mod bus_faults;
 #[cfg(test)]
 mod tests;

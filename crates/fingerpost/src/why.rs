@@ -6,12 +6,13 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, Frames, Hundredths, LaneWords, MatchWords, MissingWords,
-    MountFaultWords, Threshold,
+    MountContradictionWords, MountFaultWords, SignalsWords, Threshold,
 };
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::mount::MountEstimate;
 use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
+use crate::vehicle_signals::SignalsEvidence;
 
 /// What was decided in a frame and what decided it, as one sentence.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +27,8 @@ pub(crate) struct Why<'a> {
     pub(crate) config: &'a TrackConfig,
     /// The camera's mount, where it is estimated.
     pub(crate) mount: Option<&'a MountEstimate>,
+    /// How the vehicle's signals were judged, where it has a bus.
+    pub(crate) signals: Option<&'a SignalsEvidence>,
     /// The lane and how it was found, where it is looked for.
     pub(crate) lane: Option<(&'a Lane, &'a LaneEvidence)>,
     /// Whether no lane is looked for because the vehicle turns through a junction.
@@ -47,6 +50,12 @@ impl Display for Why<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if let Some(fault) = self.mount.and_then(|mount| mount.fault.as_ref()) {
             write!(f, "{}; ", MountFaultWords(fault))?;
+        }
+        if let Some(contradiction) = self.mount.and_then(|mount| mount.contradiction.as_ref()) {
+            write!(f, "{}; ", MountContradictionWords(contradiction))?;
+        }
+        if let Some(signals) = self.signals {
+            write!(f, "{}", SignalsWords(signals))?;
         }
         self.write_feature(f)?;
         if self.turns_through {

@@ -231,6 +231,21 @@ fn a_start_that_is_not_on_the_route() {
 }
 
 #[test]
+fn a_gps_track_of_another_place_is_refused() {
+    for (lat, lon) in [(47.02, 9.5), (48.0, 9.5), (-33.0, 151.0)] {
+        let (_folder, track) = file(
+            "track.gpx",
+            &format!(
+                "<gpx version=\"1.1\"><trk><trkseg><trkpt lat=\"{lat}\" lon=\"{lon}\"><time>2020-01-01T10:00:00Z</time></trkpt>\
+                 </trkseg></trk></gpx>"
+            ),
+        );
+        run_with(|line| format!("{line} --gps {}", track.display()))
+            .refused(1, &["never comes nearer", "leave --gps out"]);
+    }
+}
+
+#[test]
 fn a_gps_track_without_times() {
     let (_folder, track) = file("t.gpx", r#"<gpx version="1.1"><wpt lat="47" lon="9.5"/></gpx>"#);
     run_with(|line| format!("{line} --gps {}", track.display()))

@@ -158,6 +158,10 @@ fn gps_times_choose_the_frames() {
     let believed_m = route_m("with").unwrap();
     assert!((believed_m - 16.0).abs() < 5.0, "{believed_m}");
     assert_ne!(route_m("without"), Some(believed_m));
+    // A start that the track contradicts is said; which of the two is right is not.
+    let line = format!("{line}/apart --frames 2 --gps {}", track.display());
+    let apart = call_line(&format!("{line} --start-m 150")).done();
+    assert!(apart.stderr.contains("one of them is wrong"), "{}", apart.stderr);
 }
 
 #[test]

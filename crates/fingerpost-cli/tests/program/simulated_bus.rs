@@ -98,3 +98,33 @@ fn a_signalled_lane_change_is_silent_and_one_without_signal_is_not() {
     let (warnings, silences) = said(&run(&format!("{at}/unsignalled.toml")));
     assert_eq!(warnings.first(), Some(&Side::Left), "{silences:?}");
 }
+
+#[test]
+fn a_speed_in_the_wrong_unit_is_named_and_not_used() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path().display();
+    call_line(&format!(
+        "simulate --course highway --driving changing --seed 1 --frames 110 --fps 10 --size 320x240 --out {at}/drive"
+    ))
+    .done();
+    let settings = fs::read_to_string(folder.path().join("drive/can.toml")).unwrap();
+    let wrong = settings.replace("speed_unit = \"km_per_h\"", "speed_unit = \"miles_per_h\"");
+    assert_ne!(settings, wrong, "the simulator's bus tells km/h");
+    fs::write(folder.path().join("wrong.toml"), wrong).unwrap();
+    let run = |config: &str, out: &str| {
+        let can = format!("--can {at}/drive/can.log --dbc {at}/drive/car.dbc --config {at}/{config}");
+        call_line(&format!("run {at}/drive --camera {at}/drive/camera.toml {can} --out {at}/{out}")).done();
+        frames(&folder.path().join(out))
+    };
+    let right = run("drive/can.toml", "right");
+    assert!(right.iter().all(|record| record.signals.as_ref().unwrap().disagreement_m.is_none()));
+    let records = run("wrong.toml", "wrong");
+    let last = records.last().unwrap();
+    let signals = last.signals.as_ref().unwrap();
+    let found = signals.disagreement_m.unwrap();
+    // A mile is 1.609 km.
+    assert!((found.bus / found.camera - 1.609).abs() < 0.2, "{found:?}");
+    assert_eq!(signals.not_used["speed"], "disagrees_with_camera");
+    assert_eq!(signals.source["speed"], "camera");
+    assert!(last.why.contains("disagree on the speed"), "{}", last.why);
+}

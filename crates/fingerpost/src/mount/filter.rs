@@ -5,7 +5,8 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::fault::{AngleWatch, RollJump};
 use super::{
-    AttitudeObservation, MountAngle, MountConfig, MountEstimate, MountFault, MountState, ObservedAngle,
+    AttitudeObservation, MountAngle, MountConfig, MountContradiction, MountEstimate, MountFault, MountState,
+    ObservedAngle,
 };
 use crate::motion::Motion;
 
@@ -27,6 +28,9 @@ const REJECTED_FRAMES: usize = 30;
 const LEAST_OBSERVATIONS: usize = 10;
 /// A vehicle that turns faster in a frame leans, which the roll is not to be judged by.
 const TURNING_RAD: f64 = 0.5 * DEGREE;
+/// A calibration that is farther off than so many standard deviations, of what it may be off by (`mount.prior_sigma_deg`) and of
+/// the estimate, cannot be true: of a thousand true ones one is.
+const CONTRADICTION_SIGMAS: f64 = 3.29;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// Mount angles over time: slow ones as random walks, the suspension's pitch as one that decays.
@@ -151,7 +155,23 @@ impl MountFilter {
             .map(f64::sqrt),
             state: self.state,
             fault: self.fault,
+            contradiction: self.contradiction(),
         }
+    }
+
+    /// Pitch or yaw of the calibration that a valid estimate contradicts. The roll is not judged: a crowned road looks
+    /// rolled.
+    fn contradiction(&self) -> Option<MountContradiction> {
+        let prior = (self.config.prior_sigma_deg * DEGREE).powi(2);
+        let pitch = (MountAngle::Pitch, self.pitch.mean[0], self.pitch.covariance[(0, 0)]);
+        let yaw = (MountAngle::Yaw, wrap_angle(self.yaw.mean_rad), self.yaw.variance_rad2);
+        let contradicted = [pitch, yaw].into_iter().filter_map(|(angle, by_rad, variance)| {
+            let most_rad = CONTRADICTION_SIGMAS * (prior + variance).sqrt();
+            (by_rad.abs() > most_rad).then_some(MountContradiction { angle, by_rad, most_rad })
+        });
+        contradicted
+            .max_by(|a, b| a.by_rad.abs().total_cmp(&b.by_rad.abs()))
+            .filter(|_| self.state == MountState::Valid)
     }
 
     /// What a frame's time does: the slow angles become less sure, the suspension moves as seen or swings back.

@@ -116,6 +116,31 @@ fn a_small_lasting_change_is_followed() {
 }
 
 #[test]
+fn a_calibration_that_cannot_be_true_is_named_and_a_possible_one_is_not() {
+    for fifth in -100..=100_i32 {
+        let off_deg = f64::from(fifth) * 0.2;
+        for (truth, angle) in
+            [([off_deg, 0.0, 0.0], MountAngle::Pitch), ([0.0, off_deg, 0.0], MountAngle::Yaw)]
+        {
+            let mut filter = MountFilter::new(&MountConfig::default());
+            let early = drive(&mut filter, 5, truth);
+            assert_eq!(early.contradiction, None, "not before it is known");
+            let estimate = drive(&mut filter, 200, truth);
+            assert_eq!(estimate.state, MountState::Valid, "{off_deg}");
+            match estimate.contradiction {
+                Some(found) => {
+                    assert!(off_deg.abs() > 4.5, "{off_deg}: {found:?}");
+                    assert_eq!(found.angle, angle);
+                    assert!((found.by_rad / DEGREE - off_deg).abs() < 0.3, "{off_deg}: {found:?}");
+                    assert!(found.by_rad.abs() > found.most_rad);
+                }
+                None => assert!(off_deg.abs() < 5.5, "{off_deg}: {estimate:?}"),
+            }
+        }
+    }
+}
+
+#[test]
 fn joining_observations_weighs_them_by_their_variance() {
     let a = AttitudeObservation { pitch: seen(1.0, 0.1), ..Default::default() };
     let b = AttitudeObservation { pitch: seen(2.0, 0.2), yaw: seen(0.3, 0.1), ..Default::default() };

@@ -1,5 +1,6 @@
 //! Whether a number from the bus can be believed.
 
+use super::agreement::{Agreement, AgreementLimits, Disagreement};
 use super::{NotUsed, Sample, SignalSource, SignalUse};
 
 /// What a signal may do.
@@ -17,6 +18,8 @@ pub(super) struct Limits {
     pub(super) tolerance: (f64, f64),
     /// How long it may differ farther than that, seconds.
     pub(super) contradiction_s: f64,
+    /// By what it may differ from the camera over what has been driven.
+    pub(super) agreement: AgreementLimits,
 }
 
 /// The limits of a signal with what it has said so far.
@@ -28,6 +31,7 @@ pub(super) struct Gate {
     /// For how long it has contradicted the camera, seconds; time in agreement is taken off.
     contradicting_s: f64,
     disbelieved: bool,
+    agreement: Agreement,
 }
 
 /// Whether a sample is too old; a negative age is of a sample from the future, which no frame can have.
@@ -36,8 +40,14 @@ pub(super) fn is_late(age_s: f64, max_age_s: f64) -> bool {
 }
 
 impl Gate {
-    pub(super) const fn new(limits: Limits) -> Self {
-        Self { limits, last: None, contradicting_s: 0.0, disbelieved: false }
+    pub(super) fn new(limits: Limits) -> Self {
+        let agreement = Agreement::new(limits.agreement);
+        Self { limits, last: None, contradicting_s: 0.0, disbelieved: false, agreement }
+    }
+
+    /// Where the signal and the camera do not agree over what has been driven.
+    pub(super) const fn disagreement(&self) -> Option<Disagreement> {
+        self.agreement.found()
     }
 
     /// The bus's value if it can be believed, else the camera's. `dt_s` is the time since the last call.
@@ -65,6 +75,10 @@ impl Gate {
         if is_late(age_s, max_age_s) {
             return Err(NotUsed::Late { age_s });
         }
+        if let Some(camera) = camera.filter(|_| value.is_finite()) {
+            // A value that no vehicle reaches is none to use, but it tells of a wrong unit.
+            self.agreement.add(value.clamp(-max, max), camera, dt_s);
+        }
         if !(-max..=max).contains(&value) {
             return Err(NotUsed::OutOfRange);
         }
@@ -79,6 +93,9 @@ impl Gate {
         self.last = Some((value, age_s));
         if let Some(camera) = camera {
             self.compare(value, camera, dt_s);
+        }
+        if self.agreement.found().is_some() {
+            return Err(NotUsed::DisagreesWithCamera);
         }
         if self.disbelieved { Err(NotUsed::ContradictsCamera) } else { Ok(value) }
     }

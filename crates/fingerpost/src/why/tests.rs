@@ -1,6 +1,8 @@
 use super::*;
 use crate::lanes::departure::Silence;
+use crate::mount::{MountAngle, MountContradiction};
 use crate::track::Missing;
+use crate::vehicle_signals::Disagreement;
 
 #[test]
 fn the_lanes_edges_are_seen_kept_or_none() {
@@ -31,6 +33,21 @@ fn a_departure_is_warned_of_or_its_silence_explained() {
     );
 }
 
+#[test]
+fn what_does_not_agree_is_said_with_both_values_and_the_bound() {
+    let between = |bus, camera| Some(Disagreement { bus, camera, allowed_share: 0.12 });
+    let words = |evidence: SignalsEvidence| SignalsWords(&evidence).to_string();
+    assert_eq!(words(SignalsEvidence::default()), "");
+    let speed = words(SignalsEvidence { speed_disagreement: between(163.2, 124.8), ..Default::default() });
+    let yaw_rate = words(SignalsEvidence { yaw_rate_disagreement: between(-1.0, 1.0), ..Default::default() });
+    let said = |text: &str, words: &[&str]| assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    said(&speed, &["163 m against 125 m", "at most 12 %", "can.speed_unit", "height"]);
+    said(&yaw_rate, &["-57 degrees against 57", "at most 12 %", "can.yaw_rate_positive"]);
+    let contradiction = MountContradiction { angle: MountAngle::Pitch, by_rad: -0.2, most_rad: 0.08 };
+    let pitch = MountContradictionWords(&contradiction).to_string();
+    said(&pitch, &["pitch", "-11.5 degrees off", "at most 4.6", "anew"]);
+}
+
 fn feature_words(decision: Decision) -> String {
     let (track, config) = (TrackOutput::default(), TrackConfig::default());
     let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
@@ -40,6 +57,7 @@ fn feature_words(decision: Decision) -> String {
         stops: &[],
         config: &config,
         mount: None,
+        signals: None,
         lane: None,
         turns_through: false,
         departure: None,

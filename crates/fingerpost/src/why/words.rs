@@ -9,8 +9,9 @@ use crate::feature_masks::SubMaskKind;
 use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::matching::{Match, Participation};
-use crate::mount::{MountAngle, MountFault};
+use crate::mount::{MountAngle, MountContradiction, MountFault};
 use crate::track::{Missing, RouteStop};
+use crate::vehicle_signals::{Disagreement, SignalsEvidence};
 
 /// Name of a kind of feature as a sentence has it.
 fn kind_name(kind: FeatureKind) -> &'static str {
@@ -38,6 +39,55 @@ impl Display for MountFaultWords<'_> {
         };
         write!(f, "the camera was turned by {degrees:.1} degrees {way}")?;
         write!(f, " {} ago, calibrate its mount anew", Frames(*frames_since))
+    }
+}
+
+/// A calibration that cannot be true as a sentence has it.
+pub(super) struct MountContradictionWords<'a>(pub(super) &'a MountContradiction);
+
+impl Display for MountContradictionWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let MountContradiction { angle, by_rad, most_rad } = self.0;
+        let angle = match angle {
+            MountAngle::Pitch => "pitch",
+            MountAngle::Yaw => "yaw",
+            MountAngle::Roll => "roll",
+        };
+        write!(
+            f,
+            "the calibrated {angle} cannot be true: the drive shows it {:+.1} degrees off, at most {:.1} are believed, calibrate \
+             the mount anew",
+            by_rad.to_degrees(),
+            most_rad.to_degrees()
+        )
+    }
+}
+
+/// Signals of the bus that do not agree with the camera, each ended by a semicolon; nothing where all do.
+pub(super) struct SignalsWords<'a>(pub(super) &'a SignalsEvidence);
+
+impl Display for SignalsWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let SignalsEvidence { speed_disagreement, yaw_rate_disagreement, .. } = self.0;
+        if let Some(Disagreement { bus, camera, allowed_share }) = speed_disagreement {
+            write!(
+                f,
+                "bus and camera disagree on the speed: {bus:.0} m against {camera:.0} m of the same way, at most {:.0} % can be, the \
+                 camera's is used; check can.speed_unit, can.speed and the camera's height; ",
+                100.0 * allowed_share
+            )?;
+        }
+        if let Some(Disagreement { bus, camera, allowed_share }) = yaw_rate_disagreement {
+            write!(
+                f,
+                "bus and camera disagree on the yaw rate: {:.0} degrees against {:.0} in the same turns, at most {:.0} % can be, the \
+                 camera's is used; check can.yaw_rate_positive, can.yaw_rate_unit and the camera's mount; ",
+                bus.to_degrees(),
+                camera.to_degrees(),
+                100.0 * allowed_share
+            )?;
+        }
+        Ok(())
     }
 }
 

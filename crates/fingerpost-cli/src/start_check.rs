@@ -1,0 +1,138 @@
+//! Whether a given start, a GPS track and a route can belong to one drive.
+
+use anyhow::{Result, bail};
+use fingerpost::route_progress::RouteProgressConfig;
+use fingerpost_map::{LatLon, Route};
+
+/// Standard deviations of start and GPS by which the two may lie apart, beyond what a position may lie off the route.
+const APART_SIGMAS: f64 = 3.0;
+
+/// Refuses a start that is not on the route and a GPS track that never comes near it. The answer are contradictions that a run
+/// can begin with, each a sentence: one of the two is wrong, and nothing says which.
+pub(crate) fn check(
+    config: &RouteProgressConfig,
+    route: &Route,
+    start_m: Option<f64>,
+    gps: &[LatLon],
+) -> Result<Vec<String>> {
+    let line = route.polyline()?;
+    let length_m = line.length_m();
+    if let Some(start_m) = start_m.filter(|start_m| !(0.0..=length_m).contains(start_m)) {
+        bail!(
+            "--start-m {start_m} is not on the route, which is {length_m:.0} m long; give 0 to {length_m:.0}"
+        );
+    }
+    let (Some(map), Some(first)) = (route.plane(), gps.first()) else { return Ok(Vec::new()) };
+    let off_m = |at: &LatLon| {
+        let p_in_map = map.map_from_wgs84(*at);
+        (p_in_map - line.nearest(p_in_map).point).norm()
+    };
+    let gate_m = config.gps_gate_m;
+    let nearest_m = gps.iter().map(off_m).min_by(f64::total_cmp).unwrap_or_default();
+    if nearest_m > gate_m {
+        bail!(
+            "the GPS track never comes nearer to the route than {nearest_m:.0} m, and positions more than {gate_m} m off are not \
+             believed; give the track and the route of this drive, leave --gps out, or make route_progress.gps_gate_m larger"
+        );
+    }
+    let first_off_m = off_m(first);
+    if first_off_m > gate_m {
+        return Ok(vec![format!(
+            "the first GPS position lies {first_off_m:.0} m off the route, more than {gate_m} m, and is not believed; does the drive \
+             begin on the route?"
+        )]);
+    }
+    let most_m = gate_m + APART_SIGMAS * config.start_sigma_m.hypot(config.gps_sigma_m);
+    let apart = start_m.and_then(|start_m| {
+        let apart_m = (map.map_from_wgs84(*first) - line.at(start_m).0).norm();
+        (apart_m > most_m).then(|| {
+            format!(
+                "--start-m {start_m} lies {apart_m:.0} m from the first GPS position, which is at {:.0} m of the route; more than \
+                 {most_m:.0} m cannot be, so one of them is wrong",
+                line.nearest(map.map_from_wgs84(*first)).along_m
+            )
+        })
+    });
+    Ok(apart.into_iter().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use fingerpost_map::{TangentPlane, read_route};
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    fn route() -> Route {
+        read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap()
+    }
+
+    /// A position a second over the whole route, 10 m apart, each moved by so much.
+    fn track(route: &Route, from_m: f64, moved: impl Fn(usize) -> Vector2<f64>) -> Vec<LatLon> {
+        let (line, map) = (route.polyline().unwrap(), TangentPlane::new(route.line[0].at));
+        let count = ((line.length_m() - from_m) / 10.0) as usize;
+        let place = |index: usize| line.at(from_m + 10.0 * index as f64).0 + moved(index);
+        (0..count).map(|index| map.wgs84_from_map(place(index))).collect()
+    }
+
+    #[test]
+    fn what_fits_is_said_nothing_of() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        for from_m in [0.0, 30.0, 77.0] {
+            for side in 0..8 {
+                let error = 15.0 * Vector2::new(f64::from(side).cos(), f64::from(side).sin());
+                let gps = track(&route, from_m, |_| error);
+                for start_m in [None, Some(from_m), Some(from_m + 10.0)] {
+                    assert!(check(&config, &route, start_m, &gps).unwrap().is_empty(), "{from_m} {side}");
+                }
+            }
+        }
+        assert!(check(&config, &route, Some(3.0), &[]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_track_of_another_drive_is_refused() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        for off_m in [1e3, 2e4, 3e5] {
+            for side in 0..8 {
+                let away = off_m * Vector2::new(f64::from(side).cos(), f64::from(side).sin());
+                let refused = check(&config, &route, None, &track(&route, 0.0, |_| away)).unwrap_err();
+                assert!(refused.to_string().contains("never comes nearer"), "{refused}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_first_position_far_off_is_named() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        for off_m in [60.0, 5e3] {
+            let first = |index| if index == 0 { Vector2::new(-off_m, -off_m) } else { Vector2::zeros() };
+            let said = check(&config, &route, Some(0.0), &track(&route, 0.0, first)).unwrap();
+            assert!(said.len() == 1 && said[0].contains("first GPS position"), "{off_m}: {said:?}");
+        }
+    }
+
+    #[test]
+    fn a_start_that_gps_contradicts_is_named() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        let line = route.polyline().unwrap();
+        let gps = track(&route, 0.0, |_| Vector2::zeros());
+        let mut named = 0;
+        for start_m in (0..).map(|tens| 10.0 * f64::from(tens)).take_while(|m| *m <= line.length_m()) {
+            let said = check(&config, &route, Some(start_m), &gps).unwrap();
+            let apart_m = (line.at(start_m).0 - line.at(0.0).0).norm();
+            // 40 m and three times the 6.7 m of both.
+            assert_eq!(said.len(), usize::from(apart_m > 60.2), "{start_m}: {said:?}");
+            named += said.len();
+        }
+        assert!(named > 3, "the route is long enough to be wrong on");
+    }
+
+    #[test]
+    fn a_start_off_the_route_is_refused() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        for start_m in [-1.0, f64::NAN, f64::INFINITY, route.polyline().unwrap().length_m() + 1.0] {
+            assert!(check(&config, &route, Some(start_m), &[]).is_err(), "{start_m}");
+        }
+    }
+}
