@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::check_range;
-use crate::{Conditions, DrivingPlan, SimError};
+use crate::{Conditions, CornerStyle, DrivingPlan, SimError};
 
 /// The side of the road on which traffic keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -32,6 +32,8 @@ pub struct SimConfig {
     pub conditions: Conditions,
     /// The vehicle's side of the road.
     pub traffic: TrafficSide,
+    /// How the edges of roads are joined where they meet.
+    pub corners: CornerStyle,
     /// Speed on a straight road, m/s.
     pub cruise_speed_mps: f64,
     /// Distance along the route at which the first frame is taken, metres.
@@ -50,6 +52,7 @@ impl Default for SimConfig {
             frames: None,
             conditions: Conditions::CLEAR,
             traffic: TrafficSide::Right,
+            corners: CornerStyle::Alike,
             // 29 km/h, a side street's pace.
             cruise_speed_mps: 8.0,
             start_m: 5.0,

@@ -4,6 +4,8 @@
 //! a driver calls one road, its edge is smooth across the mouths of side roads, and kerbs are rounded only between
 //! different chains.
 
+use std::collections::BTreeMap;
+
 use fingerpost_map::{RoadClass, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
 
@@ -53,10 +55,31 @@ const SHARP_BEND_RAD: f64 = 0.52;
 /// Narrowest road drawn, metres: a car must fit.
 const MIN_WIDTH_M: f64 = 2.6;
 
+/// A place where chains meet.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Junction {
+    /// OSM's number of the node.
+    pub(crate) id: i64,
+    /// Where it is, map frame, metres.
+    pub(crate) p_in_map: Point2<f64>,
+    /// The chains that meet, two at least, none of them twice.
+    pub(crate) chains: Vec<ChainAt>,
+}
+
+/// A chain at a junction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ChainAt {
+    /// Which chain.
+    pub(crate) chain: u32,
+    /// Unit vector along the chain away from the junction, where it ends there; none where it runs through.
+    pub(crate) leaves: Option<Vector2<f64>>,
+}
+
 /// All strokes inside a rectangle, chain by chain.
 #[derive(Debug, Clone)]
 pub(crate) struct RoadNetwork {
     strokes: Vec<Stroke>,
+    junctions: Vec<Junction>,
 }
 
 impl RoadNetwork {
@@ -70,17 +93,34 @@ impl RoadNetwork {
         };
         let links = Links::new(graph, &places);
         let mut strokes = Vec::new();
+        let mut meeting: BTreeMap<usize, Vec<ChainAt>> = BTreeMap::new();
         for (chain, walk) in links.chains(graph).into_iter().enumerate() {
             if walk.iter().any(|step| step.nodes(graph).into_iter().any(inside)) {
                 strokes.extend(chain_strokes(graph, &places, &links, &walk, chain as u32));
+                for (node, leaves) in links.nodes_of(graph, &places, &walk) {
+                    let chains = meeting.entry(node).or_default();
+                    if chains.iter().all(|met| met.chain != chain as u32) {
+                        chains.push(ChainAt { chain: chain as u32, leaves });
+                    }
+                }
             }
         }
-        Self { strokes }
+        let junctions = meeting
+            .into_iter()
+            .filter(|(_, chains)| chains.len() >= 2)
+            .map(|(node, chains)| Junction { id: graph.nodes()[node].id, p_in_map: places[node], chains })
+            .collect();
+        Self { strokes, junctions }
     }
 
     /// The strokes; those of one chain follow each other.
     pub(crate) fn strokes(&self) -> &[Stroke] {
         &self.strokes
+    }
+
+    /// The places where chains meet.
+    pub(crate) fn junctions(&self) -> &[Junction] {
+        &self.junctions
     }
 
     /// Indices of the strokes whose edge is within `reach_m` of a place, ascending.
@@ -175,6 +215,23 @@ impl Links {
                 self.through_m[node] = self.through_m[node].max(half);
             }
         }
+    }
+
+    /// The nodes of a walk; with those at which its chain ends, the direction in which it leaves them.
+    fn nodes_of(
+        &self,
+        graph: &RoadGraph,
+        places: &[Point2<f64>],
+        walk: &[Step],
+    ) -> Vec<(usize, Option<Vector2<f64>>)> {
+        let (Some(&first), Some(&last)) = (walk.first(), walk.last()) else { return Vec::new() };
+        let end = |step: Step| {
+            let [from, to] = step.nodes(graph);
+            let ends = self.next[step.segment][step.from_end].is_none();
+            (from, ends.then(|| (places[to] - places[from]).normalize()))
+        };
+        let between = walk.iter().skip(1).map(|step| (step.nodes(graph)[0], None));
+        std::iter::once(end(first)).chain(between).chain(std::iter::once(end(last.reversed()))).collect()
     }
 
     /// Every segment once, in walks from road end to road end; rings are cut at their first segment.

@@ -98,12 +98,12 @@ impl Simulator {
         let conditions = &config.conditions;
         let (low, high) = surroundings(&line);
         let roads = RoadNetwork::new(graph, &plane, low, high);
-        let driven = DrivenLine::new(&line, &roads, config.traffic, conditions, config.seed)?;
+        let driven = DrivenLine::new(&line, &roads, config)?;
         let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
         let relief = Relief::new(config.seed, conditions.undulation_m);
         let near_route = |p: Point2<f64>| line.nearest(p).left_m.abs() < REACH_M;
         let scenery = Scenery::new(config.seed, conditions, &roads, &relief, near_route);
-        let ground = GroundMap::new(config.seed, &line, &roads, &scenery);
+        let ground = GroundMap::new(config.seed, &line, &roads, config.corners, &scenery);
         let raster = ReliefRaster::new(&relief, low, high);
         let painter = Painter::new(config.seed, conditions, &roads, config.traffic);
         let renderer = Renderer::new(camera, conditions, config.seed, ground, raster, scenery, painter)?;
