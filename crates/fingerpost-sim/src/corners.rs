@@ -187,7 +187,11 @@ mod tests {
             .filter_map(|corner| if let Corner::Round(radius_m) = corner { Some(*radius_m) } else { None })
             .collect();
         assert!(radii.iter().any(|&m| m < 0.4) && radii.iter().any(|&m| m > 12.0));
-        assert!((20..120).contains(&(corners.len() - radii.len())), "{} chamfers", corners.len() - radii.len());
+        assert!(
+            (20..120).contains(&(corners.len() - radii.len())),
+            "{} chamfers",
+            corners.len() - radii.len()
+        );
         assert_eq!(Corner::drawn(7, 3, (1, true), (2, false)), Corner::drawn(7, 3, (2, false), (1, true)));
         assert_ne!(Corner::drawn(7, 3, (1, true), (2, false)), Corner::drawn(7, 3, (1, false), (2, false)));
     }

@@ -249,8 +249,7 @@ impl TileFiller<'_> {
         let junctions: Vec<&Junction> = match self.corners {
             CornerStyle::Alike => Vec::new(),
             CornerStyle::Drawn => {
-                let near =
-                    |j: &&Junction| (j.p_in_map - middle).norm() < CORNER_REACH_M + TILE_RADIUS_M;
+                let near = |j: &&Junction| (j.p_in_map - middle).norm() < CORNER_REACH_M + TILE_RADIUS_M;
                 self.roads.junctions().iter().filter(near).collect()
             }
         };

@@ -15,7 +15,7 @@ use crate::markings::lane_middle_m;
 use crate::noise::Stream;
 use crate::roads::RoadNetwork;
 use crate::turns::Turn;
-use crate::{Conditions, SimConfig, SimError, TrafficSide};
+use crate::{SimConfig, SimError};
 
 /// Spacing of the samples along the route, metres.
 const SAMPLE_M: f64 = 0.5;
@@ -66,19 +66,15 @@ pub(crate) struct DrivenLine {
 
 impl DrivenLine {
     /// The line for `route`, from its start to its end.
-    pub(crate) fn new(
-        route: &Polyline,
-        roads: &RoadNetwork,
-        config: &SimConfig,
-    ) -> Result<Self, SimError> {
-        let SimConfig { conditions, traffic, seed, .. } = config;
+    pub(crate) fn new(route: &Polyline, roads: &RoadNetwork, config: &SimConfig) -> Result<Self, SimError> {
+        let SimConfig { conditions, seed, .. } = config;
         let turns = match config.corners {
             CornerStyle::Alike => Vec::new(),
-            CornerStyle::Drawn => Turn::of_route(route, roads, *seed),
+            CornerStyle::Drawn => Turn::of_route(route, roads, config),
         };
         let count = (route.length_m() / SAMPLE_M).floor() as usize;
         let axis: Vec<Point2<f64>> = (0..=count).map(|i| route.at(i as f64 * SAMPLE_M).0).collect();
-        let mut shifts_m = side_shifts(route, &axis, roads, *traffic, conditions)?;
+        let mut shifts_m = side_shifts(route, &axis, roads, config)?;
         for (i, shift_m) in shifts_m.iter_mut().enumerate() {
             let kept = turns.iter().map(|turn| turn.kept_shift(i as f64 * SAMPLE_M, *shift_m));
             *shift_m *= kept.fold(1.0, f64::min);
@@ -114,8 +110,7 @@ fn side_shifts(
     route: &Polyline,
     axis: &[Point2<f64>],
     roads: &RoadNetwork,
-    traffic: TrafficSide,
-    conditions: &Conditions,
+    config: &SimConfig,
 ) -> Result<Vec<f64>, SimError> {
     /// Routes are made of the map's own nodes; farther off than this it is another map.
     const OFF_MAP_M: f64 = 5.0;
@@ -128,7 +123,9 @@ fn side_shifts(
         match found {
             // Trimmed side roads leave up to half of the main road's width without a stroke of their own.
             Some((stroke, distance_m)) if distance_m < OFF_MAP_M + 5.0 => {
-                shifts.push(lane_middle_m(stroke, conditions, traffic));
+                let middle_m = lane_middle_m(stroke, &config.conditions, config.traffic);
+                let room_m = (stroke.half_width_m - middle_m.abs() - 0.5 * config.vehicle.width_m).max(0.0);
+                shifts.push(middle_m + config.habits.aside_m.clamp(-room_m, room_m));
             }
             _ => return Err(SimError::RouteOffTheMap { along_m, distance_m }),
         }

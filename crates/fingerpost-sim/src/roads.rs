@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 use fingerpost_map::{RoadClass, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
 
+use crate::street_paint::StreetPaint;
+
 /// What a road is covered with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Surface {
@@ -37,6 +39,8 @@ pub(crate) struct Stroke {
     pub(crate) two_way: bool,
     /// Its covering.
     pub(crate) surface: Surface,
+    /// Its lines, where each street has its own.
+    pub(crate) paint: StreetPaint,
 }
 
 impl Stroke {
@@ -111,6 +115,14 @@ impl RoadNetwork {
             .map(|(node, chains)| Junction { id: graph.nodes()[node].id, p_in_map: places[node], chains })
             .collect();
         Self { strokes, junctions }
+    }
+
+    /// The same with the lines that `seed` draws for each chain.
+    pub(crate) fn painted(mut self, seed: u64) -> Self {
+        for stroke in &mut self.strokes {
+            stroke.paint = StreetPaint::drawn(seed, stroke.chain);
+        }
+        self
     }
 
     /// The strokes; those of one chain follow each other.
@@ -280,6 +292,7 @@ fn chain_strokes(
             chain,
             two_way: attributes.travel == Travel::Both,
             surface: surface_of(attributes.surface.as_deref(), attributes.class),
+            paint: StreetPaint::USUAL,
         });
         along_m += length_m;
     }

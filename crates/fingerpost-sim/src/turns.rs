@@ -3,13 +3,12 @@
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::Point2;
 
+use crate::SimConfig;
 use crate::corners::{Corner, EdgeAt};
 use crate::roads::{RoadNetwork, Stroke};
 
 /// The roads before and behind a turn are told this far from it, metres: beyond the junction's own width.
 const BESIDE_M: f64 = 6.0;
-/// Tightest turn of the road's axis, metres: a car near its full lock.
-const TIGHTEST_M: f64 = 5.2;
 /// Kerbs of this radius and more are followed in the lane, those of the other are passed from the road's middle, metres.
 const FOLLOWED_M: f64 = 4.0;
 const SQUARE_M: f64 = 0.5;
@@ -30,13 +29,13 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// The turns of a route at the corners that `seed` draws.
-    pub(crate) fn of_route(route: &Polyline, roads: &RoadNetwork, seed: u64) -> Vec<Self> {
+    /// The turns of a route at the corners that the configuration's seed draws.
+    pub(crate) fn of_route(route: &Polyline, roads: &RoadNetwork, config: &SimConfig) -> Vec<Self> {
         let mut along_m = 0.0;
         let mut turns = Vec::new();
         for pair in route.points().windows(2) {
             along_m += (pair[1] - pair[0]).norm();
-            turns.extend(Self::at(route, roads, seed, pair[1], along_m));
+            turns.extend(Self::at(route, roads, config, pair[1], along_m));
         }
         turns
     }
@@ -44,7 +43,7 @@ impl Turn {
     fn at(
         route: &Polyline,
         roads: &RoadNetwork,
-        seed: u64,
+        config: &SimConfig,
         vertex: Point2<f64>,
         along_m: f64,
     ) -> Option<Self> {
@@ -57,11 +56,13 @@ impl Turn {
         let turn_rad = wrap_angle(heading_of(after.1) - heading_of(before.1));
         let inside = vertex + (after.1 - before.1) * BESIDE_M;
         let side = |stroke: &Stroke| (stroke.chain, EdgeAt::of(stroke, inside).is_left);
-        let corner = Corner::drawn(seed, junction.id, side(one), side(other));
+        let corner = Corner::drawn(config.seed, junction.id, side(one), side(other));
         let kerb_m = corner.radius_m(turn_rad);
         let half_width_m = 0.5 * (one.half_width_m + other.half_width_m);
         let kept = ((kerb_m - SQUARE_M) / (FOLLOWED_M - SQUARE_M)).clamp(0.0, 1.0);
-        Some(Self { along_m, turn_rad, radius_m: (kerb_m + half_width_m).max(TIGHTEST_M), kept })
+        let followed_m = (kerb_m + half_width_m) * (1.0 + config.habits.corner_cutting);
+        let radius_m = followed_m.max(config.vehicle.turning_radius_m);
+        Some(Self { along_m, turn_rad, radius_m, kept })
     }
 
     /// Length of the arc's tangents, metres.
