@@ -6,11 +6,15 @@ use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost_map::{OsmData, RoadGraph, Route, read_route};
 
+/// The data of an OpenStreetMap file.
+pub(crate) fn osm(path: &Path) -> Result<OsmData> {
+    let bytes = fingerpost_io::read_bytes(path)?;
+    OsmData::from_bytes(&bytes).with_context(|| path.display().to_string())
+}
+
 /// The roads of an OpenStreetMap file.
 pub(crate) fn road_graph(path: &Path) -> Result<RoadGraph> {
-    let bytes = fingerpost_io::read_bytes(path)?;
-    let osm = OsmData::from_bytes(&bytes).with_context(|| path.display().to_string())?;
-    RoadGraph::from_osm(&osm).with_context(|| path.display().to_string())
+    RoadGraph::from_osm(&osm(path)?).with_context(|| path.display().to_string())
 }
 
 /// A route file.

@@ -48,6 +48,7 @@ mod turns;
 mod vehicle;
 mod wet;
 mod windscreen;
+mod world;
 
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
@@ -61,3 +62,4 @@ pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
+pub use world::{World, WorldOptions};

@@ -150,6 +150,11 @@ impl Simulator {
         self.lanes.road_place(state.p_in_map, state.route_m, state.heading_rad)
     }
 
+    /// Whether a place, metres in the map frame, is on a road.
+    pub fn is_on_road(&self, p_in_map: Point2<f64>) -> bool {
+        self.renderer.ground.at(p_in_map.x as f32, p_in_map.y as f32).edge_m < 0.0
+    }
+
     /// When a wheel's outer side comes over the inner edge of a line, from the first frame to the last, in the order of
     /// time: into another lane or off the road, with or without a turn signal.
     pub fn crossings(&self) -> Vec<Crossing> {
