@@ -7,8 +7,8 @@ use fingerpost_format::{CampaignGroup, FeatureRecord};
 use crate::FALSE_BEYOND_M;
 use crate::quantiles::{error_quantiles, median, sigma_quantiles};
 
-/// Confidence from which a claim counts as a confident one: four in five.
-pub const CONFIDENT_FROM: f64 = 0.8;
+/// Confidence from which a claim counts as a confident one: held for more likely right than wrong.
+pub const CONFIDENT_FROM: f64 = 0.5;
 
 /// The place of a followed feature in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn a_feature_counts_once_however_long_it_is_followed() {
         let mut claims: Vec<Claim> = (0..99).map(|_| claim(0, 0.1, 0.5, 0.95)).collect();
-        claims.extend([claim(1, 4.0, 8.0, 0.95), claim(1, 5.0, 9.0, 0.5)]);
+        claims.extend([claim(1, 4.0, 8.0, 0.95), claim(1, 5.0, 9.0, 0.4)]);
         claims.push(Claim { place: Some(2), error: None, confidence: Some(0.95) });
         let first_detections = vec![
             FirstDetection { detected_off_m: 1.0, expected_off_m: 0.5 },

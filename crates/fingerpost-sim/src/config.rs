@@ -45,8 +45,8 @@ impl Default for SimVehicle {
 pub struct DrivingHabits {
     /// How far left of the lane's middle the vehicle keeps where there is room, metres, -1 to 1.
     pub aside_m: f64,
-    /// How much wider than the road turns of the route are driven, share of the radius, 0 to 1; where corners are drawn one by
-    /// one.
+    /// How much wider than the road turns across the other lane are driven, share of the radius, 0 to 1; where corners are
+    /// drawn one by one.
     pub corner_cutting: f64,
 }
 

@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use crate::noise::Stream;
-use crate::roads::Stroke;
+use crate::roads::{Arm, Stroke};
 
 /// How the corners of a drive's roads look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -65,11 +65,27 @@ impl Corner {
         Self::Round(stream.between(RADII_M[0].ln(), RADII_M[1].ln()).exp())
     }
 
+    /// The same where there is less room for it: `arms` with half of their widths, metres, and `turn_rad` from one into the other.
+    pub(crate) fn between(self, arms: [(Arm, f64); 2], turn_rad: f64) -> Self {
+        let tangent = (0.5 * turn_rad.abs()).tan().max(1e-3);
+        let rooms_m = arms.map(|(arm, half_width_m)| arm.straight_m - half_width_m * tangent);
+        let room_m = rooms_m[0].min(rooms_m[1]);
+        match self {
+            Self::Round(radius_m) => Self::Round(radius_m.min((room_m / tangent).max(SQUARE_M))),
+            Self::Chamfer(leg_m) => Self::Chamfer(leg_m.min(room_m.max(SQUARE_M))),
+        }
+    }
+
     /// Radius of the largest circle that touches both edges and stays on the road, metres; `turn_rad` from one road into the
     /// other.
     pub(crate) fn radius_m(self, turn_rad: f64) -> f64 {
-        let (Self::Round(asked_m) | Self::Chamfer(asked_m)) = self;
-        asked_m.min(MAX_TANGENT_M / (0.5 * turn_rad.abs()).tan().max(1e-3))
+        let tangent = (0.5 * turn_rad.abs()).tan().max(1e-3);
+        let asked_m = match self {
+            Self::Round(radius_m) => radius_m,
+            // The circle that touches the edges where the cut begins and ends.
+            Self::Chamfer(leg_m) => leg_m / tangent,
+        };
+        asked_m.min(MAX_TANGENT_M / tangent)
     }
 
     /// Distance to the join of two edges, metres, negative on the road; infinite where the join does not reach.
@@ -179,6 +195,19 @@ mod tests {
     }
 
     #[test]
+    fn a_corner_ends_where_its_road_bends() {
+        let arm = |straight_m: f64| (Arm { stroke: 0, away: Vector2::x(), straight_m }, 3.0);
+        let right_angle = std::f64::consts::FRAC_PI_2;
+        let between = |corner: Corner, short_m: f64| corner.between([arm(40.0), arm(short_m)], right_angle);
+        assert_eq!(between(Corner::Round(12.0), 30.0), Corner::Round(12.0));
+        let Corner::Round(radius_m) = between(Corner::Round(12.0), 8.0) else { panic!("still round") };
+        assert!((radius_m - 5.0).abs() < 1e-9, "8 m less half of the other road's width: {radius_m} m");
+        assert_eq!(between(Corner::Round(12.0), 1.0), Corner::Round(SQUARE_M));
+        let Corner::Chamfer(leg_m) = between(Corner::Chamfer(7.0), 8.0) else { panic!("still a cut") };
+        assert!((leg_m - 5.0).abs() < 1e-9);
+    }
+
+    #[test]
     fn corners_differ_and_cover_their_range() {
         let corners: Vec<Corner> =
             (0..400).map(|junction| Corner::drawn(7, junction, (1, true), (2, false))).collect();
@@ -202,5 +231,7 @@ mod tests {
         let radius_m = Corner::Round(15.0).radius_m(turn_rad);
         assert!((radius_m * (0.5 * turn_rad).tan() - MAX_TANGENT_M).abs() < 1e-9);
         assert!((Corner::Round(5.0).radius_m(std::f64::consts::FRAC_PI_2) - 5.0).abs() < 1e-9);
+        let cut_m = Corner::Chamfer(3.0).radius_m(turn_rad) * (0.5 * turn_rad).tan();
+        assert!((cut_m - 3.0).abs() < 1e-9, "a cut is touched where it begins");
     }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::corners::{Corner, CornerStyle, EdgeAt};
 use crate::noise::{floor_int, value_noise};
-use crate::roads::{Junction, RoadNetwork, Stroke};
+use crate::roads::{ChainAt, Junction, RoadNetwork, Stroke};
 use crate::scenery::Scenery;
 
 /// Distance from the route up to which the ground is known, metres; beyond it is open country.
@@ -265,7 +265,7 @@ impl TileFiller<'_> {
                 let edge = match self.corners {
                     CornerStyle::Alike => rounded(nearest, other),
                     CornerStyle::Drawn => {
-                        let joins = junctions.iter().map(|junction| self.join_m(p, junction, &candidates));
+                        let joins = junctions.iter().map(|junction| self.join_m(p, junction, nearest));
                         joins.fold(nearest, f64::min)
                     }
                 };
@@ -284,29 +284,37 @@ impl TileFiller<'_> {
     }
 
     /// Distance to the nearest join of a junction's corners, metres, negative on the road; infinite where there is none.
-    fn join_m(&self, p: Point2<f64>, junction: &Junction, candidates: &[u32]) -> f64 {
-        if (p - junction.p_in_map).norm() > CORNER_REACH_M {
+    /// `nearest_m` is the distance to the edge of the nearest road.
+    fn join_m(&self, p: Point2<f64>, junction: &Junction, nearest_m: f64) -> f64 {
+        let offset = p - junction.p_in_map;
+        if offset.norm() > CORNER_REACH_M {
             return f64::INFINITY;
         }
-        let nearest = |chain: u32| {
-            let strokes = candidates.iter().map(|&i| &self.roads.strokes()[i as usize]);
-            let of_chain = strokes.filter(|stroke| stroke.chain == chain);
-            of_chain.min_by(|a, b| a.edge_distance_m(p).total_cmp(&b.edge_distance_m(p)))
+        let edge = |met: &ChainAt| {
+            let arm = met.arm_towards(offset)?;
+            let stroke = &self.roads.strokes()[arm.stroke as usize];
+            Some((EdgeAt::of(stroke, p), (arm, stroke.half_width_m)))
         };
         let mut join_m = f64::INFINITY;
         for (i, one) in junction.chains.iter().enumerate() {
-            let Some(one_stroke) = nearest(one.chain) else { continue };
-            let one_edge = EdgeAt::of(one_stroke, p);
+            let Some((one_edge, one_arm)) = edge(one) else { continue };
             for other in &junction.chains[i + 1..] {
-                let Some(other_stroke) = nearest(other.chain) else { continue };
-                let other_edge = EdgeAt::of(other_stroke, p);
+                let Some((other_edge, other_arm)) = edge(other) else { continue };
+                // An arm goes on straight here; where the road itself bends away there is none.
+                let is_inside = one_edge.distance_m < 0.0 || other_edge.distance_m < 0.0;
+                if is_inside && nearest_m > 0.0 {
+                    continue;
+                }
                 // A road that ends at the junction has no corner on the far side of the one that it joins.
                 let is_there = |leaves: Option<nalgebra::Vector2<f64>>, joined: &EdgeAt| {
                     leaves.is_none_or(|direction| direction.dot(&joined.outwards) > 0.0)
                 };
                 if is_there(other.leaves, &one_edge) && is_there(one.leaves, &other_edge) {
                     let sides = [(one.chain, one_edge.is_left), (other.chain, other_edge.is_left)];
+                    // From one road into the other the way turns by the angle between the edges' normals.
+                    let turn_rad = one_edge.outwards.angle(&other_edge.outwards);
                     let corner = Corner::drawn(self.seed, junction.id, sides[0], sides[1]);
+                    let corner = corner.between([one_arm, other_arm], turn_rad);
                     join_m = join_m.min(corner.edge_m(&one_edge, &other_edge));
                 }
             }

@@ -1,14 +1,18 @@
 //! How a route turns at corners that are drawn one by one: along the kerb that is there, and wide where it is square.
 
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
-use crate::SimConfig;
 use crate::corners::{Corner, EdgeAt};
-use crate::roads::{RoadNetwork, Stroke};
+use crate::roads::{Arm, Junction, RoadNetwork, Stroke};
+use crate::{SimConfig, TrafficSide};
 
-/// The roads before and behind a turn are told this far from it, metres: beyond the junction's own width.
-const BESIDE_M: f64 = 6.0;
+/// The roads before and behind a turn are told by the route's direction so far from it, metres: on the very piece of road.
+const AIM_M: f64 = 0.5;
+/// Cosine of the largest angle between the route there and the arm that it takes (60 degrees: roads bend near junctions).
+const SAME_WAY_COS: f64 = 0.5;
+/// Half of the distance from the node at which a place is inside of the turn, metres.
+const INSIDE_M: f64 = 6.0;
 /// Kerbs of this radius and more are followed in the lane, those of the other are passed from the road's middle, metres.
 const FOLLOWED_M: f64 = 4.0;
 const SQUARE_M: f64 = 0.5;
@@ -48,19 +52,29 @@ impl Turn {
         along_m: f64,
     ) -> Option<Self> {
         let junction = roads.junctions().iter().find(|j| (j.p_in_map - vertex).norm() < 0.01)?;
-        let (before, after) = (route.at(along_m - BESIDE_M), route.at(along_m + BESIDE_M));
-        let [(one, _), (other, _)] = [roads.along(before.0, before.1)?, roads.along(after.0, after.1)?];
+        let (before, after) = (route.at(along_m - AIM_M).1, route.at(along_m + AIM_M).1);
+        let arms = [arm_along(junction, -before)?, arm_along(junction, after)?];
+        let [one, other] = arms.map(|arm| &roads.strokes()[arm.stroke as usize]);
+        let [came, leaves] = arms.map(|arm| arm.away);
         if one.chain == other.chain {
             return None;
         }
-        let turn_rad = wrap_angle(heading_of(after.1) - heading_of(before.1));
-        let inside = vertex + (after.1 - before.1) * BESIDE_M;
+        let turn_rad = wrap_angle(heading_of(leaves) - heading_of(-came));
+        let inside = vertex + (came + leaves) * INSIDE_M;
         let side = |stroke: &Stroke| (stroke.chain, EdgeAt::of(stroke, inside).is_left);
         let corner = Corner::drawn(config.seed, junction.id, side(one), side(other));
+        let corner = corner.between([(arms[0], one.half_width_m), (arms[1], other.half_width_m)], turn_rad);
         let kerb_m = corner.radius_m(turn_rad);
         let half_width_m = 0.5 * (one.half_width_m + other.half_width_m);
         let kept = ((kerb_m - SQUARE_M) / (FOLLOWED_M - SQUARE_M)).clamp(0.0, 1.0);
-        let followed_m = (kerb_m + half_width_m) * (1.0 + config.habits.corner_cutting);
+        // Who turns along the kerb has no room to cut; who turns across the other lane has.
+        let across = match config.traffic {
+            TrafficSide::Left => turn_rad < 0.0,
+            TrafficSide::Right => turn_rad > 0.0,
+            TrafficSide::Centre => false,
+        };
+        let cutting = if across { config.habits.corner_cutting } else { 0.0 };
+        let followed_m = (kerb_m + half_width_m) * (1.0 + cutting);
         let radius_m = followed_m.max(config.vehicle.turning_radius_m);
         Some(Self { along_m, turn_rad, radius_m, kept })
     }
@@ -82,6 +96,13 @@ impl Turn {
         let away = if is_inner { (beyond_m / SWING_M).min(1.0) } else { 1.0 };
         self.kept + (1.0 - self.kept) * away
     }
+}
+
+/// The arm of a junction that leads in a direction.
+fn arm_along(junction: &Junction, direction: Vector2<f64>) -> Option<Arm> {
+    let arms = junction.chains.iter().flat_map(|met| met.arms).flatten();
+    let best = arms.max_by(|a: &Arm, b: &Arm| a.away.dot(&direction).total_cmp(&b.away.dot(&direction)))?;
+    (best.away.dot(&direction) > SAME_WAY_COS).then_some(best)
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub(super) const SPEED_MPS: [f64; 2] = [4.5, 13.9];
 pub(super) const ASIDE_SIGMA_M: f64 = 0.25;
 /// Amplitude of the wander about that, metres.
 pub(super) const WANDER_M: [f64; 2] = [0.03, 0.2];
-/// How much wider than the road turns are driven, share of the radius.
+/// How much wider than the road turns across the other lane are driven, share of the radius.
 pub(super) const CORNER_CUTTING: [f64; 2] = [0.0, 0.35];
 /// Sides of the road by their share: about a third of mankind lives where traffic keeps left.
 pub(super) const TRAFFIC_SIDES: [(f64, TrafficSide); 2] =
