@@ -6,7 +6,8 @@
 //! the method that is tried on its pictures. No file, clock or global state: the same input and seed give the same
 //! bytes, frame by frame, on any number of threads and in any order.
 //!
-//! [`RoadCourse`] makes up roads where no map is wanted, [`DrivingPlan`] says how the vehicle is driven on them.
+//! [`World`] draws all of these, and what is known of them, from a seed. [`RoadCourse`] makes up roads where no map is
+//! wanted, [`DrivingPlan`] says how the vehicle is driven on them.
 //!
 //! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
 //! rolling shutter; roads within 80 m of the route.
