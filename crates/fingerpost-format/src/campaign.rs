@@ -43,7 +43,7 @@ pub struct CampaignGroup {
     /// Share of the features that are detected; none without any.
     #[serde(default)]
     pub found_share: Option<f64>,
-    /// Share of the detections that are false; none without any.
+    /// False detections by these and the features that are detected; none without any.
     #[serde(default)]
     pub false_share: Option<f64>,
     /// Distance between reported and true place of the followed feature over the frames of all drives, metres.

@@ -7,8 +7,9 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use crate::junctions::Arm;
 use crate::noise::Stream;
-use crate::roads::{Arm, Stroke};
+use crate::roads::Stroke;
 
 /// How the corners of a drive's roads look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -11,8 +11,9 @@ use nalgebra::Point2;
 use rayon::prelude::*;
 
 use crate::corners::{Corner, CornerStyle, EdgeAt};
+use crate::junctions::{ChainAt, Junction};
 use crate::noise::{floor_int, value_noise};
-use crate::roads::{ChainAt, Junction, RoadNetwork, Stroke};
+use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
 
 /// Distance from the route up to which the ground is known, metres; beyond it is open country.

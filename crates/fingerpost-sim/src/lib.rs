@@ -23,6 +23,7 @@ mod drive;
 mod driving;
 mod error;
 mod ground;
+mod junctions;
 mod lens;
 mod light;
 mod markings;

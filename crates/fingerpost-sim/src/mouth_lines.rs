@@ -4,8 +4,9 @@
 //! distance along their own road, so that roads that meet askew have askew lines, as is usual.
 
 use crate::TrafficSide;
+use crate::junctions::{ChainAt, Junction};
 use crate::noise::Stream;
-use crate::roads::{ChainAt, Junction, RoadNetwork, Stroke};
+use crate::roads::{RoadNetwork, Stroke};
 
 /// What is painted across.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -176,6 +177,33 @@ mod tests {
         assert!(!painted([105.0, -1.0, 1.2]), "behind the junction");
         assert!(!painted([95.0, -1.0, 0.8]) && !painted([95.0, -1.0, 1.6]), "before and behind the line");
         assert!(!painted([60.0, -1.0, 1.2]), "another junction");
+    }
+
+    #[test]
+    fn half_of_a_towns_mouths_are_painted_and_no_road_that_goes_first() {
+        let town = fingerpost_map::OsmData::from_bytes(include_bytes!("../assets/town.osm")).unwrap();
+        let graph = fingerpost_map::RoadGraph::from_osm(&town).unwrap();
+        let (low, high) = (nalgebra::Point2::new(-2e3, -2e3), nalgebra::Point2::new(2e3, 2e3));
+        let roads = RoadNetwork::new(&graph, graph.plane(), low, high);
+        let lines = MouthLine::drawn(3, &roads, TrafficSide::Right);
+        let of_junction = |junction: &Junction| {
+            let first = goes_first(junction, &roads);
+            let ways = junction.chains.iter().filter(|met| Some(met.chain) != first).map(|met| met.arms);
+            ways.flatten().flatten().count()
+        };
+        let mouths: usize = roads.junctions().iter().map(of_junction).sum();
+        let mut painted: Vec<_> = lines
+            .iter()
+            .map(|(stroke, line)| (roads.strokes()[*stroke].chain, line.node_m.to_bits(), line.towards > 0.0))
+            .collect();
+        painted.sort();
+        painted.dedup();
+        let share = painted.len() as f64 / mouths as f64;
+        assert!((0.35..0.65).contains(&share), "{} of {mouths} mouths", painted.len());
+        for kind in [MouthKind::Stop, MouthKind::GiveWay, MouthKind::Teeth] {
+            assert!(lines.iter().any(|(_, line)| line.kind == kind), "{kind:?}");
+        }
+        assert!(lines.iter().all(|(stroke, _)| roads.strokes()[*stroke].two_way));
     }
 
     #[test]

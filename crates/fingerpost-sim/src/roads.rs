@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use fingerpost_map::{RoadClass, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
 
+use crate::junctions::{ChainEnd, Junction};
 use crate::street_paint::StreetPaint;
 
 /// What a road is covered with.
@@ -59,52 +60,6 @@ const SHARP_BEND_RAD: f64 = 0.52;
 /// Narrowest road drawn, metres: a car must fit.
 const MIN_WIDTH_M: f64 = 2.6;
 
-/// A place where chains meet.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Junction {
-    /// OSM's number of the node.
-    pub(crate) id: i64,
-    /// Where it is, map frame, metres.
-    pub(crate) p_in_map: Point2<f64>,
-    /// The chains that meet, two at least, none of them twice.
-    pub(crate) chains: Vec<ChainAt>,
-}
-
-/// A chain at a junction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ChainAt {
-    /// Which chain.
-    pub(crate) chain: u32,
-    /// Unit vector along the chain away from the junction, where it ends there; none where it runs through.
-    pub(crate) leaves: Option<Vector2<f64>>,
-    /// Its arms there, in and against its direction.
-    pub(crate) arms: [Option<Arm>; 2],
-}
-
-/// A way out of a junction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Arm {
-    /// The stroke that gives it its direction, beyond the junction's own width.
-    pub(crate) stroke: u32,
-    /// Unit vector along that away from the junction.
-    pub(crate) away: Vector2<f64>,
-    /// How far from the node the road goes that way straight on, without another junction, metres.
-    pub(crate) straight_m: f64,
-}
-
-impl ChainAt {
-    /// The arm on whose side of the junction's node an offset from it is.
-    pub(crate) fn arm_towards(&self, offset: Vector2<f64>) -> Option<Arm> {
-        let along = |arm: &Arm| arm.away.dot(&offset);
-        self.arms.into_iter().flatten().max_by(|a, b| along(a).total_cmp(&along(b)))
-    }
-}
-
-/// An arm's direction is that of its road so far from the node, metres.
-const ARM_M: f64 = 6.0;
-/// A road goes straight on as long as its axis is within this distance of a line, metres.
-const STRAIGHT_WITHIN_M: f64 = 0.5;
-
 /// All strokes inside a rectangle, chain by chain.
 #[derive(Debug, Clone)]
 pub(crate) struct RoadNetwork {
@@ -123,27 +78,21 @@ impl RoadNetwork {
         };
         let links = Links::new(graph, &places);
         let mut strokes = Vec::new();
-        let mut meeting: BTreeMap<usize, Vec<ChainAt>> = BTreeMap::new();
+        let mut meeting: BTreeMap<usize, Vec<ChainEnd>> = BTreeMap::new();
         for (chain, walk) in links.chains(graph).into_iter().enumerate() {
             if walk.iter().any(|step| step.nodes(graph).into_iter().any(inside)) {
                 strokes.extend(chain_strokes(graph, &places, &links, &walk, chain as u32));
                 for (node, leaves) in links.nodes_of(graph, &places, &walk) {
                     let chains = meeting.entry(node).or_default();
-                    if chains.iter().all(|met| met.chain != chain as u32) {
-                        chains.push(ChainAt { chain: chain as u32, leaves, arms: [None; 2] });
+                    if chains.iter().all(|(met, _)| *met != chain as u32) {
+                        chains.push((chain as u32, leaves));
                     }
                 }
             }
         }
-        let junctions = meeting.into_iter().filter(|(_, chains)| chains.len() >= 2).map(|(node, chains)| {
-            let p_in_map = places[node];
-            let chains = chains.into_iter();
-            let chains =
-                chains.map(|met| ChainAt { arms: arms_at(&strokes, met.chain, p_in_map), ..met }).collect();
-            Junction { id: graph.nodes()[node].id, p_in_map, chains }
-        });
-        let mut junctions: Vec<Junction> = junctions.collect();
-        end_arms_at_the_next_junction(&mut junctions);
+        let meeting =
+            meeting.into_iter().map(|(node, chains)| (graph.nodes()[node].id, places[node], chains));
+        let junctions = Junction::all(meeting, &strokes);
         Self { strokes, junctions }
     }
 
@@ -336,58 +285,6 @@ fn chain_strokes(
         trim_end(&mut strokes, end_trim(last.reversed()));
     }
     strokes
-}
-
-/// The arms of a chain at a place on it.
-fn arms_at(strokes: &[Stroke], chain: u32, p_in_map: Point2<f64>) -> [Option<Arm>; 2] {
-    let first = strokes.partition_point(|stroke| stroke.chain < chain);
-    let own = &strokes[first..strokes.partition_point(|stroke| stroke.chain <= chain)];
-    let distance_m = |stroke: &&Stroke| stroke.edge_distance_m(p_in_map) + stroke.half_width_m;
-    let Some(nearest) = own.iter().min_by(|a, b| distance_m(a).total_cmp(&distance_m(b))) else {
-        return [None; 2];
-    };
-    let node_m = nearest.along_m + (p_in_map - nearest.start).dot(&nearest.direction);
-    [1.0, -1.0].map(|sign| {
-        let wanted_m = node_m + sign * ARM_M;
-        let index = own.partition_point(|stroke| stroke.along_m <= wanted_m).saturating_sub(1);
-        let stroke = own.get(index)?;
-        let out_m = |along_m: f64| (along_m - node_m) * sign;
-        let ends = |stroke: &Stroke| {
-            let end = stroke.start + stroke.direction * stroke.length_m;
-            [(out_m(stroke.along_m), stroke.start), (out_m(stroke.along_m + stroke.length_m), end)]
-        };
-        if ends(stroke).iter().all(|(end_m, _)| *end_m <= 0.5) {
-            return None;
-        }
-        let mut kinks: Vec<(f64, Point2<f64>)> =
-            own.iter().flat_map(ends).filter(|(m, _)| *m > 0.0).collect();
-        kinks.push((0.0, p_in_map));
-        kinks.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let beside_m = |p: Point2<f64>| stroke.direction.perp(&(p - stroke.start)).abs();
-        let straight = kinks.iter().take_while(|(_, p)| beside_m(*p) <= STRAIGHT_WITHIN_M);
-        let straight_m = straight.last().map_or(0.0, |(m, _)| *m);
-        Some(Arm { stroke: (first + index) as u32, away: stroke.direction * sign, straight_m })
-    })
-}
-
-/// No arm is longer than to the next junction of its chain.
-fn end_arms_at_the_next_junction(junctions: &mut [Junction]) {
-    let mut of_chain: BTreeMap<u32, Vec<Point2<f64>>> = BTreeMap::new();
-    for junction in junctions.iter() {
-        for met in &junction.chains {
-            of_chain.entry(met.chain).or_default().push(junction.p_in_map);
-        }
-    }
-    for junction in junctions {
-        for met in &mut junction.chains {
-            let others = of_chain.get(&met.chain).map_or(&[][..], Vec::as_slice);
-            for arm in met.arms.iter_mut().flatten() {
-                let ahead_m = others.iter().map(|p| arm.away.dot(&(p - junction.p_in_map)));
-                let next_m = ahead_m.filter(|m| *m > 0.5).fold(f64::INFINITY, f64::min);
-                arm.straight_m = arm.straight_m.min(next_m);
-            }
-        }
-    }
 }
 
 fn trim_start(strokes: &mut Vec<Stroke>, mut trim_m: f64) {

@@ -4,7 +4,8 @@ use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::{Point2, Vector2};
 
 use crate::corners::{Corner, EdgeAt};
-use crate::roads::{Arm, Junction, RoadNetwork, Stroke};
+use crate::junctions::{Arm, Junction};
+use crate::roads::{RoadNetwork, Stroke};
 use crate::{SimConfig, TrafficSide};
 
 /// The roads before and behind a turn are told by the route's direction so far from it, metres: on the very piece of road.

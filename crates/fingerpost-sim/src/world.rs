@@ -5,6 +5,8 @@
 //! were never built. A route is planned on the known map along roads that are there, and driven in the world from node to
 //! node. Likewise there are two cameras: the one that looks, and the one that its calibration says.
 //!
+//! Limits: the map is copied for every world, which suits a town; what is drawn of a street does not change along it.
+//!
 //! Every range and share that is drawn from is in [`ranges`], with where it comes from.
 
 mod drawn_camera;
