@@ -1,6 +1,6 @@
 //! `fingerpost campaign`: many simulated drives, each from a seed, and the method on them.
 //!
-//! A drive follows from its seed and its conditions alone: route, speed, sun, scenery, noise. Drives run side by side, one
+//! A drive follows from its seed and its conditions alone: route, speed, sun, scenery, noise, and of a `world` all the rest. Drives run side by side, one
 //! a thread; what is written does not depend on their number. After every drive `campaign.json` is replaced by one that
 //! holds it, so that whatever ends the campaign, finished drives stay.
 
@@ -17,7 +17,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use fingerpost::Config;
 use fingerpost_eval::CampaignTally;
-use fingerpost_format::{Campaign, CampaignGroup};
+use fingerpost_format::{Campaign, CampaignGroup, ErrorQuantiles};
 use fingerpost_geometry::Camera;
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_map::{OsmData, RoadGraph};
@@ -40,9 +40,10 @@ pub(crate) struct CampaignArgs {
     /// Seed of the first drive; the others count up from it. A drive follows from its seed and its conditions.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// What the days are like; drives take these in turns.
+    /// What the drives are like; they take these in turns. In all but `world` the days differ, and camera, corners, paint and map
+    /// are those of one world; in `world` every drive has its own.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_values_t = DEFAULT_CONDITIONS.map(str::to_owned),
-          value_parser = PossibleValuesParser::new(Conditions::names()))]
+          value_parser = PossibleValuesParser::new([WORLD].iter().chain(Conditions::names())))]
     conditions: Vec<String>,
     /// OpenStreetMap data to drive on, in place of the built-in town.
     #[arg(long, value_name = "FILE")]
@@ -52,12 +53,12 @@ pub(crate) struct CampaignArgs {
     /// Settings of the method; every key is optional.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Size of the pictures, pixels.
-    #[arg(long, value_name = "WxH", default_value = "480x360")]
-    size: PictureSize,
-    /// Frames a second, 0.1 to 1000.
-    #[arg(long, default_value_t = 10.0, value_parser = crate::arguments::simulated_rate)]
-    fps: f64,
+    /// Size of the pictures, pixels: 480x360 by default, and in `world` as drawn.
+    #[arg(long, value_name = "WxH")]
+    size: Option<PictureSize>,
+    /// Frames a second: 10 by default, and in `world` as drawn; 0.1 to 1000.
+    #[arg(long, value_parser = crate::arguments::simulated_rate)]
+    fps: Option<f64>,
     /// Drives at the same time; as many as the machine has processor cores by default. Results do not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<Threads>,
@@ -73,12 +74,18 @@ pub(crate) struct CampaignArgs {
     json: bool,
 }
 
-/// The difficult days.
-const DEFAULT_CONDITIONS: [&str; 5] = ["shadows", "wet", "mixed", "dusk", "dust"];
+/// Name of the drives that have a world of their own.
+const WORLD: &str = "world";
+/// Worlds, and the difficult days of one world.
+const DEFAULT_CONDITIONS: [&str; 6] = [WORLD, "shadows", "wet", "mixed", "dusk", "dust"];
+/// Pictures of the one world.
+const SIZE: PictureSize = PictureSize { width: 480, height: 360 };
+const FPS: f64 = 10.0;
 
 /// What all drives share.
 struct Setting<'a> {
     args: &'a CampaignArgs,
+    osm: OsmData,
     graph: RoadGraph,
     camera: Camera,
     config: Config,
@@ -90,14 +97,15 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
     if args.seed.checked_add(args.drives).is_none() {
         bail!("--seed {} leaves no seeds for {} drives; give a smaller one", args.seed, args.drives);
     }
-    let graph = match &args.map {
-        Some(map) => inputs::road_graph(map, args.limit)?,
-        None => RoadGraph::from_osm(&OsmData::from_bytes(TOWN_OSM)?)?,
+    let osm = match &args.map {
+        Some(map) => inputs::osm(map, args.limit)?,
+        None => OsmData::from_bytes(TOWN_OSM)?,
     };
     let setting = Setting {
         args,
-        graph,
-        camera: default_camera(args.size, Lens::None)?,
+        graph: RoadGraph::from_osm(&osm)?,
+        osm,
+        camera: default_camera(args.size.unwrap_or(SIZE), Lens::None)?,
         config: inputs::config(args.config.as_deref())?,
         interrupt: Interrupt::listen()?,
     };
@@ -154,9 +162,9 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
             }
             let conditions = &args.conditions[(number % args.conditions.len() as u64) as usize];
             let driven = pool.install(|| drive::drive(setting, args.seed + number, conditions));
-            let Some((drive, position_errors_m)) = driven else { break };
+            let Some((drive, claims)) = driven else { break };
             let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            tally.add(drive, position_errors_m);
+            tally.add(drive, claims);
             write(args, &tally.campaign())?;
             bar.set_position(tally.done());
         }
@@ -179,12 +187,7 @@ fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
 }
 
 fn print_table(campaign: &Campaign) {
-    output::message(
-        "conditions  drives  features  detected  false  arrived  lost  position error, m        distance",
-    );
-    output::message(
-        "                                                              p50    p95    max    p50, % off",
-    );
+    output::message(TABLE_HEAD);
     for group in campaign.conditions.iter().chain([&campaign.total]) {
         output::message(&line(group));
     }
@@ -197,17 +200,33 @@ fn print_table(campaign: &Campaign) {
     }
 }
 
+/// Columns of the table. Errors are those of a feature's place: over frames, over features, and over frames by the reported
+/// standard deviation. The last ones are the shares of confident frames that are off, and of features that were better
+/// known before their detection.
+const TABLE_HEAD: &str = "\
+conditions  drives  features  found  false  arrived  lost     error, m      of features, m    by sigma        sure,    made   distance
+                                                             p50    p95      p50    p95    p68  p95  p99  % off  worse, %  p50, % off";
+
 fn line(group: &CampaignGroup) -> String {
     let name = group.conditions.as_deref().unwrap_or("all");
-    let CampaignGroup {
-        drives, features_total, features_detected, false_detections, arrivals, losses, ..
-    } = group;
-    let metres = |value: Option<f64>| value.map_or("-".to_owned(), |m| format!("{m:.2}"));
-    let [p50, p95, max] = [0, 1, 2]
-        .map(|i| metres(group.position_error_m.map(|error_m| [error_m.p50, error_m.p95, error_m.max][i])));
-    let distance = metres(group.motion_error_pct.map(|error_pct| error_pct.p50));
+    let CampaignGroup { drives, features_total, false_detections, arrivals, losses, .. } = group;
+    let number =
+        |value: Option<f64>, digits: usize| value.map_or("-".to_owned(), |value| format!("{value:.digits$}"));
+    let errors = |errors: Option<ErrorQuantiles>| {
+        [errors.map(|errors| errors.p50), errors.map(|errors| errors.p95)].map(|value| number(value, 2))
+    };
+    let [p50, p95] = errors(group.position_error_m);
+    let [feature_p50, feature_p95] = errors(group.feature_error_m);
+    let sigma = group.error_per_sigma;
+    let [s68, s95, s99] =
+        [sigma.map(|by| by.p68), sigma.map(|by| by.p95), sigma.map(|by| by.p99)].map(|by| number(by, 1));
+    let percent = |part: u64, whole: u64| number((whole > 0).then(|| 100.0 * part as f64 / whole as f64), 0);
+    let found = percent(group.features_detected, *features_total);
+    let off = percent(group.confident_frames_off, group.confident_frames);
+    let worse = percent(group.features_made_worse, group.features_expected);
+    let distance = number(group.motion_error_pct.map(|error_pct| error_pct.p50), 2);
     format!(
-        "{name:<10}  {drives:>6}  {features_total:>8}  {features_detected:>8}  {false_detections:>5}  {arrivals:>7}  \
-         {losses:>4}  {p50:>5}  {p95:>5}  {max:>5}  {distance:>12}"
+        "{name:<10}  {drives:>6}  {features_total:>8}  {found:>3} %  {false_detections:>5}  {arrivals:>7}  {losses:>4}  \
+         {p50:>6} {p95:>6}   {feature_p50:>6} {feature_p95:>6}  {s68:>5}{s95:>5}{s99:>5}  {off:>5}  {worse:>8}  {distance:>10}"
     )
 }

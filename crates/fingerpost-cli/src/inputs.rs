@@ -9,12 +9,16 @@ use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gpx_within, read
 
 use crate::arguments::InputLimit;
 
-/// The roads of an OpenStreetMap file that takes no more than the limit.
-pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
+/// The data of an OpenStreetMap file that takes no more than the limit.
+pub(crate) fn osm(path: &Path, limit: InputLimit) -> Result<OsmData> {
     let bytes = fingerpost_io::read_bytes_within(path, limit.bytes() as u64)?;
     let osm = OsmData::from_bytes_within(&bytes, limit.bytes());
-    let osm = osm.with_context(|| path.display().to_string())?;
-    RoadGraph::from_osm(&osm).with_context(|| path.display().to_string())
+    osm.with_context(|| path.display().to_string())
+}
+
+/// The roads of an OpenStreetMap file that takes no more than the limit.
+pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
+    RoadGraph::from_osm(&osm(path, limit)?).with_context(|| path.display().to_string())
 }
 
 /// The points of a GPX file that takes no more than the limit.

@@ -1,6 +1,7 @@
 //! `fingerpost simulate`: a drive on a map's roads or on a made-up one, rendered, with truth.
 
 mod course;
+mod world;
 
 use std::path::PathBuf;
 
@@ -12,13 +13,15 @@ use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, 
 use fingerpost_io::{
     BusTexts, CROSSINGS_FILE, DriveFolder, FolderKind, FrameFormat, JsonLinesFile, read_camera,
 };
-use fingerpost_map::write_route;
+use fingerpost_map::{Route, write_route};
 use fingerpost_sim::{
     BUS_DATABASE, BUS_SETTINGS, Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera,
 };
 use rayon::prelude::*;
 
 use self::course::CourseArgs;
+use self::world::WorldArgs;
+pub(crate) use self::world::known_vehicle;
 use crate::arguments::{InputLimit, PictureSize};
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
@@ -29,15 +32,17 @@ use crate::{inputs, output, output_path};
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
-    #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "route")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["course", "world"])]
     map: Option<PathBuf>,
     #[command(flatten)]
     limit: InputLimit,
     /// Route on that map, as written by `fingerpost route`.
-    #[arg(long, value_name = "FILE", required_unless_present = "course", requires = "map")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["course", "world"], requires = "map")]
     route: Option<PathBuf>,
     #[command(flatten)]
     road: CourseArgs,
+    #[command(flatten)]
+    world: WorldArgs,
     /// Everything random follows from this number; the same seed gives the same bytes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -48,12 +53,12 @@ pub(crate) struct SimulateArgs {
     /// Stop after so many frames; without it the drive goes to the route's end.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Size of the pictures, pixels; the camera's focal length goes with the width.
-    #[arg(long, value_name = "WxH", default_value = "640x480", conflicts_with = "camera")]
-    size: PictureSize,
-    /// Frames a second, 0.1 to 1000.
-    #[arg(long, default_value_t = 10.0, value_parser = crate::arguments::simulated_rate)]
-    fps: f64,
+    /// Size of the pictures, pixels, 640x480 by default, with --world as drawn; the camera's focal length goes with the width.
+    #[arg(long, value_name = "WxH", conflicts_with = "camera")]
+    size: Option<PictureSize>,
+    /// Frames a second, 10 by default, with --world as drawn; 0.1 to 1000.
+    #[arg(long, value_parser = crate::arguments::simulated_rate)]
+    fps: Option<f64>,
     /// A calibrated camera to look through, in place of a 75 degree one, 1.5 m above the road and 1.5 m ahead of the
     /// rear axle, looking 8 degrees down.
     #[arg(long, value_name = "FILE")]
@@ -70,6 +75,13 @@ pub(crate) struct SimulateArgs {
     /// Folder to write: a new or empty one, or one of an earlier `simulate`, whose drive is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+}
+
+impl SimulateArgs {
+    /// How many frames at most.
+    fn frames(&self) -> Option<usize> {
+        self.frames.and_then(|frames| usize::try_from(frames).ok())
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -130,12 +142,26 @@ pub(crate) fn default_camera(size: PictureSize, lens: Lens) -> Result<Camera, Ge
     Camera::calibrated(size.width, size.height, intrinsics, lens.distortion()?, MOUNT)
 }
 
-/// Writes the drive.
-pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
+/// What is rendered, and what is written of it beside the pictures.
+struct Plan {
+    simulator: Simulator,
+    /// The camera and the route as the drive's owner knows them.
+    camera: Camera,
+    route: Route,
+    settings: String,
+}
+
+/// Pictures where nothing else is said.
+const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
+
+fn plan(args: &SimulateArgs) -> Result<Plan> {
+    if args.world.is_wanted() {
+        return args.world.plan(args);
+    }
     let config = SimConfig {
         seed: args.seed,
-        fps: args.fps,
-        frames: args.frames.and_then(|frames| usize::try_from(frames).ok()),
+        fps: args.fps.unwrap_or(SimConfig::default().fps),
+        frames: args.frames(),
         conditions: Conditions::named(&args.conditions)?,
         traffic: match args.traffic {
             Traffic::Left => TrafficSide::Left,
@@ -155,12 +181,19 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         }
         (None, ..) => bail!("neither a road nor a map with a route; give --course, or --map and --route"),
     };
+    let size = args.size.unwrap_or(SIZE);
     let camera = match (&args.camera, args.road.course) {
         (Some(path), _) => read_camera(path)?,
-        (None, Some(_)) => args.lens.on(&windscreen_camera(args.size.width, args.size.height)?)?,
-        (None, None) => default_camera(args.size, args.lens)?,
+        (None, Some(_)) => args.lens.on(&windscreen_camera(size.width, size.height)?)?,
+        (None, None) => default_camera(size, args.lens)?,
     };
     let simulator = Simulator::new(&graph, &route, &camera, &config)?;
+    Ok(Plan { simulator, camera, route, settings: BUS_SETTINGS.to_owned() })
+}
+
+/// Writes the drive.
+pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
+    let Plan { simulator, camera, route, settings } = plan(args)?;
     let inputs = [&args.map, &args.route, &args.camera].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Drive, inputs)?;
     let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
@@ -168,7 +201,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
     let log = simulator.bus_log();
-    folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: BUS_SETTINGS })?;
+    folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: &settings })?;
     if args.road.course.is_some() {
         let path = args.out.join(CROSSINGS_FILE);
         let mut lines = JsonLinesFile::create(&path)?;

@@ -2,7 +2,8 @@
 
 use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, WorstDrive};
 
-use crate::error_quantiles;
+use crate::claims::summarise;
+use crate::{DriveClaims, error_quantiles};
 
 /// Drives that are named for a look.
 const NAMED_DRIVES: usize = 5;
@@ -12,8 +13,8 @@ const NAMED_DRIVES: usize = 5;
 pub struct CampaignTally {
     conditions: Vec<String>,
     wanted: u64,
-    /// By seed, each with the position errors of its frames, metres.
-    drives: Vec<(CampaignDrive, Vec<f64>)>,
+    /// By seed, each with what it claimed.
+    drives: Vec<(CampaignDrive, DriveClaims)>,
 }
 
 impl CampaignTally {
@@ -22,10 +23,10 @@ impl CampaignTally {
         Self { conditions: conditions.to_vec(), wanted, drives: Vec::new() }
     }
 
-    /// Adds a drive with the position errors of its frames, metres ([`crate::JunctionEvaluation::position_errors_m`]).
-    pub fn add(&mut self, drive: CampaignDrive, position_errors_m: Vec<f64>) {
+    /// Adds a drive with what it claimed of its features.
+    pub fn add(&mut self, drive: CampaignDrive, claims: DriveClaims) {
         let place = self.drives.partition_point(|(before, _)| before.seed <= drive.seed);
-        self.drives.insert(place, (drive, position_errors_m));
+        self.drives.insert(place, (drive, claims));
     }
 
     /// Drives so far.
@@ -49,8 +50,8 @@ impl CampaignTally {
     /// The drives of some conditions, or all.
     fn group(&self, conditions: Option<&String>) -> CampaignGroup {
         let mut group = CampaignGroup { conditions: conditions.cloned(), ..CampaignGroup::default() };
-        let (mut position_errors_m, mut motion_errors_pct) = (Vec::new(), Vec::new());
-        for (drive, errors_m) in &self.drives {
+        let (mut claimed, mut motion_errors_pct) = (Vec::new(), Vec::new());
+        for (drive, claims) in &self.drives {
             if conditions.is_some_and(|name| *name != drive.conditions) {
                 continue;
             }
@@ -64,10 +65,13 @@ impl CampaignTally {
             group.false_detections += drive.truth.false_detections;
             group.arrivals += drive.truth.arrivals;
             group.losses += drive.losses;
-            position_errors_m.extend_from_slice(errors_m);
+            claimed.push(claims);
             motion_errors_pct.extend(drive.truth.motion_error_pct);
         }
-        group.position_error_m = error_quantiles(position_errors_m);
+        summarise(&mut group, claimed.into_iter());
+        let share = |part: u64, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
+        group.found_share = share(group.features_detected, group.features_total);
+        group.false_share = share(group.false_detections, group.features_detected + group.false_detections);
         group.motion_error_pct = error_quantiles(motion_errors_pct);
         group
     }

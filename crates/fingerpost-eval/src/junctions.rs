@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use fingerpost_format::{ErrorQuantiles, FeatureRecord, FrameRecord, TrackState, TruthRecord, TruthSummary};
+use fingerpost_format::{ErrorQuantiles, FrameRecord, TrackState, TruthRecord, TruthSummary};
 use serde::Serialize;
 
+use crate::claims::{Claim, ClaimError};
 use crate::error::check_ascending;
 use crate::features::PlacesInRoute;
 use crate::motion::distance_error_pct;
@@ -28,9 +29,9 @@ pub struct JunctionEvaluation {
     /// Distance between reported and true place in state `arrived`, where the feature is below the vehicle's view and
     /// its place is dead reckoning, metres.
     pub arrived_position_error_m: Option<ErrorQuantiles>,
-    /// The distances behind `position_error_m`, in the order of frames, metres: quantiles over several runs need them all.
+    /// The claims behind `position_error_m`, in the order of frames: quantiles over several runs need them all.
     #[serde(skip)]
-    pub position_errors_m: Vec<f64>,
+    pub claims: Vec<Claim>,
 }
 
 /// Compares the features that a run followed with the truth of the same drive.
@@ -62,7 +63,7 @@ pub fn evaluate_junctions(
     let mut detected = vec![false; route_ids.len()];
     let mut arrived = vec![false; route_ids.len()];
     let mut false_detections = 0;
-    let (mut errors_m, mut arrived_errors_m) = (Vec::new(), Vec::new());
+    let (mut claims, mut arrived_errors_m) = (Vec::new(), Vec::new());
     let mut followed_before = None;
     for record in records {
         let place = places.next(record, route_ids);
@@ -76,7 +77,8 @@ pub fn evaluate_junctions(
         let Some(feature) = record.feature.as_ref() else { continue };
         let truth = by_frame.get(&record.frame);
         let true_m = place.zip(truth).and_then(|(place, truth)| features.in_vehicle(place, truth));
-        let error_m = true_m.map(|true_m| distance_m(feature, true_m));
+        let error = true_m.map(|true_m| ClaimError::new(feature, true_m));
+        let error_m = error.map(|error| error.distance_m);
         if begins {
             let passed = place.is_none_or(|place| features.passed(place, record.frame));
             if passed || error_m.is_none_or(|error_m| error_m > FALSE_BEYOND_M) {
@@ -86,7 +88,7 @@ pub fn evaluate_junctions(
             }
         }
         match record.state {
-            TrackState::Tracking => errors_m.extend(error_m),
+            TrackState::Tracking => claims.push(Claim { place, error, confidence: feature.confidence }),
             TrackState::Arrived => {
                 arrived_errors_m.extend(error_m);
                 if let Some(arrived) = place.and_then(|place| arrived.get_mut(place)) {
@@ -110,20 +112,16 @@ pub fn evaluate_junctions(
         features_detected: count(&detected),
         false_detections,
         arrivals: count(&arrived),
-        position_error_m: error_quantiles(errors_m.iter().copied()),
+        position_error_m: error_quantiles(claims.iter().filter_map(|claim| Some(claim.error?.distance_m))),
         motion_error_pct: distance_error_pct(records, &poses_from_truth(truth)),
         fix_error_m: None,
         bound_violations: None,
     };
-    Ok(JunctionEvaluation {
-        summary,
-        arrived_position_error_m: error_quantiles(arrived_errors_m),
-        position_errors_m: errors_m,
-    })
+    Ok(JunctionEvaluation { summary, arrived_position_error_m: error_quantiles(arrived_errors_m), claims })
 }
 
 /// The truth of every frame of a run, by frame.
-fn truth_of_run<'a>(
+pub(crate) fn truth_of_run<'a>(
     records: &[FrameRecord],
     truth: &'a [TruthRecord],
 ) -> Result<BTreeMap<u64, &'a TruthRecord>, EvalError> {
@@ -144,8 +142,4 @@ fn truth_of_run<'a>(
             Ok(by_frame.into_iter().filter(|(frame, _)| (first.frame..=last.frame).contains(frame)).collect())
         }
     }
-}
-
-fn distance_m(feature: &FeatureRecord, [forward_m, left_m]: [f64; 2]) -> f64 {
-    (feature.forward_m - forward_m).hypot(feature.left_m - left_m)
 }

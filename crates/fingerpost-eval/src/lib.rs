@@ -7,8 +7,10 @@
 //! every quantile is a value that occurred.
 
 mod campaign;
+mod claims;
 mod error;
 mod features;
+mod first_detections;
 mod junctions;
 mod lanes;
 mod motion;
@@ -18,8 +20,10 @@ mod road;
 mod truth_features;
 
 pub use campaign::CampaignTally;
+pub use claims::{CONFIDENT_FROM, Claim, ClaimError, DriveClaims, FirstDetection};
 pub use error::EvalError;
 pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
+pub use first_detections::first_detections;
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
 pub use lanes::{
     LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneError, LaneEvaluation, LaneMean,

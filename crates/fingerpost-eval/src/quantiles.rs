@@ -1,6 +1,6 @@
 //! Nearest-rank quantiles.
 
-use fingerpost_format::{ErrorQuantiles, StageTime};
+use fingerpost_format::{ErrorQuantiles, SigmaQuantiles, StageTime};
 
 /// Median, 95th percentile and largest of `values`; none of none. Values that are no numbers are left out.
 ///
@@ -15,6 +15,22 @@ pub fn error_quantiles(values: impl IntoIterator<Item = f64>) -> Option<ErrorQua
         p95: nearest_rank(&sorted, 95)?,
         max: *sorted.last()?,
     })
+}
+
+/// 68th, 95th and 99th percentile and largest of `values`; none of none. Values that are no numbers are left out.
+pub(crate) fn sigma_quantiles(values: impl IntoIterator<Item = f64>) -> Option<SigmaQuantiles> {
+    let sorted = sorted(values);
+    Some(SigmaQuantiles {
+        p68: nearest_rank(&sorted, 68)?,
+        p95: nearest_rank(&sorted, 95)?,
+        p99: nearest_rank(&sorted, 99)?,
+        max: *sorted.last()?,
+    })
+}
+
+/// Median of `values`; none of none.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    nearest_rank(&sorted(values), 50)
 }
 
 /// Median and 95th percentile of wall times, milliseconds; none of none.

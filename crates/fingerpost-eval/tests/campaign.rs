@@ -1,11 +1,16 @@
 //! Many drives in numbers.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-use fingerpost_eval::{CampaignTally, error_quantiles};
+use fingerpost_eval::{CampaignTally, Claim, ClaimError, DriveClaims, error_quantiles};
 use fingerpost_format::{CampaignDrive, TruthSummary};
 
+/// A place of the route's first feature that is off by so much.
+fn claim(distance_m: f64) -> Claim {
+    Claim { place: Some(0), error: Some(ClaimError { distance_m, per_sigma: [1.0; 2] }), confidence: None }
+}
+
 /// A drive past four features whose position errors are `errors_m`.
-fn drive(seed: u64, conditions: &str, detected: u64, errors_m: &[f64]) -> (CampaignDrive, Vec<f64>) {
+fn drive(seed: u64, conditions: &str, detected: u64, errors_m: &[f64]) -> (CampaignDrive, DriveClaims) {
     let truth = TruthSummary {
         features_total: 4,
         features_detected: detected,
@@ -16,7 +21,10 @@ fn drive(seed: u64, conditions: &str, detected: u64, errors_m: &[f64]) -> (Campa
     };
     (
         CampaignDrive { seed, conditions: conditions.to_owned(), truth, ..CampaignDrive::default() },
-        errors_m.to_vec(),
+        DriveClaims {
+            claims: errors_m.iter().map(|&error_m| claim(error_m)).collect(),
+            first_detections: Vec::new(),
+        },
     )
 }
 
@@ -30,14 +38,16 @@ fn sums_and_quantiles_are_over_the_frames_of_all_drives() {
     let few = drive(2, "dusk", 4, &[9.0]);
     let many = drive(1, "wet", 3, &[0.1; 99]);
     let failed = CampaignDrive { error: Some("no route".to_owned()), ..drive(3, "wet", 4, &[]).0 };
-    for (drive, errors_m) in [few, many, (failed, Vec::new())] {
-        tally.add(drive, errors_m);
+    for (drive, claims) in [few, many, (failed, DriveClaims::default())] {
+        tally.add(drive, claims);
     }
     let campaign = tally.campaign();
     assert!(campaign.interrupted, "three of four are done");
     let total = &campaign.total;
     assert_eq!((total.drives, total.drives_failed), (3, 1));
     assert_eq!((total.features_total, total.features_detected, total.arrivals), (8, 7, 7));
+    assert!((total.found_share.unwrap() - 7.0 / 8.0).abs() < 1e-9);
+    assert_eq!(total.false_share, Some(0.0));
     let error_m = total.position_error_m.unwrap();
     assert!(error_m.p95 < 0.2 && error_m.max > 8.0, "one bad frame of a hundred: {error_m:?}");
     assert!((total.motion_error_pct.unwrap().max - 2.0).abs() < 1e-9);

@@ -40,10 +40,51 @@ pub struct CampaignGroup {
     pub arrivals: u64,
     /// Times that a feature was lost.
     pub losses: u64,
+    /// Share of the features that are detected; none without any.
+    #[serde(default)]
+    pub found_share: Option<f64>,
+    /// False detections by these and the features that are detected; none without any.
+    #[serde(default)]
+    pub false_share: Option<f64>,
     /// Distance between reported and true place of the followed feature over the frames of all drives, metres.
     pub position_error_m: Option<ErrorQuantiles>,
+    /// The same over features: of each the median over the frames in which it is followed, metres.
+    #[serde(default)]
+    pub feature_error_m: Option<ErrorQuantiles>,
+    /// Error of a place forward and to the left, each by its reported standard deviation, over frames. Of honest standard
+    /// deviations the quantiles are about 1, 2 and 2.6.
+    #[serde(default)]
+    pub error_per_sigma: Option<SigmaQuantiles>,
+    /// The same over features: of each the medians over the frames in which it is followed.
+    #[serde(default)]
+    pub feature_error_per_sigma: Option<SigmaQuantiles>,
+    /// Frames in which a feature is followed with high confidence.
+    #[serde(default)]
+    pub confident_frames: u64,
+    /// Of those, the ones whose feature is not there, or is farther than a false detection's bound from its reported place.
+    #[serde(default)]
+    pub confident_frames_off: u64,
+    /// Features whose first detection can be held against where they were expected in the frame before.
+    #[serde(default)]
+    pub features_expected: u64,
+    /// Of those, the ones whose distance was better known by that expectation than by the detection.
+    #[serde(default)]
+    pub features_made_worse: u64,
     /// Error of a drive's summed motion, percent of its length, over drives.
     pub motion_error_pct: Option<ErrorQuantiles>,
+}
+
+/// Quantiles of errors by their standard deviations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SigmaQuantiles {
+    /// 68th percentile.
+    pub p68: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// Largest.
+    pub max: f64,
 }
 
 /// A simulated drive in numbers.

@@ -18,7 +18,7 @@ mod tusimple;
 
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
-pub use campaign::{Campaign, CampaignDrive, CampaignGroup, WorstDrive};
+pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use frame_record::{
     CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
     FixRecord, FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,

@@ -11,9 +11,9 @@ pub struct TruthRecord {
     pub frame: u64,
     /// Seconds since the first frame.
     pub t_s: f64,
-    /// East of the route's first node, metres.
+    /// East of the route's first node, where that really is, metres.
     pub x_m: f64,
-    /// North of the route's first node, metres.
+    /// North of the route's first node, where that really is, metres.
     pub y_m: f64,
     /// Radians anticlockwise from east.
     pub heading_rad: f64,

@@ -21,6 +21,8 @@ pub enum Markings {
     Lines,
     /// Lanes as [`Conditions::lanes`] says.
     Lanes,
+    /// Every street its own lines or none, and stop and give-way lines at some junctions.
+    Streets,
 }
 
 /// Numbers of a scene. Lengths in metres, angles in radians, shares between 0 and 1.

@@ -6,8 +6,6 @@ use serde::{Deserialize, Serialize};
 use crate::drive::{Drive, VehicleState};
 use crate::truth::{LaneEdges, LinesPassed};
 
-/// Half of a car's width over its tyres, metres.
-pub(crate) const HALF_WIDTH_M: f64 = 0.9;
 /// Steps of the search in a second.
 const STEPS_PER_S: f64 = 100.0;
 

@@ -65,6 +65,17 @@ pub enum SimError {
         /// Pairs that were tried.
         attempts: usize,
     },
+    /// Pictures of a shape that no drawn camera shows a street with.
+    #[error(
+        "none of many drawn cameras with pictures of {width} x {height} pixels shows a street from near to far; give a \
+         picture that is at most three times as wide as high"
+    )]
+    NoDrawnCamera {
+        /// The picture's width, pixels.
+        width: usize,
+        /// Its height, pixels.
+        height: usize,
+    },
     /// The camera is known by four road points, which say nothing of what stands above the road.
     #[error(
         "the camera is known by four picture points only, which cannot show anything above the road; \

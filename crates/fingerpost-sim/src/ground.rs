@@ -2,7 +2,7 @@
 //!
 //! Square tiles of 16 m within [`REACH_M`] of the route, cells of 0.25 m, looked up bilinearly; straight road edges
 //! come out exactly, because a distance is linear across them. Kerbs between roads of different chains are rounded by
-//! the smooth minimum of their distances (Quilez's polynomial form).
+//! the smooth minimum of their distances (Quilez's polynomial form), or joined by corners that are drawn one by one.
 
 use std::collections::BTreeSet;
 
@@ -10,6 +10,8 @@ use fingerpost_geometry::Polyline;
 use nalgebra::Point2;
 use rayon::prelude::*;
 
+use crate::corners::{Corner, CornerStyle, EdgeAt};
+use crate::junctions::{ChainAt, Junction};
 use crate::noise::{floor_int, value_noise};
 use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
@@ -32,6 +34,8 @@ const FAR_M: f64 = 30.0;
 const DISTANCE_STEP_M: f64 = 0.001;
 /// Width of the smooth minimum, metres: kerbs at right angles are rounded by about 4 m.
 const ROUNDING_M: f64 = 4.7;
+/// A corner lies within this distance of its junction, metres: the longest tangent, and half of a wide road at an angle.
+const CORNER_REACH_M: f64 = 30.0;
 
 /// What is stored of a place.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +100,13 @@ pub(crate) struct GroundMap {
 
 impl GroundMap {
     /// The ground around `route`.
-    pub(crate) fn new(seed: u64, route: &Polyline, roads: &RoadNetwork, scenery: &Scenery) -> Self {
+    pub(crate) fn new(
+        seed: u64,
+        route: &Polyline,
+        roads: &RoadNetwork,
+        corners: CornerStyle,
+        scenery: &Scenery,
+    ) -> Self {
         let wanted = tiles_near(route);
         let low = [0, 1].map(|axis| wanted.iter().map(|tile| tile[axis]).min().unwrap_or(0));
         let high = [0, 1].map(|axis| wanted.iter().map(|tile| tile[axis]).max().unwrap_or(0));
@@ -107,7 +117,7 @@ impl GroundMap {
                 Some(number as u32);
         }
         let tiles: Vec<[i32; 2]> = wanted.into_iter().collect();
-        let filler = TileFiller { seed, roads, scenery };
+        let filler = TileFiller { seed, roads, corners, scenery };
         let cells = tiles.par_iter().flat_map_iter(|&tile| filler.cells(tile)).collect();
         Self { low, columns, rows, numbers, cells }
     }
@@ -200,8 +210,8 @@ fn tile_middle(tile: [i32; 2]) -> Point2<f64> {
     Point2::new((f64::from(tile[0]) + 0.5) * TILE_M, (f64::from(tile[1]) + 0.5) * TILE_M)
 }
 
-/// Distance to the road's edge after rounding, distance to another chain's edge, and the nearest stroke.
-fn road_distances(p: Point2<f64>, strokes: &[Stroke], candidates: &[u32]) -> (f64, f64, u32) {
+/// Distance to the edge of the nearest road, metres, to that of the nearest of another chain, and the nearest stroke.
+fn nearest_roads(p: Point2<f64>, strokes: &[Stroke], candidates: &[u32]) -> (f64, f64, u32) {
     let (mut best, mut second) = ((f64::INFINITY, NO_STROKE, NO_STROKE), f64::INFINITY);
     for &index in candidates {
         let stroke = &strokes[index as usize];
@@ -217,14 +227,19 @@ fn road_distances(p: Point2<f64>, strokes: &[Stroke], candidates: &[u32]) -> (f6
             second = second.min(distance);
         }
     }
-    let overlap = (ROUNDING_M - (best.0 - second).abs()).max(0.0) / ROUNDING_M;
-    let edge = if second.is_finite() { best.0 - overlap * overlap * ROUNDING_M * 0.25 } else { best.0 };
-    (edge, second, best.2)
+    (best.0, second, best.2)
+}
+
+/// The smooth minimum of the distances to two roads' edges, metres.
+fn rounded(nearest_m: f64, second_m: f64) -> f64 {
+    let overlap = (ROUNDING_M - (nearest_m - second_m).abs()).max(0.0) / ROUNDING_M;
+    if second_m.is_finite() { nearest_m - overlap * overlap * ROUNDING_M * 0.25 } else { nearest_m }
 }
 
 struct TileFiller<'a> {
     seed: u64,
     roads: &'a RoadNetwork,
+    corners: CornerStyle,
     scenery: &'a Scenery,
 }
 
@@ -232,6 +247,13 @@ impl TileFiller<'_> {
     fn cells(&self, tile: [i32; 2]) -> Vec<Cell> {
         let middle = tile_middle(tile);
         let candidates = self.roads.within(middle, FAR_M + TILE_RADIUS_M);
+        let junctions: Vec<&Junction> = match self.corners {
+            CornerStyle::Alike => Vec::new(),
+            CornerStyle::Drawn => {
+                let near = |j: &&Junction| (j.p_in_map - middle).norm() < CORNER_REACH_M + TILE_RADIUS_M;
+                self.roads.junctions().iter().filter(near).collect()
+            }
+        };
         let casters = self.scenery.casting_onto(middle, TILE_RADIUS_M);
         let side = TILE_CELLS as i32 + 1;
         (0..side * side)
@@ -240,7 +262,14 @@ impl TileFiller<'_> {
                     (tile[0] * TILE_CELLS as i32 + i % side, tile[1] * TILE_CELLS as i32 + i / side);
                 let (x, y) = (column as f32 * CELL_M, row as f32 * CELL_M);
                 let p = Point2::new(f64::from(x), f64::from(y));
-                let (edge, other, stroke) = road_distances(p, self.roads.strokes(), &candidates);
+                let (nearest, other, stroke) = nearest_roads(p, self.roads.strokes(), &candidates);
+                let edge = match self.corners {
+                    CornerStyle::Alike => rounded(nearest, other),
+                    CornerStyle::Drawn => {
+                        let joins = junctions.iter().map(|junction| self.join_m(p, junction, nearest));
+                        joins.fold(nearest, f64::min)
+                    }
+                };
                 let stored = |distance: f64| (distance.clamp(-FAR_M, FAR_M) / DISTANCE_STEP_M).round() as i16;
                 let wave = |i: u64, size: f32| value_noise(self.seed ^ i, x / size, y / size);
                 let hue = (255.0 * (0.6 * wave(0xB1, 9.0) + 0.4 * wave(0xB2, 2.7))) as u32;
@@ -253,6 +282,45 @@ impl TileFiller<'_> {
                 }
             })
             .collect()
+    }
+
+    /// Distance to the nearest join of a junction's corners, metres, negative on the road; infinite where there is none.
+    /// `nearest_m` is the distance to the edge of the nearest road.
+    fn join_m(&self, p: Point2<f64>, junction: &Junction, nearest_m: f64) -> f64 {
+        let offset = p - junction.p_in_map;
+        if offset.norm() > CORNER_REACH_M {
+            return f64::INFINITY;
+        }
+        let edge = |met: &ChainAt| {
+            let arm = met.arm_towards(offset)?;
+            let stroke = &self.roads.strokes()[arm.stroke as usize];
+            Some((EdgeAt::of(stroke, p), (arm, stroke.half_width_m)))
+        };
+        let mut join_m = f64::INFINITY;
+        for (i, one) in junction.chains.iter().enumerate() {
+            let Some((one_edge, one_arm)) = edge(one) else { continue };
+            for other in &junction.chains[i + 1..] {
+                let Some((other_edge, other_arm)) = edge(other) else { continue };
+                // An arm goes on straight here; where the road itself bends away there is none.
+                let is_inside = one_edge.distance_m < 0.0 || other_edge.distance_m < 0.0;
+                if is_inside && nearest_m > 0.0 {
+                    continue;
+                }
+                // A road that ends at the junction has no corner on the far side of the one that it joins.
+                let is_there = |leaves: Option<nalgebra::Vector2<f64>>, joined: &EdgeAt| {
+                    leaves.is_none_or(|direction| direction.dot(&joined.outwards) > 0.0)
+                };
+                if is_there(other.leaves, &one_edge) && is_there(one.leaves, &other_edge) {
+                    let sides = [(one.chain, one_edge.is_left), (other.chain, other_edge.is_left)];
+                    // From one road into the other the way turns by the angle between the edges' normals.
+                    let turn_rad = one_edge.outwards.angle(&other_edge.outwards);
+                    let corner = Corner::drawn(self.seed, junction.id, sides[0], sides[1]);
+                    let corner = corner.between([one_arm, other_arm], turn_rad);
+                    join_m = join_m.min(corner.edge_m(&one_edge, &other_edge));
+                }
+            }
+        }
+        join_m
     }
 
     /// Stains of several sizes, and the odd square patch where the road was opened.

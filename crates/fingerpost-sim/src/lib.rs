@@ -6,7 +6,8 @@
 //! the method that is tried on its pictures. No file, clock or global state: the same input and seed give the same
 //! bytes, frame by frame, on any number of threads and in any order.
 //!
-//! [`RoadCourse`] makes up roads where no map is wanted, [`DrivingPlan`] says how the vehicle is driven on them.
+//! [`World`] draws all of these, and what is known of them, from a seed. [`RoadCourse`] makes up roads where no map is
+//! wanted, [`DrivingPlan`] says how the vehicle is driven on them.
 //!
 //! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
 //! rolling shutter; roads within 80 m of the route.
@@ -14,6 +15,7 @@
 mod bus;
 mod conditions;
 mod config;
+mod corners;
 mod course;
 mod crossing;
 mod dirt;
@@ -21,9 +23,11 @@ mod drive;
 mod driving;
 mod error;
 mod ground;
+mod junctions;
 mod lens;
 mod light;
 mod markings;
+mod mouth_lines;
 mod noise;
 mod object;
 mod path;
@@ -36,18 +40,22 @@ mod roadside;
 mod scenery;
 mod simulator;
 mod sky;
+mod street_paint;
 mod surface;
 mod texture;
 mod tone;
 mod traffic;
 mod truth;
+mod turns;
 mod vehicle;
 mod wet;
 mod windscreen;
+mod world;
 
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
-pub use config::{SimConfig, TrafficSide};
+pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
+pub use corners::CornerStyle;
 pub use course::{CoursePiece, RoadCourse};
 pub use crossing::Crossing;
 pub use driving::{DrivingManner, DrivingPlan, Manoeuvre};
@@ -56,3 +64,4 @@ pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
+pub use world::{World, WorldOptions};

@@ -9,19 +9,16 @@ use crate::TrafficSide;
 use crate::conditions::{Conditions, LaneMarkings, LineColour, LineStyle, Markings};
 use crate::course::MEDIAN_M;
 use crate::roads::{Stroke, Surface};
+use crate::street_paint::StreetPaint;
 
-/// Width of a white line, metres.
-const LINE_M: f32 = 0.14;
 /// Distance of an edge line's middle from the road's edge, metres.
 const EDGE_LINE_M: f32 = 0.25;
-/// Length of a dash and of dash and gap together, metres.
-const DASH_M: [f32; 2] = [3.0, 9.0];
 /// Narrowest two-way road with a centre line, metres.
 const CENTRE_LINE_FROM_M: f64 = 5.0;
 /// Narrowest road with edge lines, metres.
 const EDGE_LINES_FROM_M: f64 = 5.4;
 /// Gap between the lines of a double one, metres.
-const DOUBLE_GAP_M: f32 = 0.12;
+pub(crate) const DOUBLE_GAP_M: f32 = 0.12;
 /// Narrowest lane that is marked, metres: a car and a mirror's width.
 const NARROWEST_LANE_M: f64 = 2.2;
 /// Half of the width of a car and 0.4 m to the road's edge, metres.
@@ -73,7 +70,8 @@ impl Layout {
         match conditions.markings {
             _ if stroke.surface != Surface::Paved => Self::default(),
             Markings::None => Self::default(),
-            Markings::Lines => Self::of_lines(stroke),
+            Markings::Lines => Self::of_street(stroke, &StreetPaint::USUAL),
+            Markings::Streets => Self::of_street(stroke, &stroke.paint),
             Markings::Lanes => match Lanes::of(stroke, &conditions.lanes) {
                 Some(lanes) if traffic == TrafficSide::Left => lanes.layout(&conditions.lanes).mirrored(),
                 Some(lanes) => lanes.layout(&conditions.lanes),
@@ -82,25 +80,19 @@ impl Layout {
         }
     }
 
-    fn of_lines(stroke: &Stroke) -> Self {
+    fn of_street(stroke: &Stroke, paint: &StreetPaint) -> Self {
         let mut layout = Self::default();
         let width_m = 2.0 * stroke.half_width_m;
         let has_edges = width_m >= EDGE_LINES_FROM_M;
         let edge_m = stroke.half_width_m as f32 - EDGE_LINE_M;
-        let line = |middle_m: f32, dash_m: Option<[f32; 2]>| Line {
-            middle_m,
-            width_m: LINE_M,
-            dash_m,
-            colour: MarkingColour::White,
-        };
         if has_edges {
-            layout.add(&[line(-edge_m, None)]);
+            layout.add(&paint.edge_lines(-edge_m));
         }
         if stroke.two_way && width_m >= CENTRE_LINE_FROM_M {
-            layout.add(&[line(0.0, Some(DASH_M))]);
+            layout.add(&paint.centre_lines());
         }
         if has_edges {
-            layout.add(&[line(edge_m, None)]);
+            layout.add(&paint.edge_lines(edge_m));
         }
         layout
     }

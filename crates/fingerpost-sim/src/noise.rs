@@ -42,6 +42,24 @@ impl Stream {
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
+
+    /// The next number of a normal distribution with mean 0 and this standard deviation (Box and Muller), cut off at three of
+    /// it.
+    pub(crate) fn normal(&mut self, sigma: f64) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        let angle = std::f64::consts::TAU * self.unit();
+        sigma * (radius * angle.cos()).clamp(-3.0, 3.0)
+    }
+
+    /// The next of some things, each as likely as its weight among those of all.
+    pub(crate) fn choose<T: Copy>(&mut self, things: &[(f64, T)]) -> Option<T> {
+        let mut left = self.unit() * things.iter().map(|(weight, _)| weight).sum::<f64>();
+        let chosen = things.iter().find(|(weight, _)| {
+            left -= weight;
+            left < 0.0
+        });
+        chosen.or(things.last()).map(|(_, thing)| *thing)
+    }
 }
 
 /// The integer at or below `value`; without the call into a maths library that `f32::floor` is on older processors.
@@ -83,6 +101,19 @@ mod tests {
             (low, high, sum) = (low.min(here), high.max(here), sum + here);
         }
         assert!(low < 0.05 && high > 0.95 && (sum / 4000.0 - 0.5).abs() < 0.03);
+    }
+
+    #[test]
+    fn normal_numbers_have_their_spread_and_choices_their_weights() {
+        let mut stream = Stream::new(1, 3);
+        let numbers: Vec<f64> = (0..4000).map(|_| stream.normal(2.0)).collect();
+        let mean = numbers.iter().sum::<f64>() / 4000.0;
+        let variance = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 4000.0;
+        assert!(mean.abs() < 0.1 && (variance.sqrt() - 2.0).abs() < 0.08, "{mean} {variance}");
+        assert!(numbers.iter().all(|x| x.abs() <= 6.0));
+        let chosen = (0..4000).filter(|_| stream.choose(&[(3.0, true), (1.0, false)]) == Some(true)).count();
+        assert!((2850..3150).contains(&chosen), "{chosen}");
+        assert_eq!(stream.choose::<u8>(&[]), None);
     }
 
     #[test]

@@ -10,10 +10,12 @@ use std::f64::consts::TAU;
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::{Point2, Vector2};
 
+use crate::corners::CornerStyle;
 use crate::markings::lane_middle_m;
 use crate::noise::Stream;
 use crate::roads::RoadNetwork;
-use crate::{Conditions, SimError, TrafficSide};
+use crate::turns::Turn;
+use crate::{SimConfig, SimError};
 
 /// Spacing of the samples along the route, metres.
 const SAMPLE_M: f64 = 0.5;
@@ -64,18 +66,21 @@ pub(crate) struct DrivenLine {
 
 impl DrivenLine {
     /// The line for `route`, from its start to its end.
-    pub(crate) fn new(
-        route: &Polyline,
-        roads: &RoadNetwork,
-        traffic: TrafficSide,
-        conditions: &Conditions,
-        seed: u64,
-    ) -> Result<Self, SimError> {
+    pub(crate) fn new(route: &Polyline, roads: &RoadNetwork, config: &SimConfig) -> Result<Self, SimError> {
+        let SimConfig { conditions, seed, .. } = config;
+        let turns = match config.corners {
+            CornerStyle::Alike => Vec::new(),
+            CornerStyle::Drawn => Turn::of_route(route, roads, config),
+        };
         let count = (route.length_m() / SAMPLE_M).floor() as usize;
         let axis: Vec<Point2<f64>> = (0..=count).map(|i| route.at(i as f64 * SAMPLE_M).0).collect();
-        let mut shifts_m = side_shifts(route, &axis, roads, traffic, conditions)?;
-        let control = rounded(axis, route);
-        let mut stream = Stream::new(seed, 0x5741_4e44);
+        let mut shifts_m = side_shifts(route, &axis, roads, config)?;
+        for (i, shift_m) in shifts_m.iter_mut().enumerate() {
+            let kept = turns.iter().map(|turn| turn.kept_shift(i as f64 * SAMPLE_M, *shift_m));
+            *shift_m *= kept.fold(1.0, f64::min);
+        }
+        let control = rounded(axis, route, &turns);
+        let mut stream = Stream::new(*seed, 0x5741_4e44);
         let waves: Vec<(f64, f64)> =
             WANDER_LENGTHS_M.iter().map(|length| (TAU / length, stream.between(0.0, TAU))).collect();
         for (i, shift_m) in shifts_m.iter_mut().enumerate() {
@@ -105,8 +110,7 @@ fn side_shifts(
     route: &Polyline,
     axis: &[Point2<f64>],
     roads: &RoadNetwork,
-    traffic: TrafficSide,
-    conditions: &Conditions,
+    config: &SimConfig,
 ) -> Result<Vec<f64>, SimError> {
     /// Routes are made of the map's own nodes; farther off than this it is another map.
     const OFF_MAP_M: f64 = 5.0;
@@ -119,7 +123,9 @@ fn side_shifts(
         match found {
             // Trimmed side roads leave up to half of the main road's width without a stroke of their own.
             Some((stroke, distance_m)) if distance_m < OFF_MAP_M + 5.0 => {
-                shifts.push(lane_middle_m(stroke, conditions, traffic));
+                let middle_m = lane_middle_m(stroke, &config.conditions, config.traffic);
+                let room_m = (stroke.half_width_m - middle_m.abs() - 0.5 * config.vehicle.width_m).max(0.0);
+                shifts.push(middle_m + config.habits.aside_m.clamp(-room_m, room_m));
             }
             _ => return Err(SimError::RouteOffTheMap { along_m, distance_m }),
         }
@@ -134,9 +140,12 @@ fn side_shifts(
 }
 
 /// Curvature flow until no corner is tighter than the vehicle may turn.
-fn rounded(mut points: Vec<Point2<f64>>, route: &Polyline) -> Vec<Point2<f64>> {
-    let limits: Vec<f64> =
-        (0..points.len()).map(|i| 1.0 / turn_radius_m(route, i as f64 * SAMPLE_M)).collect();
+fn rounded(mut points: Vec<Point2<f64>>, route: &Polyline, turns: &[Turn]) -> Vec<Point2<f64>> {
+    let radius_m = |along_m: f64| {
+        let drawn = turns.iter().filter_map(|turn| turn.radius_at_m(along_m)).reduce(f64::min);
+        drawn.unwrap_or_else(|| turn_radius_m(route, along_m))
+    };
+    let limits: Vec<f64> = (0..points.len()).map(|i| 1.0 / radius_m(i as f64 * SAMPLE_M)).collect();
     for _ in 0..FLOW_STEPS {
         let before = points.clone();
         let mut moved = false;
@@ -214,7 +223,7 @@ mod tests {
     fn a_right_angle_becomes_an_arc_of_the_turning_radius() {
         let route = corner();
         let samples = (0..=240).map(|i| route.at(f64::from(i) * SAMPLE_M).0).collect();
-        let path = spline(&rounded(samples, &route));
+        let path = spline(&rounded(samples, &route, &[]));
         let tightest = path.iter().map(|p| p.curvature_per_m.abs()).fold(0.0, f64::max);
         assert!((tightest * TURN_RADIUS_M - 1.0).abs() < 0.1, "radius {} m", 1.0 / tightest);
         let middle = path.iter().find(|p| p.route_m >= 60.0).unwrap();
@@ -227,7 +236,7 @@ mod tests {
     fn heading_is_the_direction_of_the_line() {
         let route = corner();
         let samples = (0..=240).map(|i| route.at(f64::from(i) * SAMPLE_M).0).collect();
-        for pair in spline(&rounded(samples, &route)).windows(2) {
+        for pair in spline(&rounded(samples, &route, &[])).windows(2) {
             let chord = heading_of(pair[1].p_in_map - pair[0].p_in_map);
             let mean = pair[0].heading_rad + 0.5 * wrap_angle(pair[1].heading_rad - pair[0].heading_rad);
             assert!(wrap_angle(chord - mean).abs() < 1e-3);

@@ -53,6 +53,16 @@ pub fn random_drive(seed: u64, conditions: &Conditions) -> SimConfig {
 /// # Errors
 /// [`SimError::NoRandomRoute`] when no drawn pair fits.
 pub fn random_route(graph: &RoadGraph, seed: u64, options: &RandomRouteOptions) -> Result<Route, SimError> {
+    random_route_that(graph, seed, options, |route| Some(route.clone()))
+}
+
+/// As [`random_route`]: what `accept` makes of the first drawn route that fits and for which it gives something.
+pub(crate) fn random_route_that<T>(
+    graph: &RoadGraph,
+    seed: u64,
+    options: &RandomRouteOptions,
+    accept: impl Fn(&Route) -> Option<T>,
+) -> Result<T, SimError> {
     let mut stream = Stream::new(seed, 0x524f_5554);
     let nodes: Vec<&RoadNode> = graph.nodes().iter().filter(|node| !node.segments.is_empty()).collect();
     let mut draw = || nodes.get((stream.unit() * nodes.len() as f64) as usize).copied();
@@ -64,8 +74,8 @@ pub fn random_route(graph: &RoadGraph, seed: u64, options: &RandomRouteOptions) 
             continue;
         }
         let route = plan(graph, &[from.at, to.at], &FeatureOptions::default());
-        if let Some(route) = route.ok().filter(|route| fits(route, options)) {
-            return Ok(route);
+        if let Some(accepted) = route.ok().filter(|route| fits(route, options)).as_ref().and_then(&accept) {
+            return Ok(accepted);
         }
     }
     Err(SimError::NoRandomRoute { attempts: ATTEMPTS })

@@ -4,8 +4,13 @@
 //! a driver calls one road, its edge is smooth across the mouths of side roads, and kerbs are rounded only between
 //! different chains.
 
+use std::collections::BTreeMap;
+
 use fingerpost_map::{RoadClass, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
+
+use crate::junctions::{ChainEnd, Junction};
+use crate::street_paint::StreetPaint;
 
 /// What a road is covered with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +40,8 @@ pub(crate) struct Stroke {
     pub(crate) two_way: bool,
     /// Its covering.
     pub(crate) surface: Surface,
+    /// Its lines, where each street has its own.
+    pub(crate) paint: StreetPaint,
 }
 
 impl Stroke {
@@ -57,6 +64,7 @@ const MIN_WIDTH_M: f64 = 2.6;
 #[derive(Debug, Clone)]
 pub(crate) struct RoadNetwork {
     strokes: Vec<Stroke>,
+    junctions: Vec<Junction>,
 }
 
 impl RoadNetwork {
@@ -70,17 +78,40 @@ impl RoadNetwork {
         };
         let links = Links::new(graph, &places);
         let mut strokes = Vec::new();
+        let mut meeting: BTreeMap<usize, Vec<ChainEnd>> = BTreeMap::new();
         for (chain, walk) in links.chains(graph).into_iter().enumerate() {
             if walk.iter().any(|step| step.nodes(graph).into_iter().any(inside)) {
                 strokes.extend(chain_strokes(graph, &places, &links, &walk, chain as u32));
+                for (node, leaves) in links.nodes_of(graph, &places, &walk) {
+                    let chains = meeting.entry(node).or_default();
+                    if chains.iter().all(|(met, _)| *met != chain as u32) {
+                        chains.push((chain as u32, leaves));
+                    }
+                }
             }
         }
-        Self { strokes }
+        let meeting =
+            meeting.into_iter().map(|(node, chains)| (graph.nodes()[node].id, places[node], chains));
+        let junctions = Junction::all(meeting, &strokes);
+        Self { strokes, junctions }
+    }
+
+    /// The same with the lines that `seed` draws for each chain.
+    pub(crate) fn painted(mut self, seed: u64) -> Self {
+        for stroke in &mut self.strokes {
+            stroke.paint = StreetPaint::drawn(seed, stroke.chain);
+        }
+        self
     }
 
     /// The strokes; those of one chain follow each other.
     pub(crate) fn strokes(&self) -> &[Stroke] {
         &self.strokes
+    }
+
+    /// The places where chains meet.
+    pub(crate) fn junctions(&self) -> &[Junction] {
+        &self.junctions
     }
 
     /// Indices of the strokes whose edge is within `reach_m` of a place, ascending.
@@ -177,6 +208,23 @@ impl Links {
         }
     }
 
+    /// The nodes of a walk; with those at which its chain ends, the direction in which it leaves them.
+    fn nodes_of(
+        &self,
+        graph: &RoadGraph,
+        places: &[Point2<f64>],
+        walk: &[Step],
+    ) -> Vec<(usize, Option<Vector2<f64>>)> {
+        let (Some(&first), Some(&last)) = (walk.first(), walk.last()) else { return Vec::new() };
+        let end = |step: Step| {
+            let [from, to] = step.nodes(graph);
+            let ends = self.next[step.segment][step.from_end].is_none();
+            (from, ends.then(|| (places[to] - places[from]).normalize()))
+        };
+        let between = walk.iter().skip(1).map(|step| (step.nodes(graph)[0], None));
+        std::iter::once(end(first)).chain(between).chain(std::iter::once(end(last.reversed()))).collect()
+    }
+
     /// Every segment once, in walks from road end to road end; rings are cut at their first segment.
     fn chains(&self, graph: &RoadGraph) -> Vec<Vec<Step>> {
         let mut walked: Vec<bool> = graph.segments().iter().map(|segment| segment.length_m <= 1e-3).collect();
@@ -223,6 +271,7 @@ fn chain_strokes(
             chain,
             two_way: attributes.travel == Travel::Both,
             surface: surface_of(attributes.surface.as_deref(), attributes.class),
+            paint: StreetPaint::USUAL,
         });
         along_m += length_m;
     }

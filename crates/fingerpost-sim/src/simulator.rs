@@ -20,16 +20,12 @@ use crate::scenery::Scenery;
 use crate::surface::Painter;
 use crate::traffic::Traffic;
 use crate::truth::{EdgeSeen, LaneEdges, RoadPlace};
-use crate::{SimConfig, SimError};
+use crate::{Markings, SimConfig, SimError, SimVehicle};
 
 /// Shortest route that can be driven, metres.
 pub(crate) const MIN_ROUTE_M: f64 = 20.0;
 /// Longest route whose surroundings are held at once, metres: about 1 GB.
 const MAX_ROUTE_M: f64 = 20_000.0;
-/// Distance from rear to front axle, metres, a medium car's.
-pub(crate) const WHEELBASE_M: f64 = 2.7;
-/// Distance between left and right wheels, metres.
-const TRACK_M: f64 = 1.6;
 
 /// One frame of a drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +57,7 @@ pub struct Simulator {
     plane: TangentPlane,
     fps: f64,
     frames: usize,
+    vehicle: SimVehicle,
     drive: Drive,
     planned: Option<PlannedDriving>,
     traffic: Traffic,
@@ -98,12 +95,13 @@ impl Simulator {
         let conditions = &config.conditions;
         let (low, high) = surroundings(&line);
         let roads = RoadNetwork::new(graph, &plane, low, high);
-        let driven = DrivenLine::new(&line, &roads, config.traffic, conditions, config.seed)?;
+        let roads = if conditions.markings == Markings::Streets { roads.painted(config.seed) } else { roads };
+        let driven = DrivenLine::new(&line, &roads, config)?;
         let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
         let relief = Relief::new(config.seed, conditions.undulation_m);
         let near_route = |p: Point2<f64>| line.nearest(p).left_m.abs() < REACH_M;
         let scenery = Scenery::new(config.seed, conditions, &roads, &relief, near_route);
-        let ground = GroundMap::new(config.seed, &line, &roads, &scenery);
+        let ground = GroundMap::new(config.seed, &line, &roads, config.corners, &scenery);
         let raster = ReliefRaster::new(&relief, low, high);
         let painter = Painter::new(config.seed, conditions, &roads, config.traffic);
         let renderer = Renderer::new(camera, conditions, config.seed, ground, raster, scenery, painter)?;
@@ -115,12 +113,13 @@ impl Simulator {
             plane,
             fps: config.fps,
             frames: config.frames.map_or(route_frames, |most| most.min(route_frames)),
+            vehicle: config.vehicle,
             drive,
             planned,
             traffic,
             relief,
             targets: targets(route, &plane),
-            lanes: LaneEdges::new(line, &roads, conditions, config.traffic),
+            lanes: LaneEdges::new(line, &roads, config),
             renderer,
         })
     }
@@ -149,6 +148,11 @@ impl Simulator {
     pub fn road_place(&self, index: usize) -> Option<RoadPlace> {
         let state = self.state(index);
         self.lanes.road_place(state.p_in_map, state.route_m, state.heading_rad)
+    }
+
+    /// Whether a place, metres in the map frame, is on a road.
+    pub fn is_on_road(&self, p_in_map: Point2<f64>) -> bool {
+        self.renderer.ground.at(p_in_map.x as f32, p_in_map.y as f32).edge_m < 0.0
     }
 
     /// When a wheel's outer side comes over the inner edge of a line, from the first frame to the last, in the order of
@@ -229,12 +233,13 @@ impl Simulator {
         let (sin, cos) = state.heading_rad.sin_cos();
         let (forward, left) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
         let wheel = |x: f64, y: f64| self.relief.height_m(state.p_in_map + forward * x + left * y);
-        let half = 0.5 * TRACK_M;
+        let SimVehicle { wheelbase_m, track_m, .. } = self.vehicle;
+        let half = 0.5 * track_m;
         let (rear_left, rear_right) = (wheel(0.0, half), wheel(0.0, -half));
-        let (front_left, front_right) = (wheel(WHEELBASE_M, half), wheel(WHEELBASE_M, -half));
+        let (front_left, front_right) = (wheel(wheelbase_m, half), wheel(wheelbase_m, -half));
         let rear = 0.5 * (rear_left + rear_right);
-        let uphill = (0.5 * (front_left + front_right) - rear) / WHEELBASE_M;
-        let left_up = 0.5 * (rear_left + front_left - rear_right - front_right) / TRACK_M;
+        let uphill = (0.5 * (front_left + front_right) - rear) / wheelbase_m;
+        let left_up = 0.5 * (rear_left + front_left - rear_right - front_right) / track_m;
         let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), state.heading_rad)
             * Rotation3::from_axis_angle(&Vector3::y_axis(), -uphill.atan())
             * Rotation3::from_axis_angle(&Vector3::x_axis(), left_up.atan());

@@ -8,9 +8,10 @@ use self::lane::{Lane, LocalPlace};
 use self::strips::Strips;
 use self::varied::{Covering, Varied, covered};
 use crate::TrafficSide;
-use crate::conditions::Conditions;
+use crate::conditions::{Conditions, Markings};
 use crate::ground::GroundPoint;
 use crate::light::mixed;
+use crate::mouth_lines::MouthLine;
 use crate::noise::{floor_int, mix, unit};
 use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
@@ -85,11 +86,17 @@ impl Painter {
     /// Paint for these roads.
     pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork, traffic: TrafficSide) -> Self {
         let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions, traffic));
+        let mut lanes: Vec<Lane> = lanes.collect();
+        if conditions.markings == Markings::Streets {
+            for (stroke, line) in MouthLine::drawn(seed, roads, traffic) {
+                lanes[stroke].add_mouth(line);
+            }
+        }
         Self {
             asphalt: Texture::new(seed, Grain::Asphalt),
             grass: Texture::new(seed, Grain::Grass),
             soil: Texture::new(seed, Grain::Soil),
-            lanes: lanes.collect(),
+            lanes,
             bare_verge: conditions.bare_verge as f32,
             wear: conditions.road_wear as f32,
             varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),

@@ -90,6 +90,10 @@ impl Traffic {
                 let half_width_m = f64::from(parked.shape.half_m[1]);
                 parked.aside_m = sign * (stroke.half_width_m + PARKED_ASIDE_M + half_width_m);
             }
+            let route = traffic.route.clone();
+            traffic
+                .vehicles
+                .retain(|vehicle| vehicle.speed_mps.abs() > 0.0 || !stands_on_road(vehicle, &route, roads));
         }
         traffic
     }
@@ -149,6 +153,16 @@ impl Traffic {
             })
             .collect()
     }
+}
+
+/// Whether one that stands would do so on a road: where another joins, or where the route's is wider than at its start.
+fn stands_on_road(vehicle: &Vehicle, route: &Polyline, roads: &RoadNetwork) -> bool {
+    let [half_length_m, half_width_m] = vehicle.shape.half_m.map(f64::from);
+    [-half_length_m, 0.0, half_length_m].into_iter().any(|along_m| {
+        let (axis, along) = route.at(vehicle.start_m);
+        let place = axis + Vector2::new(-along.y, along.x) * vehicle.aside_m + along * along_m;
+        !roads.within(place, half_width_m).is_empty()
+    })
 }
 
 #[cfg(test)]

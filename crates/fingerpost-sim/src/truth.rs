@@ -7,11 +7,9 @@ use fingerpost_format::MarkingRecord;
 use fingerpost_geometry::{Camera, Pixel, Polyline, heading_of, wrap_angle};
 use nalgebra::{Isometry3, Point2, Point3, Vector2};
 
-use crate::crossing::HALF_WIDTH_M;
 use crate::markings::{Layout, lane_middle_m};
 use crate::roads::RoadNetwork;
-use crate::simulator::WHEELBASE_M;
-use crate::{Conditions, TrafficSide};
+use crate::{SimConfig, SimVehicle, TrafficSide};
 
 /// Spacing of the samples along the route, metres.
 const SPACING_M: f64 = 0.25;
@@ -60,6 +58,7 @@ pub(crate) struct LaneEdges {
     /// Every [`SPACING_M`] along the route.
     samples: Vec<Sample>,
     layouts: Vec<Layout>,
+    vehicle: SimVehicle,
 }
 
 /// How many lines the wheels of a vehicle have passed.
@@ -83,12 +82,8 @@ pub(crate) struct EdgeAhead {
 }
 
 impl LaneEdges {
-    pub(crate) fn new(
-        route: Polyline,
-        roads: &RoadNetwork,
-        conditions: &Conditions,
-        traffic: TrafficSide,
-    ) -> Self {
+    pub(crate) fn new(route: Polyline, roads: &RoadNetwork, config: &SimConfig) -> Self {
+        let SimConfig { conditions, traffic, vehicle, .. } = config;
         let mut layouts: Vec<Layout> = Vec::new();
         let count = (route.length_m() / SPACING_M) as usize;
         let samples = (0..=count).map(|i| {
@@ -99,10 +94,10 @@ impl LaneEdges {
             };
             let with_route = stroke.direction.dot(&direction).signum();
             let left = Vector2::new(-stroke.direction.y, stroke.direction.x) * with_route;
-            let layout = Layout::of(stroke, conditions, traffic);
+            let layout = Layout::of(stroke, conditions, *traffic);
             let layout = if with_route < 0.0 { layout.mirrored() } else { layout };
-            let layout = if traffic == TrafficSide::Centre { layout.without_centre() } else { layout };
-            let home_m = lane_middle_m(stroke, conditions, traffic);
+            let layout = if *traffic == TrafficSide::Centre { layout.without_centre() } else { layout };
+            let home_m = lane_middle_m(stroke, conditions, *traffic);
             let index = layouts.iter().position(|known| *known == layout).unwrap_or_else(|| {
                 layouts.push(layout);
                 layouts.len() - 1
@@ -112,7 +107,7 @@ impl LaneEdges {
             Sample { on_axis, left, layout: Some(index), home_m, half_width_m }
         });
         let samples = samples.collect();
-        Self { route, samples, layouts }
+        Self { route, samples, layouts, vehicle: *vehicle }
     }
 
     /// Where a vehicle is on its road; none off the roads.
@@ -141,10 +136,10 @@ impl LaneEdges {
         let (sin, cos) = heading_rad.sin_cos();
         let (mut leftmost_m, mut rightmost_m) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut layout = None;
-        for ahead_m in [WHEELBASE_M, 0.0] {
+        for ahead_m in [self.vehicle.wheelbase_m, 0.0] {
             let i = ((route_m + ahead_m) / SPACING_M).round() as usize;
             let sample = self.samples.get(i)?;
-            for aside_m in [HALF_WIDTH_M, -HALF_WIDTH_M] {
+            for aside_m in [0.5, -0.5].map(|side| side * self.vehicle.width_m) {
                 let wheel = p_in_map + Vector2::new(cos, sin) * ahead_m + Vector2::new(-sin, cos) * aside_m;
                 let left_m = sample.left.dot(&(wheel - sample.on_axis));
                 (leftmost_m, rightmost_m) = (leftmost_m.max(left_m), rightmost_m.min(left_m));

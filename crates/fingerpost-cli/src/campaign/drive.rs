@@ -3,53 +3,98 @@
 use std::path::PathBuf;
 
 use anyhow::{Error, Result};
-use fingerpost::Sensors;
-use fingerpost_eval::{evaluate_junctions, feature_summaries};
+use fingerpost::{Config, Sensors};
+use fingerpost_eval::{DriveClaims, evaluate_junctions, feature_summaries, first_detections};
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
+use fingerpost_geometry::Camera;
 use fingerpost_io::{JsonLinesFile, RunFolder, write_file};
 use fingerpost_map::{Route, write_route};
-use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
+use fingerpost_sim::{
+    Conditions, RandomRouteOptions, SimConfig, Simulator, World, WorldOptions, random_drive, random_route,
+};
 use indicatif::ProgressBar;
 
-use super::Setting;
+use super::{FPS, Setting, WORLD};
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
 use crate::output;
 use crate::record::{FrameTime, broken_record};
 use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+use crate::simulate::known_vehicle;
 
 /// Every so many frames of a drive with a report one is written with all that was seen in it: one a second.
 const PICTURE_EVERY_FRAMES: u64 = 10;
 
-/// A drive in numbers, and the position errors of its frames, metres.
-type Driven = (CampaignDrive, Vec<f64>);
+/// A drive in numbers, and what it claimed.
+type Driven = (CampaignDrive, DriveClaims);
 
 /// The drive of a seed; none when it was interrupted.
 pub(super) fn drive(setting: &Setting<'_>, seed: u64, conditions: &str) -> Option<Driven> {
     let named = CampaignDrive { seed, conditions: conditions.to_owned(), ..CampaignDrive::default() };
     let failed = |error: &Error| {
         let error = Some(output::cause_chain(error));
-        Some((CampaignDrive { error, ..named.clone() }, Vec::new()))
+        Some((CampaignDrive { error, ..named.clone() }, DriveClaims::default()))
     };
     try_drive(setting, &named).unwrap_or_else(|error| failed(&error))
 }
 
+/// What is driven, and what the method is told of it.
+struct Plan {
+    simulator: Simulator,
+    fps: f64,
+    config: Config,
+    camera: Camera,
+    route: Route,
+    start_m: f64,
+}
+
+impl Plan {
+    /// The drive of a seed.
+    fn new(setting: &Setting<'_>, named: &CampaignDrive) -> Result<Self> {
+        let args = setting.args;
+        if named.conditions == WORLD {
+            let size_px = args.size.map(|size| [size.width, size.height]);
+            let options = WorldOptions { size_px, fps: args.fps };
+            let world = World::draw(named.seed, &setting.osm, &options)?;
+            return Ok(Self {
+                simulator: world.simulator()?,
+                fps: world.config.fps,
+                config: Config {
+                    vehicle: known_vehicle(&world, &setting.config.vehicle),
+                    ..setting.config.clone()
+                },
+                camera: world.calibration,
+                route: world.route,
+                start_m: world.start_m,
+            });
+        }
+        let route = random_route(&setting.graph, named.seed, &RandomRouteOptions::default())?;
+        let drawn = random_drive(named.seed, &Conditions::named(&named.conditions)?);
+        let config = SimConfig { fps: args.fps.unwrap_or(FPS), ..drawn };
+        Ok(Self {
+            simulator: Simulator::new(&setting.graph, &route, &setting.camera, &config)?,
+            fps: config.fps,
+            config: setting.config.clone(),
+            camera: setting.camera.clone(),
+            route,
+            start_m: config.start_m,
+        })
+    }
+}
+
 fn try_drive(setting: &Setting<'_>, named: &CampaignDrive) -> Result<Option<Driven>> {
-    let route = random_route(&setting.graph, named.seed, &RandomRouteOptions::default())?;
-    let drawn = random_drive(named.seed, &Conditions::named(&named.conditions)?);
-    let config = SimConfig { fps: setting.args.fps, ..drawn };
-    let simulator = Simulator::new(&setting.graph, &route, &setting.camera, &config)?;
-    let mut run = Run::start(setting, named, &route, &config, simulator.frames())?;
-    for index in 0..simulator.frames() {
+    let plan = Plan::new(setting, named)?;
+    let mut run = Run::start(setting, named, &plan)?;
+    for index in 0..plan.simulator.frames() {
         if setting.interrupt.wanted() {
             return Ok(None);
         }
-        let frame = simulator.frame(index);
-        let time = FrameTime { frame: index as u64, t_s: index as f64 / config.fps };
+        let frame = plan.simulator.frame(index);
+        let time = FrameTime { frame: index as u64, t_s: index as f64 / plan.fps };
         run.truth.push(frame.truth);
         let result = run.driver.step(time, &frame.picture, Sensors::default())?;
         run.take(time, result)?;
     }
-    run.finish(named, &route).map(Some)
+    run.finish(named, &plan.route).map(Some)
 }
 
 /// The method on a drive.
@@ -64,18 +109,13 @@ struct Run {
 }
 
 impl Run {
-    fn start(
-        setting: &Setting<'_>,
-        named: &CampaignDrive,
-        route: &Route,
-        config: &SimConfig,
-        frames: usize,
-    ) -> Result<Self> {
+    fn start(setting: &Setting<'_>, named: &CampaignDrive, plan: &Plan) -> Result<Self> {
+        let frames = plan.simulator.frames();
         let run_setting = RunSetting {
-            config: &setting.config,
-            camera: &setting.camera,
-            route: Some(route),
-            start_m: Some(config.start_m),
+            config: &plan.config,
+            camera: &plan.camera,
+            route: Some(&plan.route),
+            start_m: Some(plan.start_m),
             sequence: Sequence::Drive,
         };
         let name = format!("{}_{}", named.conditions, named.seed);
@@ -118,6 +158,9 @@ impl Run {
         }
         let ids: Vec<i64> = route.features.iter().map(|feature| feature.id).collect();
         let evaluation = evaluate_junctions(&records, &truth, &ids)?;
+        let places: Vec<(i64, f64)> =
+            route.features.iter().map(|feature| (feature.id, feature.route_m)).collect();
+        let first_detections = first_detections(&records, &truth, &places)?;
         let is_lost = |record: &FrameRecord| record.state == TrackState::Lost;
         let losses = records.windows(2).filter(|pair| !is_lost(&pair[0]) && is_lost(&pair[1])).count();
         let drive = CampaignDrive {
@@ -128,6 +171,6 @@ impl Run {
             features: feature_summaries(&records, driver.features()),
             ..named.clone()
         };
-        Ok((drive, evaluation.position_errors_m))
+        Ok((drive, DriveClaims { claims: evaluation.claims, first_detections }))
     }
 }

@@ -34,6 +34,28 @@ fn drives_follow_from_their_seeds_on_any_number_of_threads() {
 }
 
 #[test]
+fn worlds_follow_from_their_seeds_and_are_measured_like_other_drives() {
+    let (one, two) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let line = |out: &Path, more: &str| {
+        let out = out.display();
+        format!("campaign --drives 2 --seed 8 --conditions world --size 160x120 --fps 4 --out {out} {more}")
+    };
+    call_line(&line(one.path(), "--threads 1")).done();
+    call_line(&line(two.path(), "--threads 2")).done();
+    let read = |folder: &Path| fs::read_to_string(folder.join("campaign.json")).unwrap();
+    assert_eq!(read(one.path()), read(two.path()));
+    let campaign: Campaign = serde_json::from_str(&read(one.path())).unwrap();
+    let total = &campaign.total;
+    assert_eq!((total.drives, total.drives_failed), (2, 0));
+    assert!(campaign.drives.iter().all(|drive| drive.frames > 20 && drive.route_m > 100.0));
+    let found = total.features_detected as f64 / total.features_total as f64;
+    assert!((total.found_share.unwrap() - found).abs() < 1e-9);
+    let ordered =
+        total.error_per_sigma.is_none_or(|by| by.p68 <= by.p95 && by.p95 <= by.p99 && by.p99 <= by.max);
+    assert!(ordered && total.confident_frames_off <= total.confident_frames, "{total:?}");
+}
+
+#[test]
 fn a_drive_can_be_had_again_with_its_report() {
     let out = TempDir::new().unwrap();
     call_line(&format!("{} --reports", small(out.path(), "").replace("--drives 2", "--drives 1"))).done();

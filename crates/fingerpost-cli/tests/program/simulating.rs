@@ -49,6 +49,24 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread() {
 }
 
 #[test]
+fn a_world_is_written_as_its_owner_knows_it() {
+    let (out, run) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    let (drive, run) = (out.path().display(), run.path().display());
+    let simulate = "simulate --world --seed 8 --size 160x120 --frames 12";
+    let called = call_line(&format!("{simulate} --out {drive}")).done();
+    let start_m = called.stderr.split("--start-m ").nth(1).unwrap().split_whitespace().next().unwrap();
+    assert!((0.0..=30.0).contains(&start_m.parse::<f64>().unwrap()), "{start_m}");
+    let inputs = format!("--camera {drive}/camera.toml --route {drive}/route.geojson --start-m {start_m}");
+    let more = format!("--config {drive}/can.toml --truth {drive}/truth.jsonl --out {run}");
+    call_line(&format!("run {out} {inputs} {more}", out = out.path().display())).done();
+    let config = fs::read_to_string(format!("{run}/config.toml")).unwrap();
+    let vehicle = fs::read_to_string(out.path().join("can.toml")).unwrap();
+    let turning = vehicle.lines().find(|line| line.starts_with("turning_radius_m")).unwrap();
+    assert!(config.contains(turning), "{config}");
+    call_line(&format!("{simulate} --conditions wet --out {drive}")).refused(2, &["--world", "--conditions"]);
+}
+
+#[test]
 fn a_distorting_lens_stands_in_the_calibration() {
     let (drive, out) = (Drive::get(), TempDir::new().unwrap());
     let (map, route) = (drive.map(), drive.route());

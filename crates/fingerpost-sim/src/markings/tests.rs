@@ -4,6 +4,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::*;
 use crate::conditions::LinePattern;
+use crate::street_paint::StreetPaint;
 
 fn stroke(half_width_m: f64) -> Stroke {
     Stroke {
@@ -15,6 +16,7 @@ fn stroke(half_width_m: f64) -> Stroke {
         chain: 0,
         two_way: true,
         surface: Surface::Paved,
+        paint: StreetPaint::USUAL,
     }
 }
 

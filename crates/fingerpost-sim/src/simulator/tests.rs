@@ -24,7 +24,7 @@ fn all_wheels_stay_on_the_towns_roads() {
             let state = simulator.state(index);
             let map_from_vehicle = simulator.map_from_vehicle(&state);
             // The outer faces of the tyres of a car 1.8 m wide.
-            for (x, y) in [(0.0, 0.9), (0.0, -0.9), (WHEELBASE_M, 0.9), (WHEELBASE_M, -0.9)] {
+            for (x, y) in [(0.0, 0.9), (0.0, -0.9), (2.7, 0.9), (2.7, -0.9)] {
                 let wheel = map_from_vehicle * Point3::new(x, y, 0.0);
                 let edge_m = simulator.renderer.ground.at(wheel.x as f32, wheel.y as f32).edge_m;
                 if edge_m > worst_m {

@@ -6,6 +6,7 @@ use super::varied::covered;
 use super::{Colour, Footprint};
 use crate::ground::GroundPoint;
 use crate::markings::{Layout, Line};
+use crate::mouth_lines::MouthLine;
 use crate::noise::floor_int;
 use crate::roads::{Stroke, Surface};
 use crate::{Conditions, TrafficSide};
@@ -23,6 +24,7 @@ pub(super) struct Lane {
     along_m: f32,
     half_width_m: f32,
     lines: Vec<Line>,
+    mouths: Vec<MouthLine>,
     pub(super) surface: Surface,
 }
 
@@ -56,8 +58,14 @@ impl Lane {
             along_m: stroke.along_m as f32,
             half_width_m: stroke.half_width_m as f32,
             lines: Layout::of(stroke, conditions, traffic).lines().to_vec(),
+            mouths: Vec::new(),
             surface: stroke.surface,
         }
+    }
+
+    /// Adds a line at one of its mouths.
+    pub(super) fn add_mouth(&mut self, line: MouthLine) {
+        self.mouths.push(line);
     }
 
     /// The place in the road's own coordinates.
@@ -77,6 +85,9 @@ impl Lane {
     #[inline]
     pub(super) fn paint(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> (f32, Colour) {
         let mut found = (0.0_f32, WHITE);
+        if !self.mouths.is_empty() {
+            found.0 = self.mouth_paint(x, y, point, footprint);
+        }
         if self.lines.is_empty() || Layout::interrupted(point.other_m) {
             return found;
         }
@@ -100,5 +111,15 @@ impl Lane {
             }
         }
         found
+    }
+
+    /// Share of the pixel that stop and give-way lines cover.
+    #[inline(never)]
+    fn mouth_paint(&self, x: f32, y: f32, point: &GroundPoint, footprint: &Footprint) -> f32 {
+        let place = self.place(x, y);
+        let extents_m = place.extents_m(footprint);
+        let at = [place.along_m, place.left_m, point.other_m];
+        let shares = self.mouths.iter().map(|line| line.covers(at, extents_m, covered));
+        shares.fold(0.0, f32::max)
     }
 }

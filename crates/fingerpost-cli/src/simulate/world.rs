@@ -1,0 +1,70 @@
+//! A drive in a world of its own: `simulate --world`.
+
+use anyhow::{Context, Result};
+use clap::Args;
+use fingerpost::vehicle::{Traffic, VehicleConfig};
+use fingerpost_map::OsmData;
+use fingerpost_sim::{BUS_SETTINGS, TrafficSide, World, WorldOptions};
+use serde::Serialize;
+
+use super::{Plan, SimulateArgs};
+use crate::demo::TOWN_OSM;
+use crate::{inputs, output};
+
+/// Whether there is one.
+#[derive(Debug, Args)]
+pub(super) struct WorldArgs {
+    /// Draw everything from the seed: route, camera, vehicle, driver, day, streets, corners, paint, and the errors of the map, of
+    /// the calibration and of the start that the drive's owner believes in; on the built-in town, or in the place of --map.
+    /// camera.toml and route.geojson are what the owner knows, can.toml holds the vehicle too.
+    #[arg(long, conflicts_with_all = ["route", "course", "conditions", "camera", "traffic", "lens"])]
+    world: bool,
+}
+
+impl WorldArgs {
+    pub(super) fn is_wanted(&self) -> bool {
+        self.world
+    }
+
+    /// The drive that the seed draws.
+    pub(super) fn plan(&self, args: &SimulateArgs) -> Result<Plan> {
+        let osm = match &args.map {
+            Some(map) => inputs::osm(map, args.limit)?,
+            None => OsmData::from_bytes(TOWN_OSM)?,
+        };
+        let size_px = args.size.map(|size| [size.width, size.height]);
+        let mut world = World::draw(args.seed, &osm, &WorldOptions { size_px, fps: args.fps })?;
+        world.config.frames = args.frames();
+        let vehicle = VehicleSettings { vehicle: known_vehicle(&world, &VehicleConfig::default()) };
+        let vehicle = toml::to_string(&vehicle).context("the vehicle cannot be written as TOML")?;
+        output::message(&format!("the first frame is believed to be at --start-m {:.1}", world.start_m));
+        Ok(Plan {
+            simulator: world.simulator()?,
+            camera: world.calibration,
+            route: world.route,
+            settings: format!("{BUS_SETTINGS}\n{vehicle}"),
+        })
+    }
+}
+
+/// The vehicle's table of a configuration.
+#[derive(Debug, Serialize)]
+struct VehicleSettings {
+    vehicle: VehicleConfig,
+}
+
+/// The vehicle of a world as its owner knows it; all else is as given.
+pub(crate) fn known_vehicle(world: &World, given: &VehicleConfig) -> VehicleConfig {
+    let traffic = match world.config.traffic {
+        TrafficSide::Left => Traffic::Left,
+        TrafficSide::Right => Traffic::Right,
+        TrafficSide::Centre => Traffic::Centre,
+    };
+    let vehicle = world.config.vehicle;
+    VehicleConfig {
+        width_m: vehicle.width_m,
+        turning_radius_m: vehicle.turning_radius_m,
+        traffic,
+        ..given.clone()
+    }
+}
