@@ -1,5 +1,7 @@
 //! The pipeline: one frame in, where the next junction is and how to drive through it out.
 
+mod passed_over;
+
 use fingerpost_geometry::{Camera, GeometryError, View};
 use fingerpost_map::{LatLon, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
@@ -20,7 +22,7 @@ use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{Decision, Moved, RouteStop, State, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::track::{Moved, RouteStop, State, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSamples, VehicleSignals, VehicleState};
 use crate::why::Why;
 
@@ -346,60 +348,6 @@ impl Pipeline {
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))
-    }
-
-    /// Takes in a frame whose picture shows nothing, or nothing new: only the bus says anything. What was seen before is
-    /// neither confirmed nor denied; it is given out again while the vehicle stands and the picture repeats.
-    fn pass_over(&mut self, camera: CameraEvidence, sensors: Sensors) -> (&FrameOutput, FrameEvidence<'_>) {
-        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
-        let Sensors { signals, dt_s, .. } = sensors;
-        self.unseen_s = Some(self.unseen_s.unwrap_or(0.0) + dt_s.unwrap_or(0.0));
-        let (vehicle, signals_evidence) =
-            self.signals.step(SignalsInput { samples: signals, motion: None, dt_s });
-        let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
-        let repeats = camera.state == CameraState::Frozen && stood;
-        if !repeats {
-            output.track.followed = None;
-            output.vehicle = vehicle;
-            output.centreline = None;
-            output.lane = None;
-            output.departure = None;
-            output.place_driving_line(tracker.stops());
-        }
-        output.camera = camera;
-        output.motion = Some(Motion::unknown());
-        *track_evidence =
-            TrackEvidence { decision: Decision::NothingShown { camera }, ..TrackEvidence::default() };
-        if surface.probability.size() != view.validity().plane().size() {
-            let (columns, rows) = view.validity().plane().size();
-            surface.probability.reset(columns, rows, 0);
-        }
-        Why {
-            track: &output.track,
-            evidence: track_evidence,
-            stops: tracker.stops(),
-            config: &config.track,
-            mount: output.mount.as_ref(),
-            signals: signals.is_some().then_some(&signals_evidence),
-            lane: None,
-            turns_through: false,
-            departure: None,
-        }
-        .write_to(&mut output.why);
-        let evidence = FrameEvidence {
-            ground,
-            validity: view.validity().plane(),
-            surface,
-            road: RoadEvidence::default(),
-            centreline: self.centreline.pass_over(),
-            motion: None,
-            signals: signals.map(|_| signals_evidence),
-            track: track_evidence,
-            lanes: None,
-            departure: None,
-            masks: None,
-        };
-        (output, evidence)
     }
 
     /// The raster and table of the ground view.

@@ -1,0 +1,69 @@
+//! Frames whose picture shows nothing, or nothing new.
+
+use super::{FrameEvidence, FrameOutput, Pipeline, Sensors};
+use crate::camera_state::{CameraEvidence, CameraState};
+use crate::motion::Motion;
+use crate::road_surface::RoadEvidence;
+use crate::track::{Decision, TrackEvidence};
+use crate::vehicle_signals::SignalsInput;
+use crate::why::Why;
+
+impl Pipeline {
+    /// Takes in a frame whose picture shows nothing, or nothing new: only the bus says anything. What was seen before is
+    /// neither confirmed nor denied; it is given out again while the vehicle stands and the picture repeats.
+    pub(super) fn pass_over(
+        &mut self,
+        camera: CameraEvidence,
+        sensors: Sensors,
+    ) -> (&FrameOutput, FrameEvidence<'_>) {
+        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let Sensors { signals, dt_s, .. } = sensors;
+        self.unseen_s = Some(self.unseen_s.unwrap_or(0.0) + dt_s.unwrap_or(0.0));
+        let (vehicle, signals_evidence) =
+            self.signals.step(SignalsInput { samples: signals, motion: None, dt_s });
+        let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
+        let repeats = camera.state == CameraState::Frozen && stood;
+        if !repeats {
+            output.track.followed = None;
+            output.vehicle = vehicle;
+            output.centreline = None;
+            output.lane = None;
+            output.departure = None;
+            output.place_driving_line(tracker.stops());
+        }
+        output.camera = camera;
+        output.motion = Some(Motion::unknown());
+        *track_evidence =
+            TrackEvidence { decision: Decision::NothingShown { camera }, ..TrackEvidence::default() };
+        if surface.probability.size() != view.validity().plane().size() {
+            let (columns, rows) = view.validity().plane().size();
+            surface.probability.reset(columns, rows, 0);
+        }
+        Why {
+            track: &output.track,
+            evidence: track_evidence,
+            stops: tracker.stops(),
+            config: &config.track,
+            mount: output.mount.as_ref(),
+            signals: signals.is_some().then_some(&signals_evidence),
+            lane: None,
+            turns_through: false,
+            departure: None,
+        }
+        .write_to(&mut output.why);
+        let evidence = FrameEvidence {
+            ground,
+            validity: view.validity().plane(),
+            surface,
+            road: RoadEvidence::default(),
+            centreline: self.centreline.pass_over(),
+            motion: None,
+            signals: signals.map(|_| signals_evidence),
+            track: track_evidence,
+            lanes: None,
+            departure: None,
+            masks: None,
+        };
+        (output, evidence)
+    }
+}
