@@ -22,6 +22,7 @@ use crate::driver::{FrameResult, Seen};
 use crate::output;
 use crate::record::{FrameTime, broken_record};
 use crate::stage_clock::{FrameClock, StageTimes};
+use crate::version::VERSION;
 
 /// How a run came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -240,6 +241,7 @@ impl Recorder {
         let compared = truth.filter(|_| self.frames > 0).map(|truth| self.compare(truth)).transpose();
         let of_truth = compared.as_ref().ok().and_then(Option::as_ref);
         let summary = Summary {
+            written_by: Some(format!("fingerpost {VERSION}")),
             frames: self.frames,
             picture_px: Some(self.subject.picture_px),
             broken_frames: self.broken_frames,

@@ -9,6 +9,9 @@ use crate::{CameraRecordState, MountFaultRecord};
 /// A run in numbers; the last table only where a truth file was given.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
+    /// Program, version and commit; none in results of a program that did not say yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub written_by: Option<String>,
     /// Frames processed.
     pub frames: u64,
     /// Width and height of the camera's pictures; none in results of a program that did not say yet.

@@ -97,6 +97,7 @@ fn truth_has_the_keys_of_the_contract_and_lanes_may_be_left_out() {
 
 fn summary() -> Summary {
     Summary {
+        written_by: None,
         frames: 130,
         fps: 31.5,
         stage_ms: [("road".to_owned(), StageTime { median: 0.1, p95: 0.3 })].into(),

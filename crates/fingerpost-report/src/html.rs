@@ -86,8 +86,9 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
                     summary { "The effective configuration of the run" }
                     pre { (input.config_toml) }
                 }
-                @if input.route.is_some() {
-                    footer { p { "Map data © OpenStreetMap contributors, ODbL." } }
+                footer {
+                    @if input.route.is_some() { p { "Map data © OpenStreetMap contributors, ODbL." } }
+                    @if let Some(written_by) = &input.summary.written_by { p { "Written by " (written_by) "." } }
                 }
             }
         }

@@ -5,7 +5,7 @@ use std::fs;
 use tempfile::TempDir;
 
 use crate::drive::Drive;
-use crate::program::call_line;
+use crate::program::{call_line, summary};
 
 #[test]
 fn version_and_configuration_name_the_same_program() {
@@ -17,6 +17,10 @@ fn version_and_configuration_name_the_same_program() {
     call_line(&format!("{} --frames 3", drive.run_line(&drive.path(), &first))).done();
     let config = fs::read_to_string(first.join("config.toml")).unwrap();
     assert_eq!(config.lines().next(), Some(format!("# Written by {version}").as_str()));
+    assert_eq!(summary(&first).written_by.as_deref(), Some(version));
+    assert!(
+        fs::read_to_string(first.join("report.html")).unwrap().contains(&format!("Written by {version}."))
+    );
     let again = format!("--config {} --frames 3", first.join("config.toml").display());
     call_line(&format!("{} {again}", drive.run_line(&drive.path(), &second))).done();
     assert_eq!(fs::read_to_string(second.join("config.toml")).unwrap(), config);

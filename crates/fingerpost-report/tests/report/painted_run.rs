@@ -151,6 +151,7 @@ fn summary(records: &[FrameRecord], name: &str) -> Summary {
     let first = |state: TrackState| records.iter().find(|r| r.state == state);
     let detected = first(TrackState::Tracking);
     Summary {
+        written_by: None,
         frames: records.len() as u64,
         fps: 41.5,
         stage_ms: BTreeMap::from([
