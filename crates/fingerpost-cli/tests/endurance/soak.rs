@@ -24,6 +24,8 @@ const MOST_WARM_UP_FRAMES: usize = 5_000;
 /// What an allocator may still gather without anything growing, kilobytes. A record kept for every frame, 1 kB or more,
 /// would take as much in ten thousand frames.
 const MOST_GROWTH_KB: u64 = 8_192;
+/// Files that are open for a moment while the results at the end are written.
+const MOST_MORE_FILES: usize = 4;
 /// Largest report.
 const MOST_REPORT_BYTES: u64 = 20_000_000;
 
@@ -53,7 +55,7 @@ fn nothing_grows_with_the_length_of_a_run() {
     assert!(last.frame > first.frame, "the run was too short to be watched: {later:?}");
     let most_kb = later.iter().map(|sample| sample.resident_kb).max().unwrap();
     assert!(most_kb <= first.resident_kb + MOST_GROWTH_KB, "{later:?}");
-    assert!(later.iter().all(|sample| sample.open_files <= first.open_files), "{later:?}");
+    assert!(later.iter().all(|sample| sample.open_files <= first.open_files + MOST_MORE_FILES), "{later:?}");
     assert!(report_bytes < MOST_REPORT_BYTES, "{report_bytes}");
 }
 
