@@ -160,7 +160,7 @@ fn gps_times_choose_the_frames() {
     assert_ne!(route_m("without"), Some(believed_m));
     // A start that the track contradicts is said; which of the two is right is not.
     let line = format!("{line}/apart --frames 2 --gps {}", track.display());
-    let apart = call_line(&format!("{line} --start-m 150")).done();
+    let apart = call_line(&format!("{line} --start-m 100")).done();
     assert!(apart.stderr.contains("one of them is wrong"), "{}", apart.stderr);
 }
 

@@ -103,8 +103,10 @@ fn a_signalled_lane_change_is_silent_and_one_without_signal_is_not() {
 fn a_speed_in_the_wrong_unit_is_named_and_not_used() {
     let folder = TempDir::new().unwrap();
     let at = folder.path().display();
+    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets");
+    // 12 s at 8 m/s, on a road whose motion the camera sees.
     call_line(&format!(
-        "simulate --course highway --driving changing --seed 1 --frames 110 --fps 10 --size 320x240 --out {at}/drive"
+        "simulate --map {assets}/town.osm --route {assets}/town_route.geojson --seed 1 --frames 120 --size 320x240 --out {at}/drive"
     ))
     .done();
     let settings = fs::read_to_string(folder.path().join("drive/can.toml")).unwrap();
