@@ -8,7 +8,7 @@
 //!
 //! A picture that is that of the frame before to the last bit shows nothing new: a sensor's noise never repeats.
 //!
-//! Limits: a lens that is covered in part is clear where it is not. A frozen picture in which the vehicle stood cannot
+//! Limits: a lens that is covered in part is clear where it is not, and so is a blurred one whose shapes still show. A frozen picture in which the vehicle stood cannot
 //! be told from a standing vehicle whose video repeats its pictures.
 
 use fingerpost_vision::picture::RgbImage;
@@ -54,7 +54,7 @@ pub struct CameraEvidence {
 const MAX_COLUMNS: usize = 320;
 /// Side of a block, samples.
 const BLOCK: usize = 8;
-/// Least contrast, grey levels. Black and grey noise after H.264 at a rate factor of 28 has 0.9; the darkest of the still
+/// Least contrast, grey levels. Black with noise after H.264 at a rate factor of 28 has 0.9; the darkest of the still
 /// and moving pictures of eight recorded sets has 7.6, simulated night 4.1.
 const LEAST_CONTRAST: f64 = 2.0;
 /// How many times the contrast that noise alone gives is needed: simulated night has 4.2 times as much, recorded pictures
