@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result, anyhow};
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::road_surface::SurfaceFile;
+use fingerpost::track::{TrackConfig, TrackMethod};
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
@@ -111,10 +112,7 @@ impl Driver {
             config_toml: toml::to_string(setting.config)
                 .map(|settings| format!("{WRITTEN_BY}{settings}"))
                 .context("the configuration cannot be written as TOML")?,
-            thresholds: Thresholds {
-                detect: setting.config.track.detect_threshold,
-                confirm: setting.config.track.confirm_threshold,
-            },
+            thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),
             features: self.features.clone(),
             picture_px: [setting.camera.width(), setting.camera.height()].map(|side| side as u32),
@@ -200,6 +198,15 @@ impl Driver {
             return Err(cause.context(format!("frame {}", time.frame)));
         }
         Ok(pass_over(time, cause.as_ref()))
+    }
+}
+
+/// What a feature must reach to be tracked, and to be tracked on.
+fn thresholds(config: &TrackConfig) -> Thresholds {
+    let TrackConfig { method, belief, detect_threshold, confirm_threshold, .. } = config;
+    match method {
+        TrackMethod::Rules => Thresholds { detect: *detect_threshold, confirm: *confirm_threshold },
+        TrackMethod::Belief => Thresholds { detect: belief.detect_present, confirm: belief.lost_present },
     }
 }
 

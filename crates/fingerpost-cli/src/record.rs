@@ -8,14 +8,14 @@ use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::road_surface::RoadEvidence;
-use fingerpost::track::{Followed, RouteStop, Sought, State};
+use fingerpost::track::{Followed, PossiblePlace, RouteStop, Sought, State};
 use fingerpost::vehicle_signals::{Disagreement, SignalSource, SignalsEvidence, TurnSignal, VehicleState};
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
     CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
     FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
-    RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
@@ -68,14 +68,15 @@ pub(crate) fn frame_record(
     stage_ms: BTreeMap<String, f64>,
 ) -> FrameRecord {
     let followed = output.track.followed.as_ref();
-    let sought = evidence.track.sought.as_ref();
+    let (sought, places) = (evidence.track.sought.as_ref(), evidence.track.places.as_slice());
     FrameRecord {
-        sought: sought.and_then(|sought| Some(sought_record(sought, features.get(sought.index)?))),
+        sought: sought.and_then(|sought| Some(sought_record(sought, places, features.get(sought.index)?))),
         frame: time.frame,
         t_s: rounded(time.t_s, TIME_DIGITS),
         camera: Some(camera_record(&output.camera)),
         state: track_state(output.track.state),
-        feature: followed.and_then(|followed| Some(feature_record(followed, features.get(followed.index)?))),
+        feature: followed
+            .and_then(|followed| Some(feature_record(followed, places, features.get(followed.index)?))),
         motion: output.motion.as_ref().map(motion_record),
         mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
         signals: evidence.signals.as_ref().map(|signals| signals_record(&output.vehicle, signals)),
@@ -228,7 +229,11 @@ const fn track_state(state: State) -> TrackState {
     }
 }
 
-fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRecord {
+fn feature_record(
+    followed: &Followed,
+    places: &[PossiblePlace],
+    identity: &FeatureIdentity,
+) -> FeatureRecord {
     let pose = &followed.vehicle_from_feature;
     let sigma_m = [0, 1].map(|axis| followed.covariance[(axis, axis)].max(0.0).sqrt());
     FeatureRecord {
@@ -238,20 +243,34 @@ fn feature_record(followed: &Followed, identity: &FeatureIdentity) -> FeatureRec
         sub: sub_probabilities(&followed.matched),
         contrast: contrast_record(&followed.matched),
         confidence: followed.matched.confidence().map(|p| rounded(p, DIGITS)),
+        present: followed.present.map(|p| rounded(p, DIGITS)),
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
         sigma_m: sigma_m.map(|m| rounded(m, DIGITS)),
+        rivals: places.iter().skip(1).map(rival_record).collect(),
     }
 }
 
-fn sought_record(sought: &Sought, identity: &FeatureIdentity) -> SoughtRecord {
+fn rival_record(place: &PossiblePlace) -> RivalRecord {
+    let at = &place.vehicle_from_feature.translation;
+    let sigma_m = [0, 1].map(|axis| place.covariance[(axis, axis)].max(0.0).sqrt());
+    RivalRecord {
+        forward_m: rounded(at.x, DIGITS),
+        left_m: rounded(at.y, DIGITS),
+        sigma_m: sigma_m.map(|m| rounded(m, DIGITS)),
+        present: rounded(place.weight, DIGITS),
+    }
+}
+
+fn sought_record(sought: &Sought, places: &[PossiblePlace], identity: &FeatureIdentity) -> SoughtRecord {
     let place = sought.vehicle_from_feature.translation;
     SoughtRecord {
         id: identity.id,
         p: sought.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&sought.matched),
         contrast: contrast_record(&sought.matched),
+        present: (!places.is_empty()).then(|| rounded(places.iter().map(|place| place.weight).sum(), DIGITS)),
         forward_m: rounded(place.x, DIGITS),
         left_m: rounded(place.y, DIGITS),
     }

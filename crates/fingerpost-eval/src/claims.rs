@@ -7,8 +7,8 @@ use fingerpost_format::{CampaignGroup, FeatureRecord};
 use crate::FALSE_BEYOND_M;
 use crate::quantiles::{error_quantiles, median, sigma_quantiles};
 
-/// Confidence from which a claim counts as a confident one: held for more likely right than wrong.
-pub const CONFIDENT_FROM: f64 = 0.5;
+/// Probability of being there from which a claim counts as a confident one.
+pub const CONFIDENT_FROM: f64 = 0.95;
 
 /// The place of a followed feature in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +17,8 @@ pub struct Claim {
     pub place: Option<usize>,
     /// How it differs from the truth; none for a feature that is not there.
     pub error: Option<ClaimError>,
-    /// How sure the run is, 0 to 1.
-    pub confidence: Option<f64>,
+    /// How probable the run holds it that the feature is there, 0 to 1: what it says of that, or else its confidence.
+    pub present: Option<f64>,
 }
 
 /// How a reported place differs from the true one.
@@ -59,7 +59,7 @@ impl ClaimError {
 
 impl Claim {
     fn is_confident(&self) -> bool {
-        self.confidence.is_some_and(|confidence| confidence >= CONFIDENT_FROM)
+        self.present.is_some_and(|present| present >= CONFIDENT_FROM)
     }
 
     fn is_off(&self) -> bool {
@@ -105,16 +105,16 @@ pub(crate) fn summarise<'a>(group: &mut CampaignGroup, drives: impl Iterator<Ite
 mod tests {
     use super::*;
 
-    fn claim(place: usize, distance_m: f64, per_sigma: f64, confidence: f64) -> Claim {
+    fn claim(place: usize, distance_m: f64, per_sigma: f64, present: f64) -> Claim {
         let error = ClaimError { distance_m, per_sigma: [per_sigma, 0.5 * per_sigma] };
-        Claim { place: Some(place), error: Some(error), confidence: Some(confidence) }
+        Claim { place: Some(place), error: Some(error), present: Some(present) }
     }
 
     #[test]
     fn a_feature_counts_once_however_long_it_is_followed() {
-        let mut claims: Vec<Claim> = (0..99).map(|_| claim(0, 0.1, 0.5, 0.95)).collect();
-        claims.extend([claim(1, 4.0, 8.0, 0.95), claim(1, 5.0, 9.0, 0.4)]);
-        claims.push(Claim { place: Some(2), error: None, confidence: Some(0.95) });
+        let mut claims: Vec<Claim> = (0..99).map(|_| claim(0, 0.1, 0.5, 0.96)).collect();
+        claims.extend([claim(1, 4.0, 8.0, 0.96), claim(1, 5.0, 9.0, 0.9)]);
+        claims.push(Claim { place: Some(2), error: None, present: Some(0.96) });
         let first_detections = vec![
             FirstDetection { detected_off_m: 1.0, expected_off_m: 0.5 },
             FirstDetection { detected_off_m: 1.0, expected_off_m: 5.0 },

@@ -88,7 +88,9 @@ pub fn evaluate_junctions(
             }
         }
         match record.state {
-            TrackState::Tracking => claims.push(Claim { place, error, confidence: feature.confidence }),
+            TrackState::Tracking => {
+                claims.push(Claim { place, error, present: feature.present.or(feature.confidence) })
+            }
             TrackState::Arrived => {
                 arrived_errors_m.extend(error_m);
                 if let Some(arrived) = place.and_then(|place| arrived.get_mut(place)) {

@@ -6,7 +6,7 @@ use fingerpost_format::{CampaignDrive, TruthSummary};
 
 /// A place of the route's first feature that is off by so much.
 fn claim(distance_m: f64) -> Claim {
-    Claim { place: Some(0), error: Some(ClaimError { distance_m, per_sigma: [1.0; 2] }), confidence: None }
+    Claim { place: Some(0), error: Some(ClaimError { distance_m, per_sigma: [1.0; 2] }), present: None }
 }
 
 /// A drive past four features whose position errors are `errors_m`.

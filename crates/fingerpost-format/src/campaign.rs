@@ -58,7 +58,7 @@ pub struct CampaignGroup {
     /// The same over features: of each the medians over the frames in which it is followed.
     #[serde(default)]
     pub feature_error_per_sigma: Option<SigmaQuantiles>,
-    /// Frames in which a feature is followed with high confidence.
+    /// Frames in which a feature is followed that is held for there with a probability of at least 0.95.
     #[serde(default)]
     pub confident_frames: u64,
     /// Of those, the ones whose feature is not there, or is farther than a false detection's bound from its reported place.

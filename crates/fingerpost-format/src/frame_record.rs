@@ -129,6 +129,9 @@ pub struct FeatureRecord {
     /// How sure it is, 0 to 1: P(F) times the probability that the arms which tell it end at a verge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
+    /// Probability that it is there, 0 to 1; none by the tracker's rules, which know none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub present: Option<f64>,
     /// Distance ahead, metres.
     pub forward_m: f64,
     /// Distance to the left, metres.
@@ -137,6 +140,22 @@ pub struct FeatureRecord {
     pub heading_rad: f64,
     /// Standard deviations of `forward_m` and `left_m`, metres.
     pub sigma_m: [f64; 2],
+    /// Other places where it may be, which `forward_m`, `left_m` and `sigma_m` contain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rivals: Vec<RivalRecord>,
+}
+
+/// A place where a feature may be, in the vehicle frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RivalRecord {
+    /// Distance ahead, metres.
+    pub forward_m: f64,
+    /// Distance to the left, metres.
+    pub left_m: f64,
+    /// Standard deviations of `forward_m` and `left_m`, metres.
+    pub sigma_m: [f64; 2],
+    /// Probability that the feature is there, 0 to 1.
+    pub present: f64,
 }
 
 /// The best match of a feature that is searched for, good enough or not, in the vehicle frame.
@@ -151,6 +170,9 @@ pub struct SoughtRecord {
     /// How much more its arms are road there than what lies just outside their edges.
     #[serde(default)]
     pub contrast: ContrastRecord,
+    /// Probability that it is anywhere in view, 0 to 1; none by the tracker's rules.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub present: Option<f64>,
     /// Distance ahead of the place that matched best, metres.
     pub forward_m: f64,
     /// Distance of that place to the left, metres.

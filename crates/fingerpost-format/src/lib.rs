@@ -22,7 +22,7 @@ pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, Worst
 pub use frame_record::{
     CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
     FixRecord, FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,

@@ -15,7 +15,7 @@ pub(crate) use self::chart::{joined, number, px};
 use crate::key_frames::KeyFrames;
 use crate::timeline::Timeline;
 
-/// P(F) from which a feature counts as seen, and as confirmed.
+/// P(F) from which a feature counts as seen, and as confirmed; by the belief, the probability that it is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thresholds {
     /// For the detection.

@@ -22,6 +22,7 @@ pub struct Timeline {
     pub(crate) weakest: Stretches<Option<String>>,
     pub(crate) weakest_seen: BTreeSet<String>,
     pub(crate) match_p: Series,
+    pub(crate) present: Series,
     pub(crate) distance_m: Compared,
     pub(crate) error_m: Series,
     pub(crate) speed_mps: Compared,
@@ -133,6 +134,8 @@ impl Timeline {
         let feature = record.feature.as_ref();
         let sought = record.sought.as_ref().map(|sought| sought.p);
         self.match_p.push(record.t_s, feature.map(|feature| feature.p).or(sought).flatten());
+        let present = record.sought.as_ref().map(|sought| sought.present);
+        self.present.push(record.t_s, feature.map(|feature| feature.present).or(present).flatten());
         let weakest = feature.and_then(weakest);
         if let Some(label) = weakest.filter(|label| !self.weakest_seen.contains(*label)) {
             self.weakest_seen.insert(label.to_owned());

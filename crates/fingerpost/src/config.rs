@@ -383,6 +383,28 @@ impl Config {
                 "0 to 10 degrees",
             ),
             (
+                "track.belief.detect_present",
+                self.track.belief.detect_present,
+                0.5,
+                1.0,
+                "a probability, 0.5 to 1",
+            ),
+            (
+                "track.belief.lost_present",
+                self.track.belief.lost_present,
+                0.0,
+                self.track.belief.detect_present,
+                "a probability, 0 to track.belief.detect_present",
+            ),
+            ("track.belief.detect_sigma_m", self.track.belief.detect_sigma_m, 0.1, 10.0, "0.1 to 10 metres"),
+            (
+                "track.belief.pitch_sigma_deg",
+                self.track.belief.pitch_sigma_deg,
+                0.01,
+                5.0,
+                "0.01 to 5 degrees",
+            ),
+            (
                 "route_progress.start_sigma_m",
                 self.route_progress.start_sigma_m,
                 0.1,

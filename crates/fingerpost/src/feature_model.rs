@@ -132,10 +132,12 @@ impl FeatureModel {
 }
 
 impl FeatureModel {
-    /// How far the vehicle is beside the middle of the approach, metres, to either side.
-    pub fn beside_approach_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+    /// How far left of the middle of the approach the vehicle is, metres, for one that drives towards the node; the inverse of
+    /// `left_m` in [`FeatureModel::vehicle_from_feature`].
+    pub fn left_of_approach_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
         let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
-        self.approach().map_or(0.0, |arm| arm.course.nearest(p_in_feature).left_m.abs())
+        // The course runs outwards from the node.
+        self.approach().map_or(0.0, |arm| -arm.course.nearest(p_in_feature).left_m)
     }
 
     /// How far before the node the vehicle is along the approach, metres; the inverse of `before_m` in
@@ -143,6 +145,17 @@ impl FeatureModel {
     pub fn before_m(&self, vehicle_from_feature: &Isometry2<f64>) -> f64 {
         let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
         self.approach().map_or(-p_in_feature.x, |arm| arm.course.nearest(p_in_feature).along_m)
+    }
+
+    /// How far along the route the vehicle is, on the approach or the exit, whichever is nearer, metres; none without an approach.
+    pub fn route_m_of_vehicle(&self, vehicle_from_feature: &Isometry2<f64>) -> Option<f64> {
+        let p_in_feature = vehicle_from_feature.inverse() * Point2::origin();
+        let before = self.approach()?.course.nearest(p_in_feature);
+        let behind = self.exit().map(|arm| arm.course.nearest(p_in_feature));
+        Some(match behind {
+            Some(behind) if behind.left_m.abs() < before.left_m.abs() => self.route_m + behind.along_m,
+            _ => self.route_m - before.along_m,
+        })
     }
 
     /// How far the vehicle's nose is turned left of the approach where the vehicle is, radians; the inverse of the heading

@@ -22,7 +22,9 @@ use crate::matching::Matcher;
 use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{Moved, RouteStop, State, TrackEvidence, TrackOutput, Tracker, TrackerSetting};
+use crate::track::{
+    FeatureTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
+};
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSamples, VehicleSignals, VehicleState};
 use crate::why::Why;
 
@@ -161,7 +163,7 @@ pub struct Pipeline {
     mount: MountFilter,
     signals: VehicleSignals,
     matcher: Matcher,
-    tracker: Tracker,
+    tracker: Box<dyn FeatureTracker>,
     lanes: Option<LaneFinder>,
     departure: DepartureWarning,
     map: Option<TangentPlane>,
@@ -211,7 +213,7 @@ impl Pipeline {
             nearest_seen_m: view.nearest_seen_m(),
             viewpoint: view.viewpoint(),
         };
-        let tracker = Tracker::new(setting, route, start_m)?;
+        let tracker = config.track.tracker(setting, route, start_m)?;
         let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
@@ -289,7 +291,8 @@ impl Pipeline {
         let laid = self.matcher.laid_with(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion: motion.as_ref(), turn };
-        tracker.step(moved, &laid, gps_in_map, &mut output.track, track_evidence)?;
+        let shown = ShownSurface { surface, seen: validity, laid };
+        tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
         output.motion = motion;
@@ -366,8 +369,8 @@ impl Pipeline {
     }
 
     /// The tracker with the features of the route.
-    pub const fn tracker(&self) -> &Tracker {
-        &self.tracker
+    pub fn tracker(&self) -> &dyn FeatureTracker {
+        &*self.tracker
     }
 
     /// The configuration in force.

@@ -7,6 +7,7 @@
 //! while the one at hand is carried along until it is passed.
 
 mod alignment;
+mod belief;
 mod candidates;
 mod expectation;
 mod pitch_doubt;
@@ -15,25 +16,38 @@ mod route_stop;
 mod shown;
 mod tracker;
 
-use nalgebra::{Isometry2, Matrix3};
+use fingerpost_geometry::{GeometryError, GroundGrid};
+use fingerpost_map::{FeatureKind, Route};
+use fingerpost_vision::picture::ValidityMask;
+use fingerpost_vision::span::SpanError;
+use nalgebra::{Isometry2, Matrix3, Point2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::camera_state::CameraEvidence;
-use crate::matching::Match;
+use crate::feature_masks::{PlacedMasks, node_pixel};
+use crate::feature_model::ArmModel;
+use crate::ground_view::CameraTurn;
+use crate::matching::{LaidSurface, Match};
+use crate::motion::Motion;
+use crate::road_surface::RoadSurface;
 use crate::route_progress::GpsUse;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
+pub use belief::BeliefTracker;
 pub use candidates::{CandidateSearch, Tried};
 pub use expectation::{Expectation, ExpectedAhead};
 pub use pose_filter::PoseFilter;
 pub use route_stop::{RouteStop, TrackerSetting};
-pub use tracker::{Moved, Tracker};
+pub use tracker::Tracker;
 
 /// Settings of search and tracking.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackConfig {
+    /// How features are found and followed: "rules", by the match of the masks, or "belief", by the probability of every place
+    /// and of none; default "rules".
+    pub method: TrackMethod,
     /// P(F) from which a feature counts as seen, 0 to 1; default 0.75.
     pub detect_threshold: f64,
     /// P(F) that is enough where the arms that tell the feature stand out from their verges, 0 to detect_threshold;
@@ -64,11 +78,64 @@ pub struct TrackConfig {
     pub bracket_heading_deg: f64,
     /// How the place of a matched feature is made precise.
     pub alignment: AlignmentConfig,
+    /// What the method "belief" asks of a feature.
+    pub belief: BeliefConfig,
+}
+
+/// How features are found and followed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TrackMethod {
+    /// [`Tracker`].
+    #[default]
+    Rules,
+    /// [`BeliefTracker`].
+    Belief,
+}
+
+/// Settings of [`BeliefTracker`], which also takes `track.alignment.kerb_radius_m` and `track.alignment.width_sigma_share`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BeliefConfig {
+    /// Probability that a feature is there from which it is tracked, 0.5 to 1; default 0.8.
+    pub detect_present: f64,
+    /// Probability below which a tracked feature is lost, 0 to detect_present; default 0.5.
+    pub lost_present: f64,
+    /// Standard deviation of its place up to which a feature is tracked, metres, 0.1 to 10: what a vehicle can still steer by;
+    /// default 1.2.
+    pub detect_sigma_m: f64,
+    /// Standard deviation of what is not known of the camera's pitch, degrees, 0.01 to 5; default 0.4.
+    pub pitch_sigma_deg: f64,
+}
+
+impl TrackConfig {
+    /// The tracker of these settings at the start of `route`, or without one.
+    ///
+    /// # Errors
+    /// [`GeometryError`] when a feature's arms have no extent.
+    pub fn tracker(
+        &self,
+        setting: TrackerSetting<'_>,
+        route: Option<&Route>,
+        start_m: Option<f64>,
+    ) -> Result<Box<dyn FeatureTracker>, GeometryError> {
+        Ok(match self.method {
+            TrackMethod::Rules => Box::new(Tracker::new(setting, route, start_m)?),
+            TrackMethod::Belief => Box::new(BeliefTracker::new(setting, route, start_m)?),
+        })
+    }
+}
+
+impl Default for BeliefConfig {
+    fn default() -> Self {
+        Self { detect_present: 0.8, lost_present: 0.5, detect_sigma_m: 1.2, pitch_sigma_deg: 0.4 }
+    }
 }
 
 impl Default for TrackConfig {
     fn default() -> Self {
         Self {
+            method: TrackMethod::default(),
             detect_threshold: 0.75,
             detect_threshold_at_verge: 0.5,
             detect_contrast: 0.12,
@@ -83,6 +150,7 @@ impl Default for TrackConfig {
             bracket_left_m: 1.0,
             bracket_heading_deg: 6.0,
             alignment: AlignmentConfig::default(),
+            belief: BeliefConfig::default(),
         }
     }
 }
@@ -131,11 +199,19 @@ pub struct Followed {
     pub vehicle_from_feature: Isometry2<f64>,
     /// Covariance of its forward (m), left (m) and heading (rad).
     pub covariance: Matrix3<f64>,
+    /// Probability that it is there; none by the rules, which know none.
+    pub present: Option<f64>,
     /// The match there; its pose is where the ground view shows the feature, which is made for the configured mount.
     pub matched: Match,
 }
 
 impl Followed {
+    /// How far along the route it says that the vehicle is, and the standard deviation, metres.
+    fn route_m(&self, stops: &[RouteStop]) -> Option<(f64, f64)> {
+        let route_m = stops.get(self.index)?.model.route_m_of_vehicle(&self.vehicle_from_feature)?;
+        Some((route_m, self.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()))
+    }
+
     /// From places on the road to those at which the ground view shows them, near the feature: the view is made for the
     /// configured mount, the camera may look elsewhere.
     pub fn shown_from_road(&self) -> Isometry2<f64> {
@@ -327,8 +403,54 @@ pub enum Decision {
         /// Index of the feature.
         index: usize,
     },
+    /// The next feature may be in view, but something is still missing.
+    NotSure {
+        /// Index of the feature.
+        index: usize,
+        /// What is missing.
+        lack: Lack,
+    },
+    /// A tracked feature is not there, or its place is no longer sure.
+    NoLongerSure {
+        /// Index of the feature.
+        index: usize,
+        /// What is missing.
+        lack: Lack,
+    },
     /// Every feature has been passed.
     RouteDone,
+}
+
+/// What a feature lacks to be tracked by the belief: the first of the tests that it does not pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lack {
+    /// Evidence that it is there.
+    Presence {
+        /// Probability that it is.
+        present: f64,
+        /// The probability that is needed.
+        needed: f64,
+    },
+    /// A sure place.
+    Place {
+        /// Probability that it is there.
+        present: f64,
+        /// Standard deviation of its place, metres.
+        sigma_m: f64,
+        /// The largest with which a feature is tracked, metres.
+        most_m: f64,
+    },
+}
+
+/// A place where a feature may be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PossiblePlace {
+    /// The place.
+    pub vehicle_from_feature: Isometry2<f64>,
+    /// Covariance of its forward (m), left (m) and heading (rad).
+    pub covariance: Matrix3<f64>,
+    /// Probability that the feature is there.
+    pub weight: f64,
 }
 
 /// How the tracker came to its output.
@@ -348,6 +470,10 @@ pub struct TrackEvidence {
     pub sought: Option<Sought>,
     /// The cross-sections of the arms that made the place precise.
     pub sections: Vec<CrossSection>,
+    /// Where the feature that is followed or searched for may be, the likeliest first; none by the rules.
+    pub places: Vec<PossiblePlace>,
+    /// Edges of the road at the likeliest of them, vehicle frame, metres: both ends of every piece.
+    pub edges: Vec<[Point2<f64>; 2]>,
     /// What became of the GPS position, where there was one.
     pub gps: Option<GpsUse>,
 }
@@ -355,8 +481,75 @@ pub struct TrackEvidence {
 impl TrackEvidence {
     /// Makes it that of a frame of which nothing is known yet, keeping its memory.
     fn clear(&mut self) {
-        let mut sections = std::mem::take(&mut self.sections);
-        sections.clear();
-        *self = Self { sections, ..Self::default() };
+        let Self { sections, places, edges, .. } = std::mem::take(self);
+        *self = Self { sections, places, edges, ..Self::default() };
+        self.sections.clear();
+        self.places.clear();
+        self.edges.clear();
+    }
+}
+
+/// How the vehicle moved since the last frame, and how the camera looks now.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Moved<'a> {
+    /// The motion; none where it is not known.
+    pub motion: Option<&'a Motion>,
+    /// How the camera is turned against its mount; none where this frame says nothing of it.
+    pub turn: Option<CameraTurn>,
+}
+
+/// What a frame shows of the road.
+#[derive(Debug, Clone, Copy)]
+pub struct ShownSurface<'a> {
+    /// The road surface.
+    pub surface: &'a RoadSurface,
+    /// Where this frame shows it, and it is not only remembered.
+    pub seen: &'a ValidityMask,
+    /// The same, ready for masks.
+    pub laid: LaidSurface<'a>,
+}
+
+/// Finds and follows the features of a route, one after the other.
+pub trait FeatureTracker: std::fmt::Debug + Send {
+    /// The features of the route with their driving lines.
+    fn stops(&self) -> &[RouteStop];
+
+    /// Takes one frame in: how the vehicle moved, what it shows, and a GPS position in the map frame. Output and evidence take
+    /// the place of the last frame's, whose memory is reused.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    fn step(
+        &mut self,
+        moved: Moved<'_>,
+        shown: ShownSurface<'_>,
+        gps_in_map: Option<Point2<f64>>,
+        output: &mut TrackOutput,
+        evidence: &mut TrackEvidence,
+    ) -> Result<(), SpanError>;
+
+    /// Whether the vehicle is on its way through a junction at which the route turns: lanes end there, and lines cross its way.
+    fn turns_through(&self, output: &TrackOutput) -> bool {
+        let followed = output.followed.as_ref().filter(|_| output.state == State::Arrived);
+        let model = followed.and_then(|followed| self.stops().get(followed.index)).map(|stop| &stop.model);
+        model.is_some_and(|model| {
+            model.kind == FeatureKind::Junction && model.exit().is_some_and(ArmModel::leaves_the_line)
+        })
+    }
+
+    /// The masks of the followed feature, or else of the one searched for, where they matched.
+    fn placed_masks(
+        &self,
+        output: &TrackOutput,
+        evidence: &TrackEvidence,
+        grid: &GroundGrid,
+    ) -> Option<PlacedMasks<'_>> {
+        let followed = output.followed.as_ref().map(|followed| (followed.index, &followed.matched));
+        let sought = evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
+        let (index, matched) = followed.or(sought)?;
+        let pose = &matched.vehicle_from_feature;
+        let masks = self.stops().get(index)?.masks.drawn(pose.rotation.angle())?;
+        let (column, row) = node_pixel(grid, pose);
+        Some(PlacedMasks { masks, column, row })
     }
 }

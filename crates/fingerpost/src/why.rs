@@ -5,8 +5,8 @@ mod words;
 use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
-    Along, CameraWords, DepartureWords, FeatureName, Frames, Hundredths, LaneWords, MatchWords, MissingWords,
-    MountContradictionWords, MountFaultWords, SignalsWords, Threshold,
+    Along, CameraWords, DepartureWords, FeatureName, FollowedWords, Frames, Hundredths, LackWords, LaneWords,
+    MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords, Threshold,
 };
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
@@ -105,6 +105,18 @@ impl Why<'_> {
                 | Decision::EdgesElsewhere { .. }),
                 _,
             ) => self.write_refusal(f, refusal),
+            (Decision::NotSure { index, lack }, _) => {
+                write!(
+                    f,
+                    "{} may be ahead{}: {}",
+                    name(index),
+                    SoughtWords(evidence.sought.as_ref()),
+                    LackWords(lack)
+                )
+            }
+            (Decision::NoLongerSure { index, lack }, _) => {
+                write!(f, "{} lost: {}", name(index), LackWords(lack))
+            }
             (Decision::Lost { index }, _) => write!(
                 f,
                 "{} lost: not confirmed in {}, bracketing found nothing better{}",
@@ -118,7 +130,7 @@ impl Why<'_> {
             (decision, Some(followed)) => {
                 let forward_m = followed.vehicle_from_feature.translation.x;
                 write!(f, "{} {:.1}", name(&followed.index), Along(forward_m))?;
-                let words = MatchWords(&followed.matched, needed_p);
+                let words = FollowedWords(followed, needed_p);
                 match decision {
                     Decision::Detected => write!(f, ", detected: {words}"),
                     Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),

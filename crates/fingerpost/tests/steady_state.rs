@@ -11,7 +11,7 @@ use allocation_counter::measure;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
 use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork};
-use fingerpost::track::State;
+use fingerpost::track::{State, TrackMethod};
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_geometry::Camera;
@@ -48,6 +48,13 @@ fn coarse() -> Config {
     config
 }
 
+/// The same by the belief.
+fn coarse_belief() -> Config {
+    let mut config = coarse();
+    config.track.method = TrackMethod::Belief;
+    config
+}
+
 /// In place of a network, whose own memory is not the method's.
 struct AllIsRoad;
 
@@ -78,10 +85,10 @@ impl Scene {
     }
 
     /// A T-junction that is left to the right.
-    fn t_junction() -> Self {
+    fn t_junction(config: &Config) -> Self {
         let kind = FeatureKind::Junction;
         let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
-        Self::new(&coarse(), &[SOUTH, EAST, WEST], Some(&junction))
+        Self::new(config, &[SOUTH, EAST, WEST], Some(&junction))
     }
 
     fn picture(&self, before_m: f64) -> RgbImage {
@@ -153,26 +160,32 @@ fn no_road_detector_allocates_anything() {
 fn searching_allocates_nothing() {
     let kind = FeatureKind::Junction;
     let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
-    Scene::new(&coarse(), &[SOUTH, NORTH], Some(&junction)).check(State::Searching, 18.0);
+    for config in [coarse(), coarse_belief()] {
+        Scene::new(&config, &[SOUTH, NORTH], Some(&junction)).check(State::Searching, 18.0);
+    }
 }
 
 #[test]
 fn tracking_allocates_nothing() {
-    let mut scene = Scene::t_junction();
-    let before_m = scene.drive_until(State::Tracking);
-    scene.check(State::Tracking, before_m);
+    for config in [coarse(), coarse_belief()] {
+        let mut scene = Scene::t_junction(&config);
+        let before_m = scene.drive_until(State::Tracking);
+        scene.check(State::Tracking, before_m);
+    }
 }
 
 #[test]
 fn arriving_allocates_nothing() {
-    let mut scene = Scene::t_junction();
-    let before_m = scene.drive_until(State::Arrived);
-    scene.check(State::Arrived, before_m);
+    for config in [coarse(), coarse_belief()] {
+        let mut scene = Scene::t_junction(&config);
+        let before_m = scene.drive_until(State::Arrived);
+        scene.check(State::Arrived, before_m);
+    }
 }
 
 #[test]
 fn ten_thousand_frames_hold_no_more_memory_than_one_thousand() {
-    let mut scene = Scene::t_junction();
+    let mut scene = Scene::t_junction(&coarse());
     let before_m = scene.drive_until(State::Tracking);
     let round = scene.round(before_m);
     let mut pictures = round.iter().cycle();

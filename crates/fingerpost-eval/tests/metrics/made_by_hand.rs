@@ -38,6 +38,8 @@ pub(crate) fn seen(frame: u64, state: TrackState, id: i64, forward_m: f64, left_
         sub: BTreeMap::new(),
         contrast: Default::default(),
         confidence: None,
+        present: None,
+        rivals: Vec::new(),
         forward_m,
         left_m,
         heading_rad: 0.0,

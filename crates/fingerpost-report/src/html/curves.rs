@@ -62,6 +62,10 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
     let timeline = input.timeline;
     let seconds = timeline.seconds.clone().unwrap_or(0.0..=0.0);
     let title = "P(F) of the feature followed or searched for; below, its weakest arm";
+    let mut curves = vec![Curve { label: "P(F)", class: "one", values: &timeline.match_p }];
+    if !timeline.present.is_empty() {
+        curves.push(Curve { label: "probability that it is there", class: "two", values: &timeline.present });
+    }
     Chart {
         bands: bands(timeline, &timeline.states, |&state| {
             let (name, rgb) = palette::state(state);
@@ -75,7 +79,7 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
             (input.thresholds.detect, format!("detected from {:.2}", input.thresholds.detect)),
             (input.thresholds.confirm, format!("confirmed from {:.2}", input.thresholds.confirm)),
         ],
-        curves: vec![Curve { label: "P(F)", class: "one", values: &timeline.match_p }],
+        curves,
         ..Chart::over(seconds, title, "P(F)", 0.0..=1.0)
     }
 }

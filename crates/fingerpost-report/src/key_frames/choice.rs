@@ -67,7 +67,7 @@ impl KeyFrameChoice {
                 self.once(KeyReason::Detection { feature: followed.index })
             }
             (Decision::Arrived, Some(followed)) => self.once(KeyReason::Arrival { feature: followed.index }),
-            (Decision::Lost { index }, _) => self.loss(*index),
+            (Decision::Lost { index } | Decision::NoLongerSure { index, .. }, _) => self.loss(*index),
             _ => None,
         };
         // What is detected is also the first match to be weaker than.
@@ -124,6 +124,7 @@ mod tests {
             index,
             vehicle_from_feature: pose,
             covariance: Matrix3::identity(),
+            present: None,
             matched: matched(p),
         });
         FrameOutput { track: TrackOutput { state, followed, route_m: None }, ..FrameOutput::default() }

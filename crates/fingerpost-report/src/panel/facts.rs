@@ -6,7 +6,7 @@ use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
 use fingerpost::road_surface::SampleUse;
 use fingerpost::route_progress::GpsUse;
-use fingerpost::track::CrossSectionUse;
+use fingerpost::track::{CrossSectionUse, PossiblePlace};
 use nalgebra::Isometry2;
 
 use super::flow::REJECTED_WEIGHT;
@@ -14,6 +14,9 @@ use crate::scene::Scene;
 
 /// A driving line of this radius and more is called straight, metres: over the 20 m of a line it leaves a straight one by 0.2 m.
 const STRAIGHT_FROM_M: f64 = 1000.0;
+
+/// More places than these are of no weight worth a line.
+const MOST_PLACES: usize = 2;
 
 /// A fact: what it is about, and what is known.
 pub(crate) type Fact = (&'static str, String);
@@ -32,6 +35,9 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         let sigma = |axis: usize| followed.covariance[(axis, axis)].max(0.0).sqrt();
         let pose = words(&followed.vehicle_from_feature);
         facts.push(("feature", format!("{pose}; sigma {:.2}, {:.2} m", sigma(0), sigma(1))));
+    }
+    if let Some(places) = places_words(&evidence.track.places) {
+        facts.push(("places", places));
     }
     if let Some(predicted) = &evidence.track.predicted {
         let p = evidence.track.predicted_p.map_or_else(String::new, |p| format!("; P(F) {p:.2} there"));
@@ -123,6 +129,16 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         None => {}
     }
     facts
+}
+
+/// Where the feature may be and how probable each place is, the likeliest first; none where it has no place.
+fn places_words(places: &[PossiblePlace]) -> Option<String> {
+    let present: f64 = places.iter().map(|place| place.weight).sum();
+    let likeliest = places.iter().take(MOST_PLACES);
+    let words: Vec<String> = likeliest
+        .map(|place| format!("{:.2} at {}", place.weight, words(&place.vehicle_from_feature)))
+        .collect();
+    (!words.is_empty()).then(|| format!("there with probability {present:.2}: {}", words.join("; ")))
 }
 
 /// What lies beside the arms, in words; none where no verge is seen.

@@ -1,7 +1,7 @@
 //! The ground view with the feature's place: predicted by ego-motion, measured across the arms, updated.
 
-use fingerpost::track::{CrossSection, CrossSectionUse, Followed};
-use nalgebra::{Isometry2, Point2};
+use fingerpost::track::{CrossSection, CrossSectionUse, Followed, PossiblePlace};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::ground_plot::GroundPlot;
 use crate::draw::{Canvas, Paint, TextSize};
@@ -10,13 +10,17 @@ use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "The road from above. White cross: where ego-motion expected the feature; yellow \
     circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, out to the \
-    edges found; cyan moved the feature, red were rejected, grey measured nothing. Green: driving line. Orange: the road's middle by the edges of its surface, \
+    edges found; cyan moved the feature, red were rejected, grey measured nothing. Or, by the belief: white ellipses about every place \
+    where the feature may be, the fainter the less probable, and in cyan the edges of the road at the likeliest. Green: driving line. Orange: the road's middle by the edges of its surface, \
     which are drawn thin. Hatched: not seen.";
 
 /// Corners of the ellipse of uncertainty.
 const ELLIPSE_CORNERS: usize = 48;
 /// Standard deviations that the ellipse shows.
 const ELLIPSE_SIGMAS: f64 = 2.0;
+
+/// How much a place of no weight would still be seen of.
+const FAINTEST: f64 = 0.15;
 
 /// Pieces in which the road's middle is drawn.
 const CENTRELINE_STEPS: usize = 24;
@@ -36,25 +40,41 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         for section in &scene.evidence.track.sections {
             cross_section(canvas, plot, section);
         }
+        for ends in &scene.evidence.track.edges {
+            let ends = ends.map(|end| plot.at(shown_from_road * end));
+            canvas.polyline(&ends, 1.5, Paint::glaze(palette::ACCEPTED, 0.9));
+        }
+        for PossiblePlace { vehicle_from_feature, covariance, weight } in &scene.evidence.track.places {
+            let paint = Paint::glaze(palette::TEXT, FAINTEST + (1.0 - FAINTEST) * weight);
+            ellipse(canvas, plot, &(shown_from_road * vehicle_from_feature), covariance, paint);
+        }
         if let Some(predicted) = &scene.evidence.track.predicted {
             cross(canvas, plot.at(predicted.translation.vector.into()));
         }
         if let Some(followed) = &scene.output.track.followed {
             // The view is made for the configured mount: what it shows is where the masks lie in it.
             let pose = &followed.matched.vehicle_from_feature;
-            let place = pose.translation.vector;
-            let covariance = followed.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-            if let Some(root) = covariance.cholesky() {
-                let corners: Vec<[f64; 2]> = (0..=ELLIPSE_CORNERS)
-                    .map(|i| i as f64 / ELLIPSE_CORNERS as f64 * std::f64::consts::TAU)
-                    .map(|angle| root.l() * nalgebra::Vector2::new(angle.cos(), angle.sin()))
-                    .map(|offset| plot.at((place + offset * ELLIPSE_SIGMAS).into()))
-                    .collect();
-                canvas.polyline(&corners, 1.5, Paint::glaze(palette::UPDATED, 0.8));
-            }
+            ellipse(canvas, plot, pose, &followed.covariance, Paint::glaze(palette::UPDATED, 0.8));
             heading(canvas, plot, pose);
         }
     });
+}
+
+/// The place of a pose with how sure it is.
+fn ellipse(
+    canvas: &mut Canvas,
+    plot: &GroundPlot<'_>,
+    pose: &Isometry2<f64>,
+    covariance: &Matrix3<f64>,
+    paint: Paint,
+) {
+    let Some(root) = covariance.fixed_view::<2, 2>(0, 0).into_owned().cholesky() else { return };
+    let corners: Vec<[f64; 2]> = (0..=ELLIPSE_CORNERS)
+        .map(|i| i as f64 / ELLIPSE_CORNERS as f64 * std::f64::consts::TAU)
+        .map(|angle| root.l() * Vector2::new(angle.cos(), angle.sin()))
+        .map(|offset| plot.at((pose.translation.vector + offset * ELLIPSE_SIGMAS).into()))
+        .collect();
+    canvas.polyline(&corners, 1.5, paint);
 }
 
 /// The road's edges section by section, and its middle.

@@ -174,6 +174,8 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
             sub: [("approach".to_owned(), 0.9), ("exit".to_owned(), (frame % 5) as f64 * 0.2)].into(),
             contrast: Default::default(),
             confidence: None,
+            present: None,
+            rivals: Vec::new(),
             forward_m: 12.0,
             left_m: 0.0,
             heading_rad: 0.0,

@@ -1,10 +1,11 @@
 //! The features of a route, each with its model, its driving line and its masks.
 
 use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
-use fingerpost_map::{Route, TangentPlane};
+use fingerpost_map::{Route, RouteFeature, TangentPlane};
 
 use super::TrackConfig;
 use super::alignment::ArmPieces;
+use super::belief::junction_shape::JunctionShape;
 use crate::driving_line::{DrivingLine, DrivingLineConfig};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
@@ -21,6 +22,9 @@ pub struct RouteStop {
     pub line: Option<DrivingLine>,
     pub(super) masks: MaskCache,
     pub(super) arms: Vec<ArmPieces>,
+    /// Outline of its road, and of the road if the feature were not there.
+    pub(super) shape: JunctionShape,
+    pub(super) plain_shape: JunctionShape,
 }
 
 /// What the tracker needs to know besides the route.
@@ -44,6 +48,11 @@ pub struct TrackerSetting<'a> {
     pub viewpoint: Viewpoint,
 }
 
+/// How far from its node another feature's road is its own, metres: a half width of 4 m and corners of as much.
+const MOUTH_M: f64 = 8.0;
+/// However near the next feature is, so much of the route is a feature's own, metres.
+const LEAST_OWN_M: f64 = 5.0;
+
 /// The features of `route` in its order, and the route's line in the map frame.
 ///
 /// # Errors
@@ -58,7 +67,13 @@ pub(super) fn route_stops(
     let map = TangentPlane::new(first.at);
     let line_in_map = Polyline::new(route.line.iter().map(|point| map.map_from_wgs84(point.at)))?;
     let mut stops = Vec::new();
-    for feature in &route.features {
+    for (i, feature) in route.features.iter().enumerate() {
+        let own_m = |other: Option<&RouteFeature>| {
+            let apart_m = other.map_or(f64::INFINITY, |other| (other.route_m - feature.route_m).abs());
+            (apart_m - MOUTH_M).max(LEAST_OWN_M)
+        };
+        let before = i.checked_sub(1).and_then(|before| route.features.get(before));
+        let reach_m = [own_m(before), own_m(route.features.get(i + 1))];
         let model = FeatureModel::new(feature, &map)?;
         let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
         let masks = MaskCache::new(
@@ -70,7 +85,9 @@ pub(super) fn route_stops(
             line.as_ref(),
         );
         let arms = ArmPieces::of(&setting.track.alignment, &model);
-        stops.push(RouteStop { model, line, masks, arms });
+        let shape = JunctionShape::of(&model, reach_m);
+        let plain_shape = JunctionShape::without_feature(&model, reach_m);
+        stops.push(RouteStop { model, line, masks, arms, shape, plain_shape });
     }
     Ok((stops, Some(line_in_map)))
 }

@@ -26,6 +26,11 @@ impl ShownRoad {
         }
     }
 
+    /// The projective map from places on the road to those at which the view shows them, metres.
+    pub(super) const fn map(&self) -> &Matrix3<f64> {
+        &self.shown_from_road
+    }
+
     /// Where a feature with this pose on the road is shown.
     pub(super) fn shown_from_road(&self, pose: &Isometry2<f64>) -> Isometry2<f64> {
         moved(&self.shown_from_road, pose)

@@ -4,8 +4,8 @@ mod confirming;
 mod passing;
 mod searching;
 
-use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
-use fingerpost_map::{FeatureKind, Route};
+use fingerpost_geometry::{GeometryError, Polyline};
+use fingerpost_map::Route;
 use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 
@@ -13,13 +13,13 @@ use super::alignment::Aligner;
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
-use super::{Decision, ExpectedAhead, Followed, PoseFilter, State, TrackConfig, TrackEvidence, TrackOutput};
+use super::{
+    Decision, ExpectedAhead, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State, TrackConfig,
+    TrackEvidence, TrackOutput,
+};
 use crate::driving_line::DrivingLine;
-use crate::feature_masks::{PlacedMasks, node_pixel};
-use crate::feature_model::ArmModel;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
-use crate::motion::Motion;
 use crate::route_progress::RouteProgress;
 
 #[derive(Debug)]
@@ -40,15 +40,6 @@ struct Candidate {
 struct Passing {
     index: usize,
     filter: PoseFilter,
-}
-
-/// How the vehicle moved since the last frame, and how the camera looks now.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Moved<'a> {
-    /// The motion; none where it is not known.
-    pub motion: Option<&'a Motion>,
-    /// How the camera is turned against its mount; none where this frame says nothing of it.
-    pub turn: Option<CameraTurn>,
 }
 
 /// Follows the features of a route, one after the other.
@@ -111,79 +102,6 @@ impl Tracker {
         })
     }
 
-    /// Whether the vehicle is on its way through a junction at which the route turns: lanes end there, and lines cross its way.
-    pub fn turns_through(&self, output: &TrackOutput) -> bool {
-        let followed = output.followed.as_ref().filter(|_| output.state == State::Arrived);
-        let model = followed.and_then(|followed| self.stops.get(followed.index)).map(|stop| &stop.model);
-        model.is_some_and(|model| {
-            model.kind == FeatureKind::Junction && model.exit().is_some_and(ArmModel::leaves_the_line)
-        })
-    }
-
-    /// The features of the route with their driving lines.
-    pub fn stops(&self) -> &[RouteStop] {
-        &self.stops
-    }
-
-    /// The masks of the followed feature, or else of the one searched for, where they matched.
-    pub fn placed_masks(
-        &self,
-        output: &TrackOutput,
-        evidence: &TrackEvidence,
-        grid: &GroundGrid,
-    ) -> Option<PlacedMasks<'_>> {
-        let followed = output.followed.as_ref().map(|followed| (followed.index, &followed.matched));
-        let sought = evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
-        let (index, matched) = followed.or(sought)?;
-        let pose = &matched.vehicle_from_feature;
-        let masks = self.stops.get(index)?.masks.drawn(pose.rotation.angle())?;
-        let (column, row) = node_pixel(grid, pose);
-        Some(PlacedMasks { masks, column, row })
-    }
-
-    /// Takes one frame in: how the vehicle moved, the road surface, and a GPS position in the map frame. Output and
-    /// evidence take the place of the last frame's, whose memory is reused.
-    ///
-    /// # Errors
-    /// [`SpanError`] when an arm cannot be drawn.
-    pub fn step(
-        &mut self,
-        moved: Moved<'_>,
-        laid: &LaidSurface<'_>,
-        gps_in_map: Option<Point2<f64>>,
-        output: &mut TrackOutput,
-        evidence: &mut TrackEvidence,
-    ) -> Result<(), SpanError> {
-        self.spare.extend(output.followed.take().map(|followed| followed.matched));
-        self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
-        evidence.clear();
-        self.predict(&moved);
-        if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
-            evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
-        }
-        match self.mode {
-            Mode::Tracking { .. } => self.confirm(laid, evidence)?,
-            Mode::Searching { .. } => self.search_next(laid, evidence)?,
-        }
-        output.state = match self.mode {
-            Mode::Tracking { .. } => self.arrive(laid, evidence),
-            Mode::Searching { .. } => self.pass(laid, evidence)?,
-        };
-        output.followed = self.followed(output.state, laid)?;
-        if let Some(followed) = &output.followed {
-            let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);
-            match (self.progress_beside(followed), &evidence.decision) {
-                (Some((route_m, sigma_m)), Decision::Detected) => {
-                    self.progress.observe_found(feature_m, route_m, sigma_m);
-                }
-                (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),
-                (None, _) => {}
-            }
-        }
-        output.route_m = self.progress.belief_m().map(|(mean, _)| mean);
-        Ok(())
-    }
-
     fn predict(&mut self, moved: &Moved<'_>) {
         let before = self.shown;
         let now = moved.turn.map_or(before, |turn| ShownRoad::new(&turn, self.viewpoint));
@@ -241,7 +159,7 @@ impl Tracker {
         laid.explain(&mut stop.masks, filter.pose(), &mut matched)?;
         let (vehicle_from_feature, covariance) =
             (self.shown.road_from_shown(filter.pose()), *filter.covariance());
-        Ok(Some(Followed { index, vehicle_from_feature, covariance, matched }))
+        Ok(Some(Followed { index, vehicle_from_feature, covariance, present: None, matched }))
     }
 
     /// Frees the masks of a feature that lies behind, so that memory does not grow with the route that was driven.
@@ -250,22 +168,49 @@ impl Tracker {
             stop.masks.clear();
         }
     }
+}
 
-    /// How far along the route a followed feature says the vehicle is, and the standard deviation, metres.
-    fn progress_beside(&self, followed: &Followed) -> Option<(f64, f64)> {
-        let stop = self.stops.get(followed.index)?;
-        let p_in_feature = followed.vehicle_from_feature.inverse() * Point2::origin();
-        let along = |course: &Polyline| course.nearest(p_in_feature);
-        let (approach, exit) = (stop.model.approach(), stop.model.exit());
-        let before = approach.map(|arm| along(&arm.course));
-        let behind = exit.map(|arm| along(&arm.course));
-        let route_m = match (before, behind) {
-            (Some(before), Some(behind)) if behind.left_m.abs() < before.left_m.abs() => {
-                stop.model.route_m + behind.along_m
-            }
-            (Some(before), _) => stop.model.route_m - before.along_m,
-            _ => return None,
+impl FeatureTracker for Tracker {
+    fn stops(&self) -> &[RouteStop] {
+        &self.stops
+    }
+
+    fn step(
+        &mut self,
+        moved: Moved<'_>,
+        shown: ShownSurface<'_>,
+        gps_in_map: Option<Point2<f64>>,
+        output: &mut TrackOutput,
+        evidence: &mut TrackEvidence,
+    ) -> Result<(), SpanError> {
+        let laid = &shown.laid;
+        self.spare.extend(output.followed.take().map(|followed| followed.matched));
+        self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
+        evidence.clear();
+        self.predict(&moved);
+        if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
+            evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
+        }
+        match self.mode {
+            Mode::Tracking { .. } => self.confirm(laid, evidence)?,
+            Mode::Searching { .. } => self.search_next(laid, evidence)?,
+        }
+        output.state = match self.mode {
+            Mode::Tracking { .. } => self.arrive(laid, evidence),
+            Mode::Searching { .. } => self.pass(laid, evidence)?,
         };
-        Some((route_m, followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()))
+        output.followed = self.followed(output.state, laid)?;
+        if let Some(followed) = &output.followed {
+            let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);
+            match (followed.route_m(&self.stops), &evidence.decision) {
+                (Some((route_m, sigma_m)), Decision::Detected) => {
+                    self.progress.observe_found(feature_m, route_m, sigma_m);
+                }
+                (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),
+                (None, _) => {}
+            }
+        }
+        output.route_m = self.progress.belief_m().map(|(mean, _)| mean);
+        Ok(())
     }
 }

@@ -10,7 +10,7 @@ use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::matching::{Match, Participation};
 use crate::mount::{MountAngle, MountContradiction, MountFault};
-use crate::track::{Missing, RouteStop};
+use crate::track::{Followed, Lack, Missing, RouteStop, Sought};
 use crate::vehicle_signals::{Disagreement, SignalsEvidence};
 
 /// Name of a kind of feature as a sentence has it.
@@ -159,6 +159,48 @@ impl Display for MissingWords<'_> {
                 write!(f, "a distance known to {sigma_m:.2} m, {most_m:.2} m is needed")
             }
         }
+    }
+}
+
+/// What a feature lacks to be tracked by the belief.
+pub(super) struct LackWords<'a>(pub(super) &'a Lack);
+
+impl Display for LackWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Lack::Presence { present, needed } => {
+                write!(f, "there with probability {present:.2}, {needed:.2} is needed")
+            }
+            Lack::Place { present, sigma_m, most_m } => write!(
+                f,
+                "there with probability {present:.2}, but its place is known to {sigma_m:.2} m only, {most_m:.2} m is needed"
+            ),
+        }
+    }
+}
+
+/// The likeliest place of a feature that is not followed.
+pub(super) struct SoughtWords<'a>(pub(super) Option<&'a Sought>);
+
+impl Display for SoughtWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |sought| {
+            write!(f, ", likeliest {:.1}", Along(sought.vehicle_from_feature.translation.x))
+        })
+    }
+}
+
+/// How probable a followed feature is, where that is known, and what its masks match.
+pub(super) struct FollowedWords<'a>(pub(super) &'a Followed, pub(super) Option<f64>);
+
+impl Display for FollowedWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self(followed, needed_p) = self;
+        if let Some(present) = followed.present {
+            let sigma_m = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+            write!(f, "there with probability {present:.2}, known to {sigma_m:.2} m; ")?;
+        }
+        write!(f, "{}", MatchWords(&followed.matched, *needed_p))
     }
 }
 

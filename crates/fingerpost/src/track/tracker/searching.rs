@@ -125,7 +125,7 @@ impl Tracker {
         // What speaks against a place, if anything does.
         let mut refusal = |filter: &PoseFilter| -> Result<Option<Decision>, SpanError> {
             laid.explain(masks, filter.pose(), &mut aligned)?;
-            let beside_m = stop.model.beside_approach_m(filter.pose());
+            let beside_m = stop.model.left_of_approach_m(filter.pose()).abs();
             let (aligned_p, needed_p) = (aligned.p.unwrap_or(0.0), config.detect_threshold_at_verge);
             Ok(if beside_m > most_m {
                 Some(Decision::OffApproach { index, p, beside_m, most_m })

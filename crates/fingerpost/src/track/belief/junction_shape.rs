@@ -1,0 +1,432 @@
+//! The road's surface at a feature as a signed distance: where the arms, their widths and the corners between them put the
+//! edges.
+//!
+//! Every arm is a strip about its course; between two neighbouring arms that meet at less than a straight angle the edges are
+//! joined by an arc that touches both. A square corner is an arc of no radius, a wide mouth one of a large radius: there is no
+//! rule for either. The distance is that to the nearest edge, negative on the road, with its derivatives by everything that
+//! is not known.
+
+use std::f64::consts::TAU;
+
+use fingerpost_map::ArmRole;
+use nalgebra::{Point2, SVector, Vector2};
+
+use crate::feature_model::{ArmModel, FeatureModel};
+
+/// Most arms of a feature that take part; of more, those that are farthest from the route's are left out.
+pub(in crate::track) const MOST_ARMS: usize = 6;
+/// Neighbouring arms at a larger angle than this run straight on, radians (150 degrees).
+const STRAIGHT_RAD: f64 = 2.618;
+
+/// The outline is drawn in steps of so many metres along each arm, to this error and so far from its axis, metres.
+const OUTLINE_STEP_M: f64 = 0.5;
+const OUTLINE_STEPS: u32 = 40;
+const OUTLINE_ERROR_M: f64 = 0.02;
+const OUTLINE_REACH_M: f64 = 12.0;
+const OUTLINE_ROUNDS: usize = 12;
+
+/// Places of the unknowns in a vector: pose, then width, offset and corner of every arm, then the camera's.
+pub(in crate::track) const FORWARD: usize = 0;
+pub(in crate::track) const LEFT: usize = 1;
+pub(in crate::track) const HEADING: usize = 2;
+pub(in crate::track) const WIDTHS: usize = 3;
+pub(in crate::track) const OFFSETS: usize = WIDTHS + MOST_ARMS;
+pub(in crate::track) const CORNERS: usize = OFFSETS + MOST_ARMS;
+pub(in crate::track) const PITCH: usize = CORNERS + MOST_ARMS;
+pub(in crate::track) const ROLL: usize = PITCH + 1;
+pub(in crate::track) const SCALE: usize = PITCH + 2;
+/// How many unknowns there are.
+pub(in crate::track) const UNKNOWNS: usize = PITCH + 3;
+
+/// Values of the unknowns, or derivatives by them.
+pub(in crate::track) type Unknowns = SVector<f64, UNKNOWNS>;
+
+/// The outline of a feature's road.
+#[derive(Debug, Clone)]
+pub(in crate::track) struct JunctionShape {
+    /// Anticlockwise by their direction.
+    arms: Vec<Strip>,
+}
+
+#[derive(Debug, Clone)]
+struct Strip {
+    /// Course from the node outwards, feature frame: start, direction and length of every straight piece.
+    pieces: Vec<Piece>,
+    half_width_m: f64,
+    /// Distance from the node up to which it is known, metres: the map's course ends there, or the next feature begins.
+    reach_m: f64,
+    /// Whether an arc joins its left edge and the right one of the next arm, and the product of the normals of the two.
+    corner: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    start: Point2<f64>,
+    along: Vector2<f64>,
+    length_m: f64,
+    before_m: f64,
+}
+
+/// The outline with its numbers worked out.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::track) struct Outline<'a> {
+    arms: &'a [Strip],
+    half_m: [f64; MOST_ARMS],
+    offset_m: [f64; MOST_ARMS],
+    radius_m: [f64; MOST_ARMS],
+}
+
+/// Where a place lies beside an arm.
+#[derive(Debug, Clone, Copy)]
+struct Beside {
+    left_m: f64,
+    left: Vector2<f64>,
+    /// Distance outwards from the node; negative behind it.
+    along_m: f64,
+}
+
+/// Beside an arm that is not there.
+const NOWHERE: Beside = Beside { left_m: f64::INFINITY, left: Vector2::new(0.0, 1.0), along_m: 0.0 };
+
+/// Signed distance of a place from the road's edge, negative on the road, and how it changes.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::track) struct EdgeDistance {
+    pub(in crate::track) distance_m: f64,
+    /// By the place, feature frame.
+    pub(in crate::track) by_place: Vector2<f64>,
+    /// Which arms' left (first) and right (second) edges are concerned, with the derivative of the distance by how far the place lies beyond each.
+    pub(in crate::track) edges: [(usize, f64); 2],
+    /// The corner concerned and the derivative by its radius.
+    pub(in crate::track) corner: Option<(usize, f64)>,
+}
+
+impl JunctionShape {
+    /// The outline of `model`, of whose route `reach_m` metres before and behind the node are its own.
+    pub(in crate::track) fn of(model: &FeatureModel, reach_m: [f64; 2]) -> Self {
+        Self::of_arms(model.arms.iter().collect(), reach_m)
+    }
+
+    /// The outline of the arms that stay on the line of the approach, which is carried on straight where none leaves it so: a road without the feature.
+    pub(in crate::track) fn without_feature(model: &FeatureModel, reach_m: [f64; 2]) -> Self {
+        let stays = |arm: &&ArmModel| !arm.leaves_the_line();
+        let mut shape = Self::of_arms(model.arms.iter().filter(stays).collect(), reach_m);
+        if shape.arms.len() < 2
+            && let Some(approach) = model.approach()
+        {
+            let strip = Strip {
+                pieces: vec![Piece {
+                    start: Point2::origin(),
+                    along: Vector2::x(),
+                    length_m: 40.0,
+                    before_m: 0.0,
+                }],
+                half_width_m: 0.5 * approach.width_m,
+                reach_m: f64::INFINITY,
+                corner: None,
+            };
+            shape.arms.insert(0, strip);
+        }
+        shape
+    }
+
+    fn of_arms(mut arms: Vec<&ArmModel>, [before_m, behind_m]: [f64; 2]) -> Self {
+        arms.truncate(MOST_ARMS);
+        arms.sort_by(|a, b| a.direction_rad().rem_euclid(TAU).total_cmp(&b.direction_rad().rem_euclid(TAU)));
+        let count = arms.len();
+        let corner = |i: usize| {
+            let next = arms[(i + 1) % count];
+            let between = (next.direction_rad() - arms[i].direction_rad()).rem_euclid(TAU);
+            (count > 1 && between < STRAIGHT_RAD && between > 0.2).then(|| -between.cos())
+        };
+        let strips = (0..count).map(|i| Strip {
+            pieces: pieces(arms[i]),
+            half_width_m: 0.5 * arms[i].width_m,
+            reach_m: arms[i].course.length_m().min(match arms[i].role {
+                ArmRole::Approach => before_m,
+                ArmRole::Exit => behind_m,
+                ArmRole::Side => f64::INFINITY,
+            }),
+            corner: corner(i),
+        });
+        Self { arms: strips.collect() }
+    }
+
+    /// The outline with these unknowns.
+    pub(in crate::track) fn outline(&self, unknowns: &Unknowns) -> Outline<'_> {
+        let mut outline = Outline {
+            arms: &self.arms,
+            half_m: [0.0; MOST_ARMS],
+            offset_m: [0.0; MOST_ARMS],
+            radius_m: [0.0; MOST_ARMS],
+        };
+        for (i, arm) in self.arms.iter().enumerate() {
+            outline.half_m[i] = arm.half_width_m * unknowns[WIDTHS + i].exp();
+            outline.offset_m[i] = unknowns[OFFSETS + i];
+            outline.radius_m[i] = unknowns[CORNERS + i].exp();
+        }
+        outline
+    }
+}
+
+impl Outline<'_> {
+    /// Signed distance of `p_in_feature` from the edge of the road; none where nothing is known of it.
+    pub(in crate::track) fn distance(&self, p_in_feature: Point2<f64>) -> Option<EdgeDistance> {
+        let count = self.arms.len();
+        let mut besides = [NOWHERE; MOST_ARMS];
+        let (mut nearest, mut nearest_m) = (0, f64::INFINITY);
+        for (i, arm) in self.arms.iter().enumerate() {
+            let mut beside = arm.beside(p_in_feature);
+            beside.left_m -= self.offset_m[i];
+            let distance_m = if beside.along_m >= 0.0 {
+                beside.left_m.abs() - self.half_m[i]
+            } else {
+                (beside.left_m * beside.left_m + beside.along_m * beside.along_m).sqrt() - self.half_m[i]
+            };
+            if distance_m < nearest_m {
+                (nearest, nearest_m) = (i, distance_m);
+            }
+            besides[i] = beside;
+        }
+        let beside = besides[nearest];
+        let off_m = beside.left_m;
+        if nearest_m == f64::INFINITY {
+            return None;
+        }
+        if beside.along_m > self.arms[nearest].reach_m {
+            return None;
+        }
+        let is_left = off_m >= 0.0;
+        // The corner on the side of the nearest arm on which the place lies.
+        let (i, j) =
+            if is_left { (nearest, (nearest + 1) % count) } else { ((nearest + count - 1) % count, nearest) };
+        if i != j
+            && let Some(product) = self.arms[i].corner
+        {
+            let (left_arm, right_arm, radius_m) = (besides[i], besides[j], self.radius_m[i]);
+            let (u, v) = (left_arm.left_m - self.half_m[i], -right_arm.left_m - self.half_m[j]);
+            let (du, dv, rest) = (u - radius_m, v - radius_m, 1.0 - product * product);
+            let (a, b) = ((du - product * dv) / rest, (dv - product * du) / rest);
+            if a <= 0.0 && b <= 0.0 {
+                let from_centre_m = (du * a + dv * b).max(1e-18).sqrt();
+                let (by_u, by_v) = (-a / from_centre_m, -b / from_centre_m);
+                return Some(EdgeDistance {
+                    distance_m: radius_m - from_centre_m,
+                    by_place: by_u * left_arm.left - by_v * right_arm.left,
+                    edges: [(i, by_u), (j, by_v)],
+                    corner: Some((i, (1.0 + (a + b) / from_centre_m) * radius_m)),
+                });
+            }
+        }
+        let side = if is_left { 0 } else { 1 };
+        let mut edges = [(nearest, 0.0); 2];
+        edges[side].1 = 1.0;
+        let by_place = if beside.along_m >= 0.0 {
+            if is_left { beside.left } else { -beside.left }
+        } else {
+            let outwards = p_in_feature.coords;
+            outwards / outwards.norm().max(1e-6)
+        };
+        Some(EdgeDistance { distance_m: nearest_m, by_place, edges, corner: None })
+    }
+
+    /// Gives the outline, piece by piece from the ends of the arms as far as they go, feature frame, metres.
+    pub(in crate::track) fn each_edge(&self, mut give: impl FnMut(Point2<f64>, Point2<f64>)) {
+        for (i, arm) in self.arms.iter().enumerate() {
+            for side in [1.0, -1.0] {
+                let mut before: Option<Point2<f64>> = None;
+                for step in 0..OUTLINE_STEPS {
+                    let at = arm.at(OUTLINE_STEP_M * f64::from(step));
+                    // From the axis outwards to where the road ends.
+                    let edge = self.edge_along(i, at, side);
+                    if let (Some(from), Some(to)) = (before, edge) {
+                        give(from, to);
+                    }
+                    before = edge;
+                }
+            }
+        }
+    }
+
+    /// Where the road ends beside an arm, from a place on its axis to a side; none where it goes on into another arm.
+    fn edge_along(
+        &self,
+        arm: usize,
+        (axis, left): (Point2<f64>, Vector2<f64>),
+        side: f64,
+    ) -> Option<Point2<f64>> {
+        let mut out_m = self.half_m.get(arm)? + side * self.offset_m.get(arm)?;
+        for _ in 0..OUTLINE_ROUNDS {
+            let place = axis + side * out_m * left;
+            let distance_m = self.distance(place)?.distance_m;
+            if distance_m.abs() < OUTLINE_ERROR_M {
+                return Some(place);
+            }
+            out_m -= distance_m;
+            if out_m > OUTLINE_REACH_M {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Gives the derivatives of a distance by widths, offsets and the corner that concern it.
+    pub(in crate::track) fn each_derivative(&self, edge: &EdgeDistance, mut give: impl FnMut(usize, f64)) {
+        for (side, (arm, by_beyond)) in edge.edges.into_iter().enumerate() {
+            let Some(half_m) = self.half_m.get(arm).filter(|_| by_beyond != 0.0) else { continue };
+            give(WIDTHS + arm, -by_beyond * half_m);
+            give(OFFSETS + arm, if side == 0 { -by_beyond } else { by_beyond });
+        }
+        if let Some((arm, by_radius)) = edge.corner {
+            give(CORNERS + arm, by_radius);
+        }
+    }
+}
+
+fn pieces(arm: &ArmModel) -> Vec<Piece> {
+    let points = arm.course.points();
+    let mut before_m = 0.0;
+    let mut pieces = Vec::new();
+    for pair in points.windows(2) {
+        let step = pair[1] - pair[0];
+        let length_m = step.norm();
+        if length_m > 1e-6 {
+            pieces.push(Piece { start: pair[0], along: step / length_m, length_m, before_m });
+            before_m += length_m;
+        }
+    }
+    pieces
+}
+
+impl Strip {
+    /// The place on the axis so far outwards, and what is left there.
+    fn at(&self, along_m: f64) -> (Point2<f64>, Vector2<f64>) {
+        let piece = self.pieces.iter().rev().find(|piece| piece.before_m <= along_m).or(self.pieces.first());
+        piece.map_or((Point2::origin(), Vector2::y()), |piece| {
+            let left = Vector2::new(-piece.along.y, piece.along.x);
+            (piece.start + (along_m - piece.before_m) * piece.along, left)
+        })
+    }
+
+    fn beside(&self, p: Point2<f64>) -> Beside {
+        let last = self.pieces.len().saturating_sub(1);
+        let mut best: Option<(f64, Beside)> = None;
+        for (i, piece) in self.pieces.iter().enumerate() {
+            let from = p - piece.start;
+            let (along_m, left) = (piece.along.dot(&from), Vector2::new(-piece.along.y, piece.along.x));
+            // The first piece goes on behind the node and the last one beyond its end.
+            let least = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
+            let most = if i == last { f64::INFINITY } else { piece.length_m };
+            let off_m = along_m - along_m.clamp(least, most);
+            let left_m = left.dot(&from);
+            let squared = off_m * off_m + left_m * left_m;
+            if best.is_none_or(|(least, _)| squared < least) {
+                let left_m = if off_m == 0.0 { left_m } else { squared.sqrt().copysign(left_m) };
+                best = Some((squared, Beside { left_m, left, along_m: piece.before_m + along_m }));
+            }
+        }
+        best.map_or(NOWHERE, |(_, beside)| beside)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use fingerpost_geometry::Polyline;
+    use fingerpost_map::FeatureKind;
+    use nalgebra::Isometry2;
+
+    use super::*;
+
+    /// A T-junction that is left to the right: approach from behind, exit to the right, the other arm to the left.
+    pub(in crate::track::belief) fn t_junction() -> JunctionShape {
+        let arm = |role, label: &str, x: f64, y: f64| ArmModel {
+            role,
+            label: label.into(),
+            course: Polyline::new([Point2::origin(), Point2::new(x, y)]).unwrap(),
+            width_m: 6.0,
+            mouth_m: 3.0,
+        };
+        let model = FeatureModel {
+            id: 1,
+            name: String::new(),
+            kind: FeatureKind::Junction,
+            route_m: 50.0,
+            arms: vec![
+                arm(ArmRole::Approach, "approach", -30.0, 0.0),
+                arm(ArmRole::Exit, "exit", 0.0, -30.0),
+                arm(ArmRole::Side, "side_1", 0.0, 30.0),
+            ],
+            map_from_feature: Isometry2::identity(),
+        };
+        JunctionShape::of(&model, [f64::INFINITY, f64::INFINITY])
+    }
+
+    /// Corners of this radius.
+    fn unknowns(radius_m: f64) -> Unknowns {
+        let mut unknowns = Unknowns::zeros();
+        (0..MOST_ARMS).for_each(|arm| unknowns[CORNERS + arm] = radius_m.ln());
+        unknowns
+    }
+
+    fn distance_m(radius_m: f64, x: f64, y: f64) -> f64 {
+        t_junction().outline(&unknowns(radius_m)).distance(Point2::new(x, y)).unwrap().distance_m
+    }
+
+    #[test]
+    fn places_of_a_t_junction_lie_where_they_are_seen_to() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-8, "{a} for {b}");
+        near(distance_m(4.0, -15.0, 0.0), -3.0);
+        near(distance_m(4.0, -15.0, 4.0), 1.0);
+        near(distance_m(4.0, -15.0, -4.5), 1.5);
+        near(distance_m(4.0, 3.5, 0.0), 0.5);
+        near(distance_m(4.0, 2.0, -12.0), -1.0);
+        near(distance_m(4.0, -3.5, 12.0), 0.5);
+        // The centre of the arc between the approach and either arm, and the corner that it cuts off.
+        for side in [1.0, -1.0] {
+            near(distance_m(4.0, -7.0, 7.0 * side), 4.0);
+            near(distance_m(4.0, -3.0, 3.0 * side), 4.0 - 4.0 * std::f64::consts::SQRT_2);
+            assert!(distance_m(0.3, -3.5, 3.5 * side) > 0.2, "a square corner");
+            assert!(distance_m(8.0, -3.5, 3.5 * side) < -1.0, "a wide mouth");
+        }
+        assert!(t_junction().outline(&unknowns(4.0)).distance(Point2::new(0.0, 31.0)).is_none(), "unknown");
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_distance() {
+        let shape = t_junction();
+        let step = 1e-6;
+        for (x, y) in [(-15.0, 2.5), (-12.0, -3.2), (-4.5, 4.0), (-4.0, -5.5), (2.5, 8.0), (3.1, -9.0)] {
+            let mut at = unknowns(5.0);
+            (at[WIDTHS], at[OFFSETS + 1], at[CORNERS + 2]) = (0.1, 0.2, 1.2);
+            let place = Point2::new(x, y);
+            let edge = shape.outline(&at).distance(place).unwrap();
+            let mut given = Unknowns::zeros();
+            shape.outline(&at).each_derivative(&edge, |index, by| given[index] += by);
+            for index in WIDTHS..PITCH {
+                let mut moved = at;
+                moved[index] += step;
+                let by = (shape.outline(&moved).distance(place).unwrap().distance_m - edge.distance_m) / step;
+                assert!((by - given[index]).abs() < 1e-4, "({x}, {y}) by {index}: {by} for {}", given[index]);
+            }
+            for (axis, moved) in [(0, Vector2::x()), (1, Vector2::y())] {
+                let moved = shape.outline(&at).distance(place + step * moved).unwrap();
+                let by = (moved.distance_m - edge.distance_m) / step;
+                assert!((by - edge.by_place[axis]).abs() < 1e-4, "({x}, {y}) along {axis}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_outline_lies_on_the_edge() {
+        let (shape, at) = (t_junction(), unknowns(5.0));
+        let outline = shape.outline(&at);
+        let mut pieces = 0;
+        outline.each_edge(|from, to| {
+            pieces += 1;
+            for place in [from, to] {
+                let off_m = outline.distance(place).unwrap().distance_m;
+                assert!(off_m.abs() < OUTLINE_ERROR_M, "{place}: {off_m}");
+            }
+        });
+        assert!(pieces > 100, "{pieces}");
+    }
+}

@@ -1,0 +1,247 @@
+//! How probable what was seen of the ground is, given where a feature lies and what is not known of it.
+//!
+//! The ground under the feature's outline looks like road, but for a share of it; what lies just beside looks like none, but
+//! for a larger share; farther off anything may lie. Every cell of the map thus adds a log-likelihood that depends on its
+//! signed distance from the edge alone, held against that of ground of which nothing is known. Neighbouring cells err together: only so many square
+//! metres of ground are one witness.
+
+use std::ops::Range;
+
+use nalgebra::{Isometry2, Point2, SMatrix, Vector2};
+
+use super::ground_memory::{CELL_M, GroundCell};
+use super::junction_shape::{FORWARD, HEADING, JunctionShape, LEFT, PITCH, ROLL, SCALE, UNKNOWNS, Unknowns};
+use crate::ground_view::Viewpoint;
+
+/// Ground that errs together, square metres: with it error / sigma is about one where the surface is that of the truth.
+const WITNESS_M2: f64 = 1.0;
+/// Softness of an edge of the road surface, metres: cells and pixels at 10 m.
+pub(super) const SHARP_M: f64 = 0.15;
+/// Width of the ground beside a road that is held for none, metres.
+const BESIDE_M: f64 = 1.5;
+/// Share of the road that looks like none: parked cars, shadows, paint.
+const ROAD_UNLIKE: f64 = 0.05;
+/// Share of the ground beside it that looks like road: drives, forecourts.
+const BESIDE_ALIKE: f64 = 0.1;
+/// Share of ground of which nothing is known that looks like road.
+const ANYWHERE_ALIKE: f64 = 0.3;
+
+/// Information about the unknowns.
+pub(super) type Information = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The pose of the feature among the unknowns.
+pub(super) fn pose_of(unknowns: &Unknowns) -> Isometry2<f64> {
+    Isometry2::new(Vector2::new(unknowns[FORWARD], unknowns[LEFT]), unknowns[HEADING])
+}
+
+/// A piece of ground with all that does not depend on the unknowns.
+#[derive(Debug, Clone, Copy)]
+struct Witness {
+    place: Point2<f64>,
+    odds: f64,
+    log_anywhere: f64,
+    witnesses: f64,
+    /// How far a row of the picture reaches there, metres: what an edge across the view is blurred by.
+    blur_m: f64,
+    /// How far pitch, roll and scale of one move the true place.
+    moves: [Vector2<f64>; 3],
+}
+
+/// A square of cells.
+#[derive(Debug, Clone)]
+struct Square {
+    /// All of them as one.
+    whole: Witness,
+    cells: Range<usize>,
+    /// Log-likelihoods far inside the road, and beside it.
+    on_road: f64,
+    beside: f64,
+}
+
+/// What is seen of the ground, weighed.
+#[derive(Debug, Default)]
+pub(super) struct Ground {
+    squares: Vec<Square>,
+    cells: Vec<Witness>,
+}
+
+/// The cells that are near an edge, and what the others say.
+#[derive(Debug, Default)]
+pub(super) struct NearGround {
+    cells: Vec<Witness>,
+    rest: f64,
+}
+
+impl Ground {
+    /// Takes squares of cells in place of those before.
+    pub(super) fn take<'a>(&mut self, squares: impl Iterator<Item = &'a [GroundCell]>, viewpoint: Viewpoint) {
+        self.squares.clear();
+        self.cells.clear();
+        for cells in squares {
+            let start = self.cells.len();
+            let count = cells.len().max(1) as f64;
+            let mean = |of: fn(&GroundCell) -> f64| cells.iter().map(of).sum::<f64>() / count;
+            let whole = GroundCell {
+                place: Point2::new(mean(|cell| cell.place.x), mean(|cell| cell.place.y)),
+                log_odds: mean(|cell| cell.log_odds),
+                trust: count * mean(|cell| cell.trust),
+                seen_ahead_m: mean(|cell| cell.seen_ahead_m),
+            };
+            self.cells.extend(cells.iter().map(|cell| Witness::new(cell, viewpoint)));
+            let of = |alike: f64| self.cells[start..].iter().map(|cell| cell.log_likelihood(alike)).sum();
+            let (on_road, beside) = (of(1.0 - ROAD_UNLIKE), of(BESIDE_ALIKE));
+            let (whole, cells) = (Witness::new(&whole, viewpoint), start..self.cells.len());
+            self.squares.push(Square { whole, cells, on_road, beside });
+        }
+    }
+
+    /// Log-likelihood with edges as soft as `soft_m`, by every `every`-th square.
+    pub(super) fn score(&self, shape: &JunctionShape, unknowns: &Unknowns, soft_m: f64, every: usize) -> f64 {
+        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
+        let terms = self.squares.iter().step_by(every).filter_map(|square| {
+            let edge = outline.distance(feature_from_vehicle * square.whole.at(unknowns))?;
+            Some(square.whole.term(edge.distance_m, soft_m).0)
+        });
+        every as f64 * terms.sum::<f64>()
+    }
+}
+
+impl NearGround {
+    /// Takes the cells of `ground` that are within `near_m` of an edge; the others are held for what they are with these
+    /// unknowns.
+    pub(super) fn take(&mut self, ground: &Ground, shape: &JunctionShape, unknowns: &Unknowns, near_m: f64) {
+        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
+        self.rest = 0.0;
+        self.cells.clear();
+        for square in &ground.squares {
+            let Some(edge) = outline.distance(feature_from_vehicle * square.whole.at(unknowns)) else {
+                continue;
+            };
+            if edge.distance_m < -near_m {
+                self.rest += square.on_road;
+            } else if edge.distance_m <= near_m {
+                self.cells.extend_from_slice(&ground.cells[square.cells.clone()]);
+            } else if edge.distance_m <= BESIDE_M {
+                self.rest += square.beside;
+            }
+        }
+    }
+
+    /// Log-likelihood, its gradient, and the information of the cells about the unknowns: the sum of the outer products of
+    /// the gradients of single witnesses (Berndt, Hall, Hall, Hausman: Estimation and inference in nonlinear structural models, 1974).
+    pub(super) fn linearised(
+        &self,
+        shape: &JunctionShape,
+        unknowns: &Unknowns,
+    ) -> (f64, Unknowns, Information) {
+        let vehicle_from_feature = pose_of(unknowns);
+        let (feature_from_vehicle, outline) = (vehicle_from_feature.inverse(), shape.outline(unknowns));
+        let (mut sum, mut gradient, mut information) = (self.rest, Unknowns::zeros(), Information::zeros());
+        for cell in &self.cells {
+            let place = cell.at(unknowns);
+            let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
+            let normal = vehicle_from_feature.rotation * edge.by_place;
+            let (term, by_distance) = cell.term(edge.distance_m, SHARP_M.hypot(cell.blur_m * normal.x));
+            sum += term;
+            if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
+                continue;
+            }
+            // A feature that moves forward moves the place backward in its frame; one that turns left turns it right.
+            let from_node = place.coords - vehicle_from_feature.translation.vector;
+            let [pitch, roll, scale] = cell.moves.map(|moves| normal.dot(&moves));
+            let by_heading = normal.x * from_node.y - normal.y * from_node.x;
+            let mut parts = Parts::default();
+            for (index, by) in [
+                (FORWARD, -normal.x),
+                (LEFT, -normal.y),
+                (HEADING, by_heading),
+                (PITCH, pitch),
+                (ROLL, roll),
+                (SCALE, scale),
+            ] {
+                parts.push(index, by);
+            }
+            outline.each_derivative(&edge, |index, by| parts.push(index, by));
+            let weight = by_distance * by_distance / cell.witnesses;
+            for &(i, by_i) in parts.as_slice() {
+                gradient[i] += by_distance * by_i;
+                for &(j, by_j) in parts.as_slice() {
+                    information[(i, j)] += weight * by_i * by_j;
+                }
+            }
+        }
+        (sum, gradient, information)
+    }
+}
+
+const PIXEL_RAD: f64 = 0.0025;
+const ROWS: f64 = 0.5;
+/// Derivatives smaller than this share of a witness move nothing.
+const NEGLIGIBLE: f64 = 1e-4;
+/// Most unknowns that concern one cell: pose, camera, width and offset of two arms, a corner.
+const MOST_PARTS: usize = 12;
+
+/// The unknowns that concern a cell, with the derivatives of its distance.
+#[derive(Debug, Default)]
+struct Parts {
+    parts: [(usize, f64); MOST_PARTS],
+    count: usize,
+}
+
+impl Parts {
+    fn push(&mut self, index: usize, by: f64) {
+        if let Some(part) = self.parts.get_mut(self.count) {
+            *part = (index, by);
+            self.count += 1;
+        }
+    }
+
+    fn as_slice(&self) -> &[(usize, f64)] {
+        &self.parts[..self.count]
+    }
+}
+
+impl Witness {
+    fn new(cell: &GroundCell, viewpoint: Viewpoint) -> Self {
+        let odds = cell.log_odds.exp();
+        let Viewpoint { foot, height_m } = viewpoint;
+        let from_foot = cell.place - foot;
+        let (ahead_m, left_m) = (cell.seen_ahead_m, from_foot.y);
+        let across = ahead_m * left_m / height_m;
+        // A camera that looks lower than it is believed to shows everything too far away (`ground_view/turn.rs`).
+        let pitch = -Vector2::new((ahead_m * ahead_m + height_m * height_m) / height_m, across);
+        let roll = Vector2::new(across, (left_m * left_m + height_m * height_m) / height_m);
+        Self {
+            place: cell.place,
+            odds,
+            log_anywhere: (ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE).ln(),
+            blur_m: ROWS * PIXEL_RAD * (ahead_m * ahead_m + height_m * height_m) / height_m,
+            witnesses: cell.trust * CELL_M * CELL_M / WITNESS_M2,
+            moves: [pitch, roll, from_foot],
+        }
+    }
+
+    /// The true place, vehicle frame.
+    fn at(&self, unknowns: &Unknowns) -> Point2<f64> {
+        let [pitch, roll, scale] = self.moves;
+        self.place + pitch * unknowns[PITCH] + roll * unknowns[ROLL] + scale * unknowns[SCALE]
+    }
+
+    /// Log-likelihood at a signed distance from the edge, and its derivative.
+    fn term(&self, distance_m: f64, soft_m: f64) -> (f64, f64) {
+        if distance_m > BESIDE_M {
+            return (0.0, 0.0);
+        }
+        let on_road = 1.0 / (1.0 + (distance_m / soft_m).clamp(-30.0, 30.0).exp());
+        let contrast = 1.0 - ROAD_UNLIKE - BESIDE_ALIKE;
+        let alike = BESIDE_ALIKE + contrast * on_road;
+        let by_alike = (self.odds - 1.0) / (alike * self.odds + 1.0 - alike);
+        let by_distance = -contrast * on_road * (1.0 - on_road) / soft_m;
+        (self.log_likelihood(alike), self.witnesses * by_alike * by_distance)
+    }
+
+    /// Log-likelihood where this share of the ground looks like road, against ground of which nothing is known.
+    fn log_likelihood(&self, alike: f64) -> f64 {
+        self.witnesses * ((alike * self.odds + 1.0 - alike).ln() - self.log_anywhere)
+    }
+}
