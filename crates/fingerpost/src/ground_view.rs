@@ -108,6 +108,12 @@ const CAR_CAMERA_HEIGHT_M: f64 = 1.4;
 /// Half the width of the strip ahead whose nearest wholly seen row counts as the bottom of the view, metres.
 const CORRIDOR_HALF_WIDTH_M: f64 = 0.9;
 
+/// Where the sharpness is taken, metres beyond the bottom of the view, over which length, and the fewest rows that this is
+/// believed to span.
+const SHARPNESS_AHEAD_M: f64 = 4.0;
+const SHARPNESS_STEP_M: f64 = 0.5;
+const LEAST_ROWS: f64 = 0.5;
+
 impl GroundView {
     /// Builds the table for `camera`; `bins` is the division of hue and saturation that pictures are to have.
     ///
@@ -177,6 +183,17 @@ impl GroundView {
     /// Height of the camera above the road, metres.
     pub const fn camera_height_m(&self) -> f64 {
         self.viewpoint.height_m
+    }
+
+    /// Angle that a row of the picture spans where it shows the road straight ahead, radians: how sharp the view is.
+    pub fn row_rad(&self) -> f64 {
+        let Viewpoint { foot, height_m } = self.viewpoint;
+        let ahead_m = self.grid.far_m().min(self.nearest_seen_m + SHARPNESS_AHEAD_M) - foot.x;
+        let row = |ahead_m: f64| Some(self.camera.pixel_of_ground(Point2::new(foot.x + ahead_m, foot.y))?.v);
+        let below_rad = |ahead_m: f64| (height_m / ahead_m).atan();
+        let step_m = SHARPNESS_STEP_M;
+        let rows = row(ahead_m).zip(row(ahead_m + step_m)).map_or(0.0, |(near, far)| (near - far).abs());
+        (below_rad(ahead_m) - below_rad(ahead_m + step_m)) / rows.max(LEAST_ROWS)
     }
 
     /// A picture for [`GroundView::render`] to fill.

@@ -212,6 +212,7 @@ impl Pipeline {
             grid: view.grid(),
             nearest_seen_m: view.nearest_seen_m(),
             viewpoint: view.viewpoint(),
+            row_rad: view.row_rad(),
         };
         let tracker = config.track.tracker(setting, route, start_m)?;
         let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };

@@ -61,11 +61,15 @@ fn legend(about: &str, entries: impl Iterator<Item = (String, palette::Rgb)>) ->
 fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
     let timeline = input.timeline;
     let seconds = timeline.seconds.clone().unwrap_or(0.0..=0.0);
-    let title = "P(F) of the feature followed or searched for; below, its weakest arm";
-    let mut curves = vec![Curve { label: "P(F)", class: "one", values: &timeline.match_p }];
-    if !timeline.present.is_empty() {
-        curves.push(Curve { label: "probability that it is there", class: "two", values: &timeline.present });
-    }
+    let by_match = Curve { label: "P(F)", class: "one", values: &timeline.match_p };
+    let by_belief = Curve { label: "there", class: "two", values: &timeline.present };
+    // The thresholds are those of what decides.
+    let (title, axis, curves) = if timeline.present.is_empty() {
+        ("P(F) of the feature followed or searched for; below, its weakest arm", "P(F)", vec![by_match])
+    } else {
+        let title = "Probability that the feature followed or searched for is there, and P(F) of its masks; below, its weakest arm";
+        (title, "probability", vec![by_belief, by_match])
+    };
     Chart {
         bands: bands(timeline, &timeline.states, |&state| {
             let (name, rgb) = palette::state(state);
@@ -80,7 +84,7 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
             (input.thresholds.confirm, format!("confirmed from {:.2}", input.thresholds.confirm)),
         ],
         curves,
-        ..Chart::over(seconds, title, "P(F)", 0.0..=1.0)
+        ..Chart::over(seconds, title, axis, 0.0..=1.0)
     }
 }
 

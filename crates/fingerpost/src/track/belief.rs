@@ -3,9 +3,9 @@
 //! What is seen of the ground is kept on the ground (`ground_memory.rs`), and from it follows afresh, as often as it has more to
 //! say, how probable every place of the next feature is, and that it is not there (`feature_belief.rs`):
 //!
-//! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) prod [q(d) e^l + 1 - q(d)] / [b e^l + 1 - b]
+//! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) prod (h + (1 - h) prod [q(d) e^l + 1 - q(d)] / [b e^l + 1 - b])
 //!
-//! over the cells of the ground, with l a cell's log-odds of road, d its signed distance from the edge of the road at that
+//! over the stretches of the arms, of which a share h is hidden, and the cells of the ground beside each, with l a cell's log-odds of road, d its signed distance from the edge of the road at that
 //! place, q the share of such ground that looks like road and b that of ground of which nothing is known. Against it stands the
 //! same of a plain road without the feature. Searching while neither is sure, tracking once the feature is there and its place
 //! is known well enough to steer by, arrived when the driving line's start reaches the bottom of the view, lost when the
@@ -67,6 +67,8 @@ pub struct BeliefTracker {
     spare: Vec<Match>,
     view_m: [f64; 2],
     viewpoint: Viewpoint,
+    /// Angle that a row of the picture spans, radians.
+    row_rad: f64,
     /// Where the last frame shows the road.
     shown: ShownRoad,
 }
@@ -75,6 +77,8 @@ pub struct BeliefTracker {
 const PASSED_M: f64 = 3.0;
 /// Distance driven after which the ground has more to say, metres: a cell of its map.
 const NEWS_M: f64 = 0.25;
+/// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
+const STEERED_RAD: f64 = 0.052;
 /// A tracked feature is lost when its place is less sure than the bound for tracking by this factor, so that it does not come and go.
 const LOST_SIGMA_FACTOR: f64 = 1.6;
 /// Standard deviation of the distance to a feature while nothing is known of the progress, metres: it may be anywhere in view
@@ -109,6 +113,7 @@ impl BeliefTracker {
             spare: Vec::new(),
             view_m: [setting.nearest_seen_m, setting.grid.far_m()],
             viewpoint: setting.viewpoint,
+            row_rad: setting.row_rad,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
         })
     }
@@ -142,7 +147,7 @@ impl BeliefTracker {
             return;
         }
         self.since_update_m = Some(0.0);
-        self.ground.take(self.memory.squares(), self.viewpoint);
+        self.ground.take(self.memory.squares(), self.viewpoint, self.row_rad);
         let Self { config, stops, ground, expected, view_m, work, .. } = self;
         let mut update = |index: usize, belief: &mut FeatureBelief| {
             let Some(stop) = stops.get(index) else { return 0 };
@@ -188,7 +193,10 @@ impl BeliefTracker {
     }
 
     /// Reads the state off the beliefs.
-    fn decide(&mut self, grid: &GroundGrid, evidence: &mut TrackEvidence) {
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    fn decide(&mut self, grid: &GroundGrid, evidence: &mut TrackEvidence) -> Result<(), SpanError> {
         if let Some(gone) = self.passing.take_if(|passing| passed(&self.stops, passing)) {
             self.forget_masks(gone.index);
         }
@@ -196,9 +204,12 @@ impl BeliefTracker {
         let tracked = self.state == State::Tracking;
         let lack = moments.and_then(|moments| self.lack(&moments, tracked));
         match (tracked, moments, lack) {
-            (false, Some(_), None) => {
+            (false, Some(moments), None) => {
                 evidence.decision = Decision::Detected;
                 self.state = State::Tracking;
+                if let Some(stop) = self.stops.get_mut(self.next) {
+                    stop.masks.draw_about(moments.vehicle_from_feature.rotation.angle(), STEERED_RAD)?;
+                }
             }
             (true, Some(moments), None) => {
                 evidence.decision = Decision::Confirmed;
@@ -216,6 +227,7 @@ impl BeliefTracker {
             }
             (false, ..) => self.decide_without_place(evidence),
         }
+        Ok(())
     }
 
     /// What is decided where the next feature has no place.
@@ -332,7 +344,7 @@ impl FeatureTracker for BeliefTracker {
                 evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
             }
             self.compute(evidence);
-            self.decide(shown.laid.grid(), evidence);
+            self.decide(shown.laid.grid(), evidence)?;
         }
         self.give(&shown.laid, output, evidence)?;
         let beside = output.followed.as_ref().and_then(|followed| followed.route_m(&self.stops));

@@ -46,6 +46,8 @@ pub struct TrackerSetting<'a> {
     pub nearest_seen_m: f64,
     /// Where the camera looks from.
     pub viewpoint: Viewpoint,
+    /// Angle that a row of its picture spans, radians.
+    pub row_rad: f64,
 }
 
 /// How far from its node another feature's road is its own, metres: a half width of 4 m and corners of as much.

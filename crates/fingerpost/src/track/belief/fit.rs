@@ -59,6 +59,8 @@ impl Fitter {
         };
         let mut unknowns = *start;
         let mut damping = 1e-2;
+        // The first look says which stretches show.
+        near.linearised(shape, &unknowns);
         let (likelihood, mut gradient, mut information) = near.linearised(shape, &unknowns);
         let mut posterior = likelihood + log_prior(&unknowns);
         for _ in 0..rounds {
@@ -167,7 +169,7 @@ mod tests {
             })
             .collect();
         let mut ground = Ground::default();
-        ground.take(cells.chunks(4), VIEWPOINT);
+        ground.take(cells.chunks(4), VIEWPOINT, 0.0025);
         ground
     }
 
@@ -221,10 +223,11 @@ mod tests {
         (at[FORWARD], at[LEFT], at[WIDTHS + 1], at[PITCH], at[SCALE]) = (12.2, 0.3, 0.05, 0.002, 0.01);
         let mut near = NearGround::default();
         near.take(&ground, &shape, &at, NEAR_M);
+        near.linearised(&shape, &at);
         let (_, gradient, _) = near.linearised(&shape, &at);
         let step = 1e-5;
         for axis in [FORWARD, LEFT, HEADING, WIDTHS, WIDTHS + 1, OFFSETS + 2, CORNERS, PITCH, ROLL, SCALE] {
-            let likelihood = |by: f64| {
+            let mut likelihood = |by: f64| {
                 let mut moved = at;
                 moved[axis] += by;
                 near.linearised(&shape, &moved).0

@@ -15,6 +15,11 @@ use crate::feature_model::{ArmModel, FeatureModel};
 
 /// Most arms of a feature that take part; of more, those that are farthest from the route's are left out.
 pub(in crate::track) const MOST_ARMS: usize = 6;
+/// Length of a stretch of an arm, metres: a parked car, the shade of a tree; and how many an arm has, of which the last goes on.
+const STRETCH_M: f64 = 5.0;
+const ARM_STRETCHES: usize = 3;
+/// How many stretches there are.
+pub(in crate::track) const STRETCHES: usize = ARM_STRETCHES * MOST_ARMS;
 /// Neighbouring arms at a larger angle than this run straight on, radians (150 degrees).
 const STRAIGHT_RAD: f64 = 2.618;
 
@@ -92,6 +97,8 @@ const NOWHERE: Beside = Beside { left_m: f64::INFINITY, left: Vector2::new(0.0, 
 #[derive(Debug, Clone, Copy)]
 pub(in crate::track) struct EdgeDistance {
     pub(in crate::track) distance_m: f64,
+    /// The stretch of the nearest arm that it lies beside, of [`STRETCHES`].
+    pub(in crate::track) stretch: usize,
     /// By the place, feature frame.
     pub(in crate::track) by_place: Vector2<f64>,
     /// Which arms' left (first) and right (second) edges are concerned, with the derivative of the distance by how far the place lies beyond each.
@@ -192,6 +199,8 @@ impl Outline<'_> {
         if nearest_m == f64::INFINITY {
             return None;
         }
+        let along = (beside.along_m / STRETCH_M).clamp(0.0, (ARM_STRETCHES - 1) as f64) as usize;
+        let stretch = ARM_STRETCHES * nearest + along;
         if beside.along_m > self.arms[nearest].reach_m {
             return None;
         }
@@ -211,6 +220,7 @@ impl Outline<'_> {
                 let (by_u, by_v) = (-a / from_centre_m, -b / from_centre_m);
                 return Some(EdgeDistance {
                     distance_m: radius_m - from_centre_m,
+                    stretch,
                     by_place: by_u * left_arm.left - by_v * right_arm.left,
                     edges: [(i, by_u), (j, by_v)],
                     corner: Some((i, (1.0 + (a + b) / from_centre_m) * radius_m)),
@@ -226,7 +236,7 @@ impl Outline<'_> {
             let outwards = p_in_feature.coords;
             outwards / outwards.norm().max(1e-6)
         };
-        Some(EdgeDistance { distance_m: nearest_m, by_place, edges, corner: None })
+        Some(EdgeDistance { distance_m: nearest_m, stretch, by_place, edges, corner: None })
     }
 
     /// Gives the outline, piece by piece from the ends of the arms as far as they go, feature frame, metres.

@@ -3,14 +3,16 @@
 //! The ground under the feature's outline looks like road, but for a share of it; what lies just beside looks like none, but
 //! for a larger share; farther off anything may lie. Every cell of the map thus adds a log-likelihood that depends on its
 //! signed distance from the edge alone, held against that of ground of which nothing is known. Neighbouring cells err together: only so many square
-//! metres of ground are one witness.
+//! metres of ground are one witness. And whole stretches err, in shade or behind parked cars: each shows or is hidden.
 
 use std::ops::Range;
 
 use nalgebra::{Isometry2, Point2, SMatrix, Vector2};
 
 use super::ground_memory::{CELL_M, GroundCell};
-use super::junction_shape::{FORWARD, HEADING, JunctionShape, LEFT, PITCH, ROLL, SCALE, UNKNOWNS, Unknowns};
+use super::junction_shape::{
+    FORWARD, HEADING, JunctionShape, LEFT, PITCH, ROLL, SCALE, STRETCHES, UNKNOWNS, Unknowns,
+};
 use crate::ground_view::Viewpoint;
 
 /// Ground that errs together, square metres: with it error / sigma is about one where the surface is that of the truth.
@@ -69,12 +71,20 @@ pub(super) struct Ground {
 #[derive(Debug, Default)]
 pub(super) struct NearGround {
     cells: Vec<Witness>,
-    rest: f64,
+    /// Log-likelihood of the other squares, by the stretch of an arm that they lie beside.
+    rest: [f64; STRETCHES],
+    /// Probability that each stretch shows, as of the last look.
+    shows: [f64; STRETCHES],
 }
 
 impl Ground {
     /// Takes squares of cells in place of those before.
-    pub(super) fn take<'a>(&mut self, squares: impl Iterator<Item = &'a [GroundCell]>, viewpoint: Viewpoint) {
+    pub(super) fn take<'a>(
+        &mut self,
+        squares: impl Iterator<Item = &'a [GroundCell]>,
+        viewpoint: Viewpoint,
+        row_rad: f64,
+    ) {
         self.squares.clear();
         self.cells.clear();
         for cells in squares {
@@ -87,10 +97,10 @@ impl Ground {
                 trust: count * mean(|cell| cell.trust),
                 seen_ahead_m: mean(|cell| cell.seen_ahead_m),
             };
-            self.cells.extend(cells.iter().map(|cell| Witness::new(cell, viewpoint)));
+            self.cells.extend(cells.iter().map(|cell| Witness::new(cell, viewpoint, row_rad)));
             let of = |alike: f64| self.cells[start..].iter().map(|cell| cell.log_likelihood(alike)).sum();
             let (on_road, beside) = (of(1.0 - ROAD_UNLIKE), of(BESIDE_ALIKE));
-            let (whole, cells) = (Witness::new(&whole, viewpoint), start..self.cells.len());
+            let (whole, cells) = (Witness::new(&whole, viewpoint, row_rad), start..self.cells.len());
             self.squares.push(Square { whole, cells, on_road, beside });
         }
     }
@@ -98,11 +108,13 @@ impl Ground {
     /// Log-likelihood with edges as soft as `soft_m`, by every `every`-th square.
     pub(super) fn score(&self, shape: &JunctionShape, unknowns: &Unknowns, soft_m: f64, every: usize) -> f64 {
         let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
-        let terms = self.squares.iter().step_by(every).filter_map(|square| {
-            let edge = outline.distance(feature_from_vehicle * square.whole.at(unknowns))?;
-            Some(square.whole.term(edge.distance_m, soft_m).0)
-        });
-        every as f64 * terms.sum::<f64>()
+        let mut by_stretch = [0.0; STRETCHES];
+        for square in self.squares.iter().step_by(every) {
+            let place = feature_from_vehicle * square.whole.at(unknowns);
+            let Some(edge) = outline.distance(place) else { continue };
+            by_stretch[edge.stretch] += every as f64 * square.whole.term(edge.distance_m, soft_m).0;
+        }
+        by_stretch.into_iter().map(|stretch| shown_or_hidden(stretch).0).sum()
     }
 }
 
@@ -111,38 +123,40 @@ impl NearGround {
     /// unknowns.
     pub(super) fn take(&mut self, ground: &Ground, shape: &JunctionShape, unknowns: &Unknowns, near_m: f64) {
         let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
-        self.rest = 0.0;
+        self.rest = [0.0; STRETCHES];
         self.cells.clear();
         for square in &ground.squares {
             let Some(edge) = outline.distance(feature_from_vehicle * square.whole.at(unknowns)) else {
                 continue;
             };
             if edge.distance_m < -near_m {
-                self.rest += square.on_road;
+                self.rest[edge.stretch] += square.on_road;
             } else if edge.distance_m <= near_m {
                 self.cells.extend_from_slice(&ground.cells[square.cells.clone()]);
             } else if edge.distance_m <= BESIDE_M {
-                self.rest += square.beside;
+                self.rest[edge.stretch] += square.beside;
             }
         }
     }
 
     /// Log-likelihood, its gradient, and the information of the cells about the unknowns: the sum of the outer products of
-    /// the gradients of single witnesses (Berndt, Hall, Hall, Hausman: Estimation and inference in nonlinear structural models, 1974).
+    /// the gradients of single witnesses, each as far as its stretch showed at the last look (Berndt, Hall, Hall, Hausman: Estimation and inference in nonlinear structural models, 1974).
     pub(super) fn linearised(
-        &self,
+        &mut self,
         shape: &JunctionShape,
         unknowns: &Unknowns,
     ) -> (f64, Unknowns, Information) {
         let vehicle_from_feature = pose_of(unknowns);
         let (feature_from_vehicle, outline) = (vehicle_from_feature.inverse(), shape.outline(unknowns));
-        let (mut sum, mut gradient, mut information) = (self.rest, Unknowns::zeros(), Information::zeros());
+        let (mut by_stretch, mut gradient, mut information) =
+            (self.rest, Unknowns::zeros(), Information::zeros());
         for cell in &self.cells {
             let place = cell.at(unknowns);
             let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
             let normal = vehicle_from_feature.rotation * edge.by_place;
             let (term, by_distance) = cell.term(edge.distance_m, SHARP_M.hypot(cell.blur_m * normal.x));
-            sum += term;
+            by_stretch[edge.stretch] += term;
+            let by_distance = self.shows[edge.stretch] * by_distance;
             if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
                 continue;
             }
@@ -170,12 +184,33 @@ impl NearGround {
                 }
             }
         }
+        let mut sum = 0.0;
+        for (stretch, shows) in by_stretch.into_iter().zip(&mut self.shows) {
+            let (log_likelihood, probability) = shown_or_hidden(stretch);
+            sum += log_likelihood;
+            *shows = probability;
+        }
         (sum, gradient, information)
     }
 }
 
-const PIXEL_RAD: f64 = 0.0025;
-const ROWS: f64 = 0.5;
+/// Rows of the picture by which an edge of the road surface is off, one standard deviation.
+const BLURRED_ROWS: f64 = 0.5;
+/// Share of stretches of arms that are hidden, or that the surface errs about as a whole: in shade, behind parked cars.
+const HIDDEN: f64 = 0.05;
+
+/// Log-likelihood of a stretch that shows with this one, or is hidden and then says nothing; and the probability that it shows.
+fn shown_or_hidden(log_likelihood: f64) -> (f64, f64) {
+    let odds_hidden = HIDDEN / (1.0 - HIDDEN) * (-log_likelihood).exp();
+    let shows = 1.0 / (1.0 + odds_hidden);
+    let sum = if odds_hidden > 1.0 {
+        HIDDEN.ln() + (1.0 / odds_hidden).ln_1p()
+    } else {
+        (1.0 - HIDDEN).ln() + log_likelihood + odds_hidden.ln_1p()
+    };
+    (sum, shows)
+}
+
 /// Derivatives smaller than this share of a witness move nothing.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Most unknowns that concern one cell: pose, camera, width and offset of two arms, a corner.
@@ -202,7 +237,7 @@ impl Parts {
 }
 
 impl Witness {
-    fn new(cell: &GroundCell, viewpoint: Viewpoint) -> Self {
+    fn new(cell: &GroundCell, viewpoint: Viewpoint, row_rad: f64) -> Self {
         let odds = cell.log_odds.exp();
         let Viewpoint { foot, height_m } = viewpoint;
         let from_foot = cell.place - foot;
@@ -215,7 +250,7 @@ impl Witness {
             place: cell.place,
             odds,
             log_anywhere: (ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE).ln(),
-            blur_m: ROWS * PIXEL_RAD * (ahead_m * ahead_m + height_m * height_m) / height_m,
+            blur_m: BLURRED_ROWS * row_rad * (ahead_m * ahead_m + height_m * height_m) / height_m,
             witnesses: cell.trust * CELL_M * CELL_M / WITNESS_M2,
             moves: [pitch, roll, from_foot],
         }
