@@ -29,7 +29,7 @@ pub(super) struct Fit {
 const NEAR_M: f64 = 1.0;
 /// Farthest that a round of a fit may move the place, metres, and turn it, radians: as far as an edge is felt.
 const STEP: [f64; 2] = [0.7, 0.1];
-/// A round that gains less ends the fit: a hundredth of a standard deviation.
+/// A round that gains less ends the fit: a twentieth of a standard deviation.
 const LEAST_GAIN: f64 = 1e-3;
 
 /// Fits the unknowns to the ground; its memory is reused from fit to fit.
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn a_far_start_is_kept_by_its_prior() {
+    fn without_ground_the_prior_stands() {
         let shape = t_junction();
         let prior = prior(1.0);
         let empty = Ground::default();

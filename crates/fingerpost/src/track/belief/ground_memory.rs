@@ -11,7 +11,7 @@ use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::{Isometry2, Matrix3, Point2};
 
-/// Side of a cell, metres: a quarter of what an edge of the road surface is known to at 10 m.
+/// Side of a cell, metres: the time of a fit grows with its inverse square, and an edge is soft over about as much.
 pub(super) const CELL_M: f64 = 0.25;
 /// Cells along a side of the map: 32 m.
 const SIDE: i64 = 128;
@@ -28,7 +28,8 @@ const LEAST_TRUST: f64 = 0.02;
 /// Log-odds that a detector's probability has on ground of which it knows nothing: measured as ln(share of road / share of
 /// ground beside roads) against the probability, over 18 drawn worlds, where it is zero at 0.83.
 const DETECTOR_BIAS: f64 = 1.6;
-/// Greatest log-odds that a place can have: in the same measurement no probability said more.
+/// Greatest log-odds that a place can have, either way: no look is surer than 20 to 1, though the same measurement reached -5
+/// where the detector is sure of no road.
 const MOST_LOG_ODDS: f64 = 3.0;
 
 /// What is known of a cell.

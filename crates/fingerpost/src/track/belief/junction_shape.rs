@@ -13,7 +13,7 @@ use nalgebra::{Point2, SVector, Vector2};
 
 use crate::feature_model::{ArmModel, FeatureModel};
 
-/// Most arms of a feature that take part; of more, those that are farthest from the route's are left out.
+/// Most arms of a feature that take part; approach and exit come first, and of more the last sides are left out.
 pub(in crate::track) const MOST_ARMS: usize = 6;
 /// Length of a stretch of an arm, metres: a parked car, the shade of a tree; and how many an arm has, of which the last goes on.
 const STRETCH_M: f64 = 5.0;

@@ -18,7 +18,7 @@ use crate::ground_view::Viewpoint;
 /// Ground that errs together, square metres: with it error / sigma is about one where the surface is that of the truth.
 const WITNESS_M2: f64 = 1.0;
 /// Softness of an edge of the road surface, metres: cells and pixels at 10 m.
-pub(super) const SHARP_M: f64 = 0.15;
+const SHARP_M: f64 = 0.15;
 /// Width of the ground beside a road that is held for none, metres.
 const BESIDE_M: f64 = 1.5;
 /// Share of the road that looks like none: parked cars, shadows, paint.
