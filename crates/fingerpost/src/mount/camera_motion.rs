@@ -63,12 +63,17 @@ impl MotionFit {
         self.sorted.reserve(pairs);
     }
 
-    /// Fits the motion, beginning at no rotation and the direction `ahead`; none for too few pairs.
+    /// Fits the motion, beginning at the median turn to the side and the direction `ahead`; none for too few pairs.
     pub(super) fn fit(&mut self, pairs: &[RayPair], ahead: Unit<Vector3<f64>>) -> Option<CameraMotion> {
         if pairs.len() < LEAST_PAIRS {
             return None;
         }
-        let (mut rotation, mut travel) = (UnitQuaternion::identity(), ahead);
+        // In a bend a fit that begins at no rotation takes the turn for a way to the side.
+        self.sorted.clear();
+        self.sorted.extend(pairs.iter().map(|pair| pair.current.x - pair.previous.x));
+        let middle = self.sorted.len() / 2;
+        let (_, &mut aside, _) = self.sorted.select_nth_unstable_by(middle, f64::total_cmp);
+        let (mut rotation, mut travel) = (UnitQuaternion::from_scaled_axis(Vector3::y() * aside), ahead);
         let mut covariance = Matrix5::zeros();
         let (mut agreeing, mut sigma) = (0.0, SIGMA_FLOOR_RAD);
         for _ in 0..ITERATIONS {
