@@ -398,13 +398,6 @@ impl Config {
             ),
             ("track.belief.detect_sigma_m", self.track.belief.detect_sigma_m, 0.1, 10.0, "0.1 to 10 metres"),
             (
-                "track.belief.pitch_sigma_deg",
-                self.track.belief.pitch_sigma_deg,
-                0.01,
-                5.0,
-                "0.01 to 5 degrees",
-            ),
-            (
                 "route_progress.start_sigma_m",
                 self.route_progress.start_sigma_m,
                 0.1,

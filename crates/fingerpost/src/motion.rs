@@ -18,6 +18,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use camera_turn::TurnFilter;
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
 
@@ -101,15 +102,23 @@ pub struct MotionEvidence {
     pub start: FlowStart,
     /// How the camera was turned, as this frame alone shows it; none where nothing was measured.
     pub attitude: Option<AttitudeObservation>,
-    /// How the camera is turned by all that was seen so far: pitch and roll against the configured mount, radians.
-    pub turn_rad: [f64; 2],
+    /// How the camera is turned by all that was seen so far.
+    pub camera: CameraAttitude,
 }
 
-impl MotionEvidence {
-    /// How the camera is turned against its mount by what the road shows.
-    pub fn camera_turn(&self) -> CameraTurn {
-        let [pitch_rad, roll_rad] = self.turn_rad;
-        CameraTurn { pitch_rad, roll_rad, yaw_rad: 0.0 }
+/// How the camera is turned against its mount, and how well that is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraAttitude {
+    /// The turn.
+    pub turn: CameraTurn,
+    /// Standard deviations of its pitch and roll, radians; never zero.
+    pub sigma_rad: [f64; 2],
+}
+
+impl Default for CameraAttitude {
+    /// What is known before anything is seen.
+    fn default() -> Self {
+        TurnFilter::default().attitude()
     }
 }
 

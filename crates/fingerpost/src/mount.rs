@@ -51,6 +51,8 @@ pub struct AttitudeObservation {
     pub pitch_change: Option<ObservedAngle>,
     /// Change of the roll since the frame before.
     pub roll_change: Option<ObservedAngle>,
+    /// Change of the vehicle's heading since the frame before; positive left.
+    pub heading_change: Option<ObservedAngle>,
 }
 
 /// Whether an estimate of the mount can be used.
@@ -147,7 +149,17 @@ impl Default for MountConfig {
     }
 }
 
+/// Least standard deviation of a turn that the picture shows between two frames: 0.02 degrees.
+const CHANGE_FLOOR_RAD: f64 = 3.5e-4;
+/// What a turn's own standard deviation is short by: corners of one thing err together (30 drives of drawn worlds, 5 to 30 frames a second).
+const CHANGE_UNDERRATED: f64 = 2.5;
+
 impl ObservedAngle {
+    /// The variance of a turn between two frames, square radians, with what its own leaves out.
+    pub(crate) fn lasting_variance_rad2(&self) -> f64 {
+        (CHANGE_UNDERRATED * CHANGE_UNDERRATED * self.variance_rad2).max(CHANGE_FLOOR_RAD * CHANGE_FLOOR_RAD)
+    }
+
     /// The joint value of two independent observations of one angle.
     fn joined(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
@@ -169,6 +181,7 @@ impl AttitudeObservation {
             yaw: ObservedAngle::joined(self.yaw, other.yaw),
             pitch_change: ObservedAngle::joined(self.pitch_change, other.pitch_change),
             roll_change: ObservedAngle::joined(self.roll_change, other.roll_change),
+            heading_change: ObservedAngle::joined(self.heading_change, other.heading_change),
         }
     }
 }

@@ -267,7 +267,7 @@ impl Pipeline {
         finished(Stage::Mount);
 
         let (motion, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
-        let turn = motion_evidence.map(MotionEvidence::camera_turn);
+        let camera = motion_evidence.map(|evidence| evidence.camera);
         // A frame whose picture shows nothing still lets the suspension swing back.
         if let Some(motion) = &motion {
             self.mount.observe(&attitude, motion);
@@ -291,7 +291,7 @@ impl Pipeline {
 
         let laid = self.matcher.laid_with(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        let moved = Moved { motion: motion.as_ref(), turn };
+        let moved = Moved { motion: motion.as_ref(), camera };
         let shown = ShownSurface { surface, seen: validity, laid };
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);

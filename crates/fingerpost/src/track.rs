@@ -27,9 +27,8 @@ use serde::{Deserialize, Serialize};
 use crate::camera_state::CameraEvidence;
 use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::feature_model::ArmModel;
-use crate::ground_view::CameraTurn;
 use crate::matching::{LaidSurface, Match};
-use crate::motion::Motion;
+use crate::motion::{CameraAttitude, Motion};
 use crate::road_surface::RoadSurface;
 use crate::route_progress::GpsUse;
 
@@ -104,8 +103,6 @@ pub struct BeliefConfig {
     /// Standard deviation of its place up to which a feature is tracked, metres, 0.1 to 10: what a vehicle can still steer by;
     /// default 1.2.
     pub detect_sigma_m: f64,
-    /// Standard deviation of what is not known of the camera's pitch, degrees, 0.01 to 5; default 0.4.
-    pub pitch_sigma_deg: f64,
 }
 
 impl TrackConfig {
@@ -128,7 +125,7 @@ impl TrackConfig {
 
 impl Default for BeliefConfig {
     fn default() -> Self {
-        Self { detect_present: 0.8, lost_present: 0.5, detect_sigma_m: 1.2, pitch_sigma_deg: 0.4 }
+        Self { detect_present: 0.8, lost_present: 0.5, detect_sigma_m: 1.2 }
     }
 }
 
@@ -495,7 +492,7 @@ pub struct Moved<'a> {
     /// The motion; none where it is not known.
     pub motion: Option<&'a Motion>,
     /// How the camera is turned against its mount; none where this frame says nothing of it.
-    pub turn: Option<CameraTurn>,
+    pub camera: Option<CameraAttitude>,
 }
 
 /// What a frame shows of the road.

@@ -5,7 +5,8 @@
 //! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The camera's pitch and
 //! roll against the road are fitted beside them ([`super::camera_turn`]), and a change of the light; kerbs, cars and walls
 //! are told from the road by weights, and by lying beside the path. The motion of the frame
-//! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its uncertainty grows.
+//! before, with its covariance, is a prior, and so is the turn that the far scene shows: where the road shows nothing, motion goes
+//! on and its uncertainty grows.
 //!
 //! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and
 //! creeping shows as soon as it can be told from noise.
@@ -14,6 +15,7 @@
 //! with a quality near zero.
 
 mod aligned;
+mod expected;
 mod gauss_newton;
 mod patch;
 mod plane_warp;
@@ -26,7 +28,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::aligned::{Aligned, costs};
-use self::gauss_newton::{Estimate, Prior};
+use self::expected::{Expected, is_surprising};
+use self::gauss_newton::Estimate;
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
 use self::seen_travel::SeenTravel;
@@ -55,11 +58,6 @@ impl Default for DirectMotionConfig {
     }
 }
 
-/// Change of the motion from frame to frame, one standard deviation: metres forward and left, radians. A frame may last a
-/// fifth of a second.
-const CHANGE_SIGMA: [f64; 3] = [0.15, 0.05, 0.02];
-/// The same where the motion of the frame before does not help.
-const UNKNOWN_SIGMA: [f64; 3] = [2.0, 0.3, 0.1];
 /// A start is bearable when it costs at most so many times what the last alignment left.
 const BEARABLE: f64 = 2.0;
 /// Least cost that is taken to be left, levels of the flattened picture squared: the camera's noise at the
@@ -151,84 +149,117 @@ impl DirectMotion {
         let patch = self.patch.as_mut()?;
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
-        let views = Views::default();
-        let expected_turn = self.turn.predicted().with(attitude);
-        let turn_before_rad = self.turn.turn_rad();
+        let (views, turn_before_rad) = (Views::default(), self.turn.turn_rad());
         let displaced = |motion| Displacement::of(motion, turn_before_rad);
         let mut cost_of =
             |motion| cost(coarsest, residuals, &displaced(motion), &views, Brightness::default());
-        let (mut start, motion) = start(&mut cost_of, last.current_from_previous, last.bearable);
-        let expected = last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
-        // A search is for what was not expected.
-        let (current_from_previous, spread) = match start {
-            FlowStart::CoarseSearch => (motion, diagonal(UNKNOWN_SIGMA)),
-            _ => (last.current_from_previous, expected),
-        };
-        let turn = expected_turn.prior()?;
-        let prior = Prior { current_from_previous, information: spread.try_inverse()?, turn };
-        let iterations = self.config.iterations;
-        let (all, at) = (patch.levels.len(), displaced(motion));
-        let mut aligned = Aligned::through(all, (patch, residuals), (&prior, &views), iterations, at)?;
+        let found = start(&mut cost_of, last.current_from_previous, last.bearable);
         self.travel = self.travel.after(attitude);
-        let is_too_short = |motion: &Isometry2<f64>| self.travel.contradicts(motion);
-        if is_too_short(&aligned.estimate.displacement.current_from_previous) {
-            aligned.quality = 0.0;
-        }
-        if aligned.quality < UNSURE && last.covariance.is_some() {
-            let finest = patch.levels.get(patch.finest)?;
-            let cost_of = |motion| {
-                if is_too_short(&motion) {
-                    return f64::INFINITY;
-                }
-                cost(finest, residuals, &displaced(motion), &views, Brightness::default())
-            };
-            let reach_m = REACH_SIGMAS * expected[(0, 0)].max(0.0).sqrt();
-            let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
-            let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, &views), iterations, at);
-            let is_better = |again: &Aligned| {
-                again.cost < CLEARLY_LESS * aligned.cost
-                    && !is_too_short(&again.estimate.displacement.current_from_previous)
-            };
-            if let Some(again) = again.filter(is_better) {
-                (aligned, start) = (again, FlowStart::FineSearch);
+        let travel = self.travel;
+        let mut begun = Begun { patch, residuals, views, last, travel, iterations: self.config.iterations };
+        let mut expected = Expected::after(&last, self.turn, attitude);
+        let (mut aligned, mut start) = begun.aligned((&expected, attitude), found, displaced)?;
+        if is_surprising(&last, attitude) {
+            // What moves with the camera, as dirt on its glass does, may have been taken for the far scene.
+            let unseen = AttitudeObservation::default();
+            let without = Expected::after(&last, self.turn, &unseen);
+            let by_road = begun.aligned((&without, &unseen), found, displaced);
+            if let Some(by_road) = by_road.filter(|(by_road, _)| by_road.cost < aligned.cost) {
+                (aligned, start) = by_road;
+                expected = without;
             }
         }
         let Aligned { mut estimate, quality, .. } = aligned;
-        show(patch, residuals, (&estimate, &views), start, &mut self.evidence);
+        show(begun.patch, begun.residuals, (&estimate, &begun.views), start, &mut self.evidence);
         let mut seen_turn = estimate.seen_turn;
         let leap_m = last.leap_m(&estimate.displacement.current_from_previous);
         if quality < BELIEVED || (quality < CLEAR && leap_m > MOST_CHANGE_M) {
-            estimate.displacement = displaced(last.current_from_previous);
-            estimate.covariance = expected;
+            estimate.displacement = displaced(expected.current_from_previous);
+            estimate.covariance = expected.covariance;
             seen_turn = SeenTurn::default();
         }
-        let coarsest = patch.levels.last()?;
-        let (left_over, shifted) = costs(coarsest, residuals, (&estimate, &views));
-        self.turn = expected_turn.updated(&seen_turn);
+        let coarsest = begun.patch.levels.last()?;
+        let (left_over, shifted) = costs(coarsest, begun.residuals, (&estimate, &begun.views));
+        self.turn = expected.turn.updated(&seen_turn);
         self.evidence.attitude = seen_turn.observation();
-        self.evidence.turn_rad = self.turn.turn_rad();
-        let displacement = estimate.displacement;
-        let mut previous_from_current = displacement.current_from_previous.inverse();
+        self.evidence.camera = self.turn.attitude();
+        // Where too little is seen to judge by, the next frame is searched for.
+        let bearable = if left_over.is_finite() && shifted.is_finite() {
+            (BEARABLE * left_over.max(COST_FLOOR)).max(shifted)
+        } else {
+            0.0
+        };
+        Some(self.keep(&estimate, quality, bearable))
+    }
+
+    /// The motion of an estimate; the next frame is to know it.
+    fn keep(&mut self, estimate: &Estimate, quality: f64, bearable: f64) -> Motion {
+        let mut previous_from_current = estimate.displacement.current_from_previous.inverse();
         let covariance = covariance(&previous_from_current, &estimate.covariance);
         let stands = previous_from_current.translation.vector.norm() < STANDING_M
             && previous_from_current.rotation.angle().abs() < STANDING_RAD
             && quality >= STANDING_QUALITY;
         if stands {
             previous_from_current = Isometry2::identity();
-        } else {
+        } else if let Some(patch) = &mut self.patch {
             patch.keep(curvature_per_m(&previous_from_current));
         }
         self.last = Some(Last {
             current_from_previous: previous_from_current.inverse(),
             covariance: Some(estimate.covariance),
-            // Where too little is seen to judge by, the next frame is searched for.
-            bearable: if left_over.is_finite() && shifted.is_finite() {
-                (BEARABLE * left_over.max(COST_FLOOR)).max(shifted)
-            } else {
-                0.0
-            },
+            bearable,
         });
-        Some(Motion { previous_from_current, covariance, quality })
+        Motion { previous_from_current, covariance, quality }
+    }
+}
+
+/// An alignment that has its start.
+struct Begun<'a> {
+    patch: &'a mut Patch,
+    residuals: &'a mut Residuals,
+    views: Views,
+    last: Last,
+    travel: SeenTravel,
+    iterations: usize,
+}
+
+impl Begun<'_> {
+    /// The alignment with what is expected, and where it started from in the end.
+    fn aligned(
+        &mut self,
+        (expected, far): (&Expected, &AttitudeObservation),
+        (start, motion): (FlowStart, Isometry2<f64>),
+        displaced: impl Fn(Isometry2<f64>) -> Displacement,
+    ) -> Option<(Aligned, FlowStart)> {
+        let Self { patch, residuals, views, last, travel, iterations } = self;
+        let prior = match start {
+            FlowStart::CoarseSearch => expected.searched(motion, far).prior()?,
+            _ => expected.prior()?,
+        };
+        let (all, at) = (patch.levels.len(), displaced(motion));
+        let mut aligned = Aligned::through(all, (patch, residuals), (&prior, views), *iterations, at)?;
+        let is_too_short = |motion: &Isometry2<f64>| travel.contradicts(motion);
+        if is_too_short(&aligned.estimate.displacement.current_from_previous) {
+            aligned.quality = 0.0;
+        }
+        if aligned.quality >= UNSURE || last.covariance.is_none() {
+            return Some((aligned, start));
+        }
+        let finest = patch.levels.get(patch.finest)?;
+        let cost_of = |motion| {
+            if is_too_short(&motion) {
+                return f64::INFINITY;
+            }
+            cost(finest, residuals, &displaced(motion), views, Brightness::default())
+        };
+        let reach_m = REACH_SIGMAS * expected.covariance[(0, 0)].max(0.0).sqrt();
+        let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
+        let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, views), *iterations, at);
+        let is_better = |again: &Aligned| {
+            again.cost < CLEARLY_LESS * aligned.cost
+                && !is_too_short(&again.estimate.displacement.current_from_previous)
+        };
+        Some(again.filter(is_better).map_or((aligned, start), |again| (again, FlowStart::FineSearch)))
     }
 }
 
@@ -273,10 +304,6 @@ fn covariance(previous_from_current: &Isometry2<f64>, of_motion: &Matrix3<f64>) 
     let swing = Matrix3::new(1.0, 0.0, -step.y, 0.0, 1.0, step.x, 0.0, 0.0, 1.0);
     let scale = SCALE_SIGMA * Vector3::new(step.x, step.y, previous_from_current.rotation.angle());
     swing * of_motion * swing.transpose() + Matrix3::from_diagonal(&scale.component_mul(&scale))
-}
-
-fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
-    Matrix3::from_diagonal(&Vector3::from(sigma.map(|sigma| sigma * sigma)))
 }
 
 /// Writes down how the points of the finest level were displaced.

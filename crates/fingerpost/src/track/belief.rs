@@ -36,6 +36,7 @@ use super::{
 use crate::driving_line::DrivingLine;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
+use crate::motion::CameraAttitude;
 use crate::route_progress::RouteProgress;
 
 /// A feature that was arrived at, until it lies behind.
@@ -71,6 +72,8 @@ pub struct BeliefTracker {
     row_rad: f64,
     /// Where the last frame shows the road.
     shown: ShownRoad,
+    /// Standard deviations of the camera's pitch and roll, radians.
+    attitude_sigma_rad: [f64; 2],
 }
 
 /// A node at least this far behind by all that is known has been passed, metres.
@@ -115,13 +118,15 @@ impl BeliefTracker {
             viewpoint: setting.viewpoint,
             row_rad: setting.row_rad,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
+            attitude_sigma_rad: CameraAttitude::default().sigma_rad,
         })
     }
 
     /// Moves everything on with the vehicle.
     fn carry(&mut self, moved: &Moved<'_>) {
-        if let Some(turn) = moved.turn {
+        if let Some(CameraAttitude { turn, sigma_rad }) = moved.camera {
             self.shown = ShownRoad::new(&turn, self.viewpoint);
+            self.attitude_sigma_rad = sigma_rad;
         }
         let Some(motion) = moved.motion else { return };
         let step = &motion.previous_from_current;
@@ -148,10 +153,20 @@ impl BeliefTracker {
         }
         self.since_update_m = Some(0.0);
         self.ground.take(self.memory.squares(), self.viewpoint, self.row_rad);
-        let Self { config, stops, ground, expected, view_m, work, .. } = self;
+        let Self { config, stops, ground, expected, view_m, attitude_sigma_rad, work, .. } = self;
         let mut update = |index: usize, belief: &mut FeatureBelief| {
             let Some(stop) = stops.get(index) else { return 0 };
-            belief.update(work, Seen { config, stop, ground, expected, view_m: *view_m })
+            belief.update(
+                work,
+                Seen {
+                    config,
+                    stop,
+                    ground,
+                    expected,
+                    view_m: *view_m,
+                    attitude_sigma_rad: *attitude_sigma_rad,
+                },
+            )
         };
         if let Some(passing) = &mut self.passing {
             update(passing.index, &mut passing.belief);

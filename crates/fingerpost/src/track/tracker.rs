@@ -104,7 +104,7 @@ impl Tracker {
 
     fn predict(&mut self, moved: &Moved<'_>) {
         let before = self.shown;
-        let now = moved.turn.map_or(before, |turn| ShownRoad::new(&turn, self.viewpoint));
+        let now = moved.camera.map_or(before, |camera| ShownRoad::new(&camera.turn, self.viewpoint));
         let predict = |filter: &mut PoseFilter| {
             filter.place(before.road_from_shown(filter.pose()));
             if let Some(motion) = moved.motion {

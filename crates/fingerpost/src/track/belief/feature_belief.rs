@@ -30,8 +30,6 @@ const OFFSET_SIGMA_M: f64 = 0.3;
 const CORNER_LOG_SIGMA: f64 = 0.9;
 /// A square corner's radius, metres.
 const LEAST_RADIUS_M: f64 = 0.3;
-/// Standard deviation of the camera's roll against what ego-motion knows of it, radians: 0.4 degrees.
-const ROLL_SIGMA_RAD: f64 = 0.007;
 /// Standard deviation of the camera's height, share of it: measured with a tape.
 const SCALE_SIGMA: f64 = 0.03;
 /// How often a feature of the map is not there, or not as the map says.
@@ -119,6 +117,8 @@ pub(super) struct Seen<'a> {
     pub(super) expected: &'a [Expected],
     /// Bottom and top of the view, metres.
     pub(super) view_m: [f64; 2],
+    /// Standard deviations of the camera's pitch and roll, radians.
+    pub(super) attitude_sigma_rad: [f64; 2],
 }
 
 impl FeatureBelief {
@@ -219,8 +219,7 @@ impl FeatureBelief {
             mean[CORNERS + arm] = config.alignment.kerb_radius_m.max(LEAST_RADIUS_M).ln();
             sigma[CORNERS + arm] = CORNER_LOG_SIGMA;
         }
-        sigma[PITCH] = config.belief.pitch_sigma_deg.to_radians();
-        sigma[ROLL] = ROLL_SIGMA_RAD;
+        [sigma[PITCH], sigma[ROLL]] = seen.attitude_sigma_rad;
         sigma[SCALE] = SCALE_SIGMA;
         Prior { mean, sigma }
     }
