@@ -21,6 +21,7 @@ pub mod matching;
 pub mod motion;
 pub mod mount;
 pub mod pipeline;
+pub mod progress;
 pub mod road_surface;
 pub mod route_progress;
 pub mod track;

@@ -1,0 +1,103 @@
+//! Whole drives with features, wrong maps and look-alikes: are the errors as large as the belief says?
+
+use super::*;
+
+/// How the scale error goes over a drive.
+#[derive(Clone, Copy, PartialEq)]
+enum Scale {
+    Constant,
+    Changing,
+}
+
+/// Squared errors over their variances.
+#[derive(Default)]
+struct Squares(Vec<f64>);
+
+impl Squares {
+    fn mean(&self) -> f64 {
+        self.0.iter().sum::<f64>() / self.0.len() as f64
+    }
+
+    fn beyond(&self, sigmas: f64) -> f64 {
+        self.0.iter().filter(|&&square| square > sigmas * sigmas).count() as f64 / self.0.len() as f64
+    }
+}
+
+struct Drive {
+    before: Squares,
+    after: Squares,
+    scale: Squares,
+    sigma_m: Vec<f64>,
+    scale_sigma: f64,
+}
+
+/// A drive of 1800 m past features 60 to 120 m apart, of which one in fifty does not exist and one in five has a look-alike.
+fn drive_past_features(seed: u64, course: Scale, drive: &mut Drive) {
+    let mut numbers = Numbers(seed);
+    let mut true_m = 20.0;
+    let mut progress = started(true_m + config().start_sigma_m * numbers.normal());
+    let mut scale_error = config().drift_share * numbers.normal();
+    let mut feature_m = 60.0;
+    while true_m < 1800.0 {
+        let forward_m = 0.5;
+        true_m += forward_m;
+        if course == Scale::Changing {
+            let kept = (-forward_m / 2000.0_f64).exp();
+            scale_error =
+                kept * scale_error + config().drift_share * (1.0 - kept * kept).sqrt() * numbers.normal();
+        }
+        let noise_m = 0.02 * numbers.normal();
+        let measured_m = forward_m / (1.0 + scale_error) + noise_m;
+        progress.advance(Travel::Measured { forward_m: measured_m, sigma_m: 0.02 }, 0.05);
+        if feature_m - true_m > 10.0 {
+            continue;
+        }
+        let square = |progress: &Progress| {
+            let (mean_m, sigma_m) = progress.moments_m();
+            ((mean_m - true_m) / sigma_m).powi(2)
+        };
+        drive.before.0.push(square(&progress));
+        drive.sigma_m.push(progress.moments_m().1);
+        let mut places = Vec::new();
+        if numbers.uniform() > 0.02 {
+            let ahead_m = feature_m - true_m + 0.7 * numbers.normal();
+            places.push(FeaturePlace { likelihood: 300.0, ahead_m, sigma_m: 0.7 });
+        }
+        if numbers.uniform() < 0.2 {
+            let ahead_m = numbers.between(3.0, 40.0);
+            places.push(FeaturePlace { likelihood: 10.0, ahead_m, sigma_m: 0.7 });
+        }
+        let looked_for_m = Some([-20.0, 40.0]);
+        let outcome = FeatureOutcome { places: &places, looked_for_m, map_wrong_share: 0.02 };
+        progress = progress.conditioned(feature_m, &outcome);
+        assert_sound(&progress);
+        drive.after.0.push(square(&progress));
+        let (mean, sigma) = progress.scale_error();
+        drive.scale.0.push(((mean - scale_error) / sigma).powi(2));
+        drive.scale_sigma = sigma;
+        feature_m += numbers.between(60.0, 120.0);
+    }
+}
+
+#[test]
+fn errors_are_as_large_as_the_belief_says() {
+    for course in [Scale::Constant, Scale::Changing] {
+        let mut drive = Drive {
+            before: Squares::default(),
+            after: Squares::default(),
+            scale: Squares::default(),
+            sigma_m: Vec::new(),
+            scale_sigma: 0.0,
+        };
+        (0..200).for_each(|seed| drive_past_features(1 + seed, course, &mut drive));
+        drive.sigma_m.sort_by(f64::total_cmp);
+        for (name, squares) in [("before", &drive.before), ("after", &drive.after), ("scale", &drive.scale)] {
+            let (mean, beyond) = (squares.mean(), squares.beyond(3.0));
+            eprintln!(
+                "{name} {mean} {beyond} median sigma {} scale {}",
+                drive.sigma_m[drive.sigma_m.len() / 2],
+                drive.scale_sigma
+            );
+        }
+    }
+}
