@@ -9,6 +9,8 @@ use super::travel::Step;
 
 /// The progress alone, of the state (progress, scale error, slow GPS error).
 pub(super) const PROGRESS: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
+/// The slow error of GPS alone.
+const GPS_ERROR: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 /// What GPS measures: the progress and its own slow error.
 pub(super) const GPS: Vector3<f64> = Vector3::new(1.0, 0.0, 1.0);
 
@@ -21,13 +23,16 @@ pub(super) struct Component {
     pub(super) weight: f64,
     pub(super) mean: Vector3<f64>,
     pub(super) covariance: Matrix3<f64>,
+    /// What the slow error of GPS comes back to, metres: 0, or where the receiver jumped to.
+    pub(super) gps_level_m: f64,
 }
 
 impl Component {
     pub(super) const NONE: Self = Self {
         weight: 0.0,
         mean: Vector3::new(0.0, 0.0, 0.0),
-        covariance: Matrix3::new(1., 0., 0., 0., 1., 0., 0., 0., 1.),
+        covariance: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        gps_level_m: 0.0,
     };
 
     /// At `mean_m` along the route, with nothing known of the scale and of GPS but their priors.
@@ -37,6 +42,7 @@ impl Component {
             weight,
             mean: Vector3::new(mean_m, 0.0, 0.0),
             covariance: Matrix3::from_diagonal(&sigmas.component_mul(&sigmas)),
+            gps_level_m: 0.0,
         }
     }
 
@@ -58,7 +64,8 @@ impl Component {
         let scaled_m = step.measured_m;
         let (scale_kept, gps_kept) = (noise.scale_kept(scaled_m), noise.gps_kept(step.dt_s));
         let transition = Matrix3::new(1.0, scaled_m, 0.0, 0.0, scale_kept, 0.0, 0.0, 0.0, gps_kept);
-        self.mean = transition * self.mean + PROGRESS * (scaled_m + step.unscaled_m);
+        let forward_m = PROGRESS * (scaled_m + step.unscaled_m);
+        self.mean = transition * self.mean + forward_m + GPS_ERROR * (self.gps_level_m * (1.0 - gps_kept));
         // What adds up within a run of unknown motion errs in one direction; it can go along with what was unsure before no
         // more than that was unsure.
         let along_m = 2.0 * step.run_before_m.min(self.sigma_m()) + step.run_added_m;
@@ -79,9 +86,9 @@ impl Component {
         let gain = self.covariance * measured / before;
         let covariance = self.covariance + gain * gain.transpose() * (variance - before);
         Self {
-            weight: self.weight,
             mean: self.mean + gain * (mean - expected),
             covariance: (covariance + covariance.transpose()) * 0.5,
+            ..*self
         }
     }
 
@@ -91,6 +98,16 @@ impl Component {
         let (expected, before) = self.predicted(measured);
         let gain = before / (before + variance);
         self.given(measured, expected + gain * (value - expected), gain * variance)
+    }
+
+    /// The same with another slow error of GPS, of which nothing else is known: about `level_m`, to which it comes back.
+    #[must_use]
+    pub(super) fn with_gps_error(&self, level_m: f64, sigma_m: f64) -> Self {
+        let mut other = Self { gps_level_m: level_m, ..*self };
+        other.mean.z = level_m;
+        other.covariance.set_row(2, &Vector3::zeros().transpose());
+        other.covariance.set_column(2, &(GPS_ERROR * (sigma_m * sigma_m)));
+        other
     }
 
     /// The part whose progress lies between `from_m` and `to_m`, by its first two moments, and its share of the weight; none

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use fingerpost_geometry::Polyline;
 use nalgebra::Point2;
 
-use super::component::{Component, GPS, gaussian};
+use super::component::{Component, GPS, PROGRESS, gaussian};
 use super::mixture::Mixture;
 use super::noise::Noise;
 use super::{Progress, WORKING};
@@ -175,11 +175,18 @@ impl Component {
         }
         let innovation_m = feet.innovation_m(self).unwrap_or_default();
         let per_m = JUMP_SHARE * jumped_per_m(innovation_m, noise);
-        let mut jumped = *self;
-        jumped.weight *= per_m;
-        // The receiver's error is another now: as far as the jump, or the gate.
-        jumped.covariance.m33 += innovation_m.powi(2).max(noise.gps_gate_m.powi(2));
-        weighed.push(jumped.measured(&GPS, expected_m + innovation_m, white_m2));
+        let jumped = self.after_jump(expected_m + innovation_m, noise);
+        weighed.push(Self { weight: self.weight * per_m, ..jumped });
         Taken::Jump { per_m }
+    }
+
+    /// The receiver jumped to `fix_m`: back to where a sound one may be, or to an error that it keeps.
+    fn after_jump(&self, fix_m: f64, noise: &Noise) -> Self {
+        let (route_m, variance) = self.predicted(&PROGRESS);
+        let (slow_m, white_m2) = (noise.gps_slow_m, noise.gps_white_m.powi(2));
+        let apart_m = fix_m - route_m;
+        let is_sound = apart_m.abs() <= GATE_SIGMAS * (variance + slow_m * slow_m + white_m2).sqrt();
+        let (level_m, sigma_m) = if is_sound { (0.0, slow_m) } else { (apart_m, noise.gps_gate_m) };
+        self.with_gps_error(level_m, sigma_m).measured(&GPS, fix_m, white_m2)
     }
 }

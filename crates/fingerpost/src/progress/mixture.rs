@@ -10,7 +10,7 @@ use super::component::Component;
 const SAME_LOSS: f64 = 0.030_312;
 /// The like for the difference of the progress alone, squared standard deviations of the wider one: told without determinants.
 const SAME_SQUARED_SIGMAS: f64 = 0.25;
-/// A Gaussian of less weight is not worth keeping: as good as impossible beside a share of wrong maps for three features in a row.
+/// A Gaussian of less weight is not worth keeping: it is as likely as four wrong maps in a row, one in fifty each.
 const LEAST_WEIGHT: f64 = 1e-7;
 
 /// Up to `N` weighted Gaussians.
@@ -109,5 +109,6 @@ fn joined(a: &Component, b: &Component) -> Component {
         covariance: a.covariance * (1.0 - share)
             + b.covariance * share
             + apart * apart.transpose() * (share * (1.0 - share)),
+        gps_level_m: a.gps_level_m + (b.gps_level_m - a.gps_level_m) * share,
     }
 }

@@ -98,7 +98,7 @@ impl Feet {
 /// The distance from the route where it can be least or greatest: at each point, and at the foot within each piece.
 fn distances(route: &Polyline, p_in_map: Point2<f64>) -> impl Iterator<Item = Foot> + '_ {
     let mut start_m = 0.0;
-    let pieces = route.points().windows(2).flat_map(move |ends| {
+    route.points().windows(2).flat_map(move |ends| {
         let [start, end] = [ends[0], ends[1]];
         let (piece, to_point) = (end - start, p_in_map - start);
         let length_m = piece.norm();
@@ -110,6 +110,5 @@ fn distances(route: &Polyline, p_in_map: Point2<f64>) -> impl Iterator<Item = Fo
             beside_m: (p_in_map - (start + piece * share)).norm(),
             weight: 0.0,
         })
-    });
-    pieces
+    })
 }

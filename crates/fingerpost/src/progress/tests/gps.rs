@@ -36,7 +36,6 @@ fn many_fixes_make_no_surer_than_the_slow_error_allows() {
         let mut progress = unknown();
         let true_m = drive_with_gps(&mut progress, 7, mps, off_m);
         let (mean_m, sigma_m) = progress.moments_m();
-        eprintln!("{off_m} {mps}: {} {sigma_m}", mean_m - true_m);
         assert!(sigma_m > 3.5, "{off_m}: {sigma_m}");
         assert!((mean_m - true_m - off_m).abs() < 3.0, "{off_m}: {mean_m} {true_m}");
     }
@@ -47,8 +46,6 @@ fn a_start_is_not_given_up_for_a_receiver_that_is_off() {
     for off_m in [36.0, -36.0] {
         let mut progress = started(100.0);
         let true_m = drive_with_gps(&mut progress, 3, 1.0, off_m);
-        let (mean_m, sigma_m) = progress.moments_m();
-        eprintln!("{off_m} {} {sigma_m} {:?}", mean_m - true_m, progress.components().collect::<Vec<_>>());
         assert!(
             progress.probability_between(true_m - 15.0, true_m + 15.0) > 0.5,
             "{:?}",
@@ -92,8 +89,6 @@ fn a_jump_is_counted_and_moves_little() {
         drive(&mut progress, 10.0);
         progress.observe_gps(&route, Point2::new(190.0 + 10.0 * f64::from(second), 1.0));
     }
-    let (mean_m, sigma_m) = progress.moments_m();
-    eprintln!("{mean_m} {sigma_m} {:?}", progress.components().collect::<Vec<_>>());
     assert_eq!(progress.gps_jumps(), 1);
     assert!(near(&progress, 350.0) > 0.3 && progress.probability_between(340.0, 360.0) > 0.7);
     let far = progress.observe_gps(&route, Point2::new(300.0, 80.0));
@@ -110,7 +105,6 @@ fn both_passes_of_the_same_place_are_kept() {
     progress.observe_gps(&route, Point2::new(300.0, 5.0));
     let (out, back) =
         (progress.probability_between(280.0, 320.0), progress.probability_between(1488.0, 1528.0));
-    eprintln!("{out} {back}");
     assert!(out > 0.2 && back > 0.2 && out + back > 0.95, "{out} {back}");
     // Driving on tells them apart.
     drive(&mut progress, 60.0);
@@ -146,6 +140,32 @@ fn a_feature_tells_how_far_gps_is_off() {
         progress.observe_gps(&route, Point2::new(true_m + 10.0, 1.0));
     }
     let (mean_m, sigma_m) = progress.moments_m();
-    eprintln!("{} {sigma_m}", mean_m - true_m);
     assert!((mean_m - true_m).abs() < 1.5 && sigma_m < 2.5, "{} {sigma_m}", mean_m - true_m);
+}
+
+#[test]
+fn errors_with_gps_are_as_large_as_the_belief_says() {
+    let (route, mut squares) = (straight(), Vec::new());
+    for seed in 0..200 {
+        let mut numbers = Numbers(500 + seed);
+        let mut progress = unknown();
+        let scale_error = config().drift_share * numbers.normal();
+        let slow_m = progress.noise.gps_slow_m;
+        let (mut true_m, mut error_m) = (100.0, slow_m * numbers.normal());
+        for second in 1..=150 {
+            let forward_m = 10.0 / (1.0 + scale_error);
+            progress.advance(Travel::Measured { forward_m, sigma_m: 0.05 }, 1.0);
+            true_m += 10.0;
+            let kept = (-1.0_f64 / 100.0).exp();
+            error_m = kept * error_m + slow_m * (1.0 - kept * kept).sqrt() * numbers.normal();
+            let fix_m = true_m + error_m + progress.noise.gps_white_m * numbers.normal();
+            progress.observe_gps(&route, Point2::new(fix_m, 2.0));
+            if second % 50 == 0 {
+                let (mean_m, sigma_m) = progress.moments_m();
+                squares.push(((mean_m - true_m) / sigma_m).powi(2));
+            }
+        }
+    }
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    assert!((0.75..1.25).contains(&mean), "{mean}");
 }
