@@ -12,8 +12,7 @@ pub(crate) struct SchemaArgs {}
 
 /// Prints the schema on standard output.
 pub(crate) fn schema(SchemaArgs {}: &SchemaArgs) -> Result<()> {
-    let schema = schemars::schema_for!(Config);
     output::print_text(
-        &serde_json::to_string_pretty(&schema).context("the schema cannot be written as JSON")?,
+        &serde_json::to_string_pretty(Config::schema()).context("the schema cannot be written as JSON")?,
     )
 }

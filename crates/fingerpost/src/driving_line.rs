@@ -20,13 +20,17 @@ use crate::vehicle::VehicleConfig;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DrivingLineConfig {
-    /// Shortest distance of the curve's ends from the node, metres, 0.5 to 20; default 3.
+    /// Shortest distance of the curve's ends from the node, metres.
+    #[schemars(range(min = 0.5, max = 20.0))]
     pub min_setback_m: f64,
-    /// Longest distance of the curve's ends from the node, metres, up to 40; default 12.
+    /// Longest distance of the curve's ends from the node, metres.
+    #[schemars(range(min = 0.5, max = 40.0))]
     pub max_setback_m: f64,
-    /// Distance between the points that are handed out, metres, 0.1 to 5; default 0.5.
+    /// Distance between the points that are handed out, metres.
+    #[schemars(range(min = 0.1, max = 5.0))]
     pub step_m: f64,
-    /// Length of approach before and of exit behind the curve that is handed out too, metres; default 15.
+    /// Length of approach before and of exit behind the curve that is handed out too, metres.
+    #[schemars(range(min = 0.0, max = 200.0))]
     pub lead_m: f64,
 }
 

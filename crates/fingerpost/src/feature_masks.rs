@@ -27,16 +27,21 @@ pub use verge::{VergeStrip, VergeStrips};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FeatureMaskConfig {
-    /// Width of an arm's mask as a share of the vehicle's width, 0.05 to 2; default 0.25 (paper 2, 3.2).
+    /// Width of an arm's mask as a share of the vehicle's width (paper 2, 3.2).
+    #[schemars(range(min = 0.05, max = 2.0))]
     pub arm_width_share: f64,
-    /// Step between headings at which masks are drawn, degrees, 0.1 to 5; default 0.5.
+    /// Step between headings at which masks are drawn, degrees.
+    #[schemars(range(min = 0.1, max = 5.0))]
     pub heading_step_deg: f64,
-    /// Width of a band in which an arm's verge is looked for, metres, 0.1 to 2; default 0.5.
+    /// Width of a band in which an arm's verge is looked for, metres.
+    #[schemars(range(min = 0.1, max = 2.0))]
     pub verge_width_m: f64,
-    /// Narrowest road beside which a verge is looked for, as a share of the map's width, 0.2 to 1; default 0.8.
+    /// Narrowest road beside which a verge is looked for, as a share of the map's width.
+    #[schemars(range(min = 0.2, max = 1.0))]
     pub verge_from_share: f64,
-    /// How far beyond the road's half width by the map a verge is looked for, metres, 0.5 to 10; default 2: that much
-    /// wider are streets with room for parked cars, which the map does not count.
+    /// How far beyond the road's half width by the map a verge is looked for, metres: streets with room for parked
+    /// cars are wider than the map says.
+    #[schemars(range(min = 0.5, max = 10.0))]
     pub verge_reach_m: f64,
 }
 

@@ -22,13 +22,17 @@ pub use turn::{CameraTurn, Viewpoint};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GroundViewConfig {
-    /// Lower edge, metres ahead of the rear axle; below far_m; default 4.
+    /// Lower edge, metres ahead of the rear axle; below far_m.
+    #[schemars(range(min = -10.0, max = 200.0))]
     pub near_m: f64,
-    /// Upper edge, metres ahead; 15 to 20 works best (paper 2, section 6); default 20.
+    /// Upper edge, metres ahead; 15 to 20 works best (paper 2, section 6).
+    #[schemars(range(min = -9.0, max = 300.0))]
     pub far_m: f64,
-    /// Left and right edge, metres from the centre line; default 10.
+    /// Left and right edge, metres from the centre line.
+    #[schemars(range(min = 0.5, max = 100.0))]
     pub half_width_m: f64,
-    /// Scale, metres per pixel, 0.005 to 1; default 0.05.
+    /// Scale, metres per pixel.
+    #[schemars(range(min = 0.005, max = 1.0))]
     pub metres_per_pixel: f64,
 }
 

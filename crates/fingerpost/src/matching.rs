@@ -29,13 +29,16 @@ pub use verge::Verge;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchConfig {
-    /// What the masks are laid over: "probability" or "binary"; default "probability".
+    /// What the masks are laid over: "probability" or "binary".
     pub surface: MatchedSurface,
-    /// Road probability from which a pixel of the binary mask is road, 0 to 1; default 0.5.
+    /// Road probability from which a pixel of the binary mask is road.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub binary_threshold: f64,
-    /// Share of a sub-mask inside the view that must be seen for it to take part, 0 to 1; default 0.3.
+    /// Share of a sub-mask inside the view that must be seen for it to take part.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub min_seen_share: f64,
-    /// Length of an arm beyond the crossing roads that must be seen for it to take part, metres; default 2.5.
+    /// Length of an arm beyond the crossing roads that must be seen for it to take part, metres.
+    #[schemars(range(min = 0.0, max = 20.0))]
     pub min_seen_length_m: f64,
 }
 

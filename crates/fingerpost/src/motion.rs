@@ -29,8 +29,7 @@ use crate::mount::AttitudeObservation;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionConfig {
-    /// "direct": the road ahead aligned with that of the frame before; "farneback": dense flow, as in the papers; default
-    /// "direct".
+    /// "direct": the road ahead aligned with that of the frame before; "farneback": dense flow, as in the papers.
     pub estimator: MotionMethod,
     /// Settings of "direct".
     pub direct: DirectMotionConfig,

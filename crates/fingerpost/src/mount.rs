@@ -125,15 +125,20 @@ pub struct MountEstimate {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MountConfig {
-    /// How far the configured pitch, yaw and roll may be off, one standard deviation, degrees, 0.05 to 10; default 1.5.
+    /// How far the configured pitch, yaw and roll may be off, one standard deviation, degrees.
+    #[schemars(range(min = 0.05, max = 10.0))]
     pub prior_sigma_deg: f64,
-    /// How much each drifts in a hundred frames, one standard deviation, degrees, 0 to 1; default 0.1.
+    /// How much each drifts in a hundred frames, one standard deviation, degrees.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub drift_sigma_deg: f64,
-    /// How far the suspension pitches the vehicle, one standard deviation, degrees, 0.01 to 5; default 0.3.
+    /// How far the suspension pitches the vehicle, one standard deviation, degrees.
+    #[schemars(range(min = 0.01, max = 5.0))]
     pub suspension_sigma_deg: f64,
-    /// Standard deviation of pitch and yaw below which the estimate is valid, degrees, 0.02 to 5; default 0.35.
+    /// Standard deviation of pitch and yaw below which the estimate is valid, degrees.
+    #[schemars(range(min = 0.02, max = 5.0))]
     pub valid_sigma_deg: f64,
-    /// Change of an angle from which the camera counts as moved, degrees, 0.5 to 45; default 1.8.
+    /// Change of an angle from which the camera counts as moved, degrees.
+    #[schemars(range(min = 0.5, max = 45.0))]
     pub moved_deg: f64,
 }
 

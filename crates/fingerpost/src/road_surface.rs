@@ -44,14 +44,16 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online": a
-    /// classifier trained as the drive goes; "onnx": a segmentation network, in programs built for it; "memory": what one of
-    /// these sees, remembered as the vehicle moves on; "combined": the same, with the surface named by the bank, and "online"
-    /// in camera pictures; default "combined".
+    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online":
+    /// a classifier trained as the drive goes; "onnx": a segmentation network, in programs built for it; "memory":
+    /// what one of these sees, remembered as the vehicle moves on; "combined": the same, with the surface named by the
+    /// bank, and "online" in camera pictures.
     pub detector: RoadMethod,
-    /// Length of the region assumed to be road, metres from the nearest place seen ahead, 0.5 to 20; default 4.
+    /// Length of the region assumed to be road, metres from the nearest place seen ahead.
+    #[schemars(range(min = 0.5, max = 20.0))]
     pub sample_length_m: f64,
-    /// Width of that region, metres, 0.2 to 10; default 1.8.
+    /// Width of that region, metres.
+    #[schemars(range(min = 0.2, max = 10.0))]
     pub sample_width_m: f64,
     /// The papers' detector.
     pub backprojection: BackprojectionConfig,

@@ -13,13 +13,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RouteProgressConfig {
-    /// Standard deviation of a start given by hand, metres, above 0; default 3.
+    /// Standard deviation of a start given by hand, metres.
+    #[schemars(range(min = 0.1, max = 10000.0))]
     pub start_sigma_m: f64,
-    /// Standard deviation of dead reckoning, share of the distance driven, 0 to 1; default 0.03.
+    /// Standard deviation of dead reckoning, share of the distance driven.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub drift_share: f64,
-    /// Standard deviation of a GPS position along the road, metres, above 0; default 6.
+    /// Standard deviation of a GPS position along the road, metres.
+    #[schemars(range(min = 0.1, max = 10000.0))]
     pub gps_sigma_m: f64,
-    /// A GPS position farther than this from the route is not believed, metres; default 40.
+    /// A GPS position farther than this from the route is not believed, metres.
+    #[schemars(range(min = 1.0, max = 10000.0))]
     pub gps_gate_m: f64,
 }
 

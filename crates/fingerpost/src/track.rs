@@ -44,36 +44,49 @@ pub use tracker::Tracker;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackConfig {
-    /// How features are found and followed: "rules", by the match of the masks, or "belief", by the probability of every place
-    /// and of none; default "rules".
+    /// How features are found and followed: "rules", by the match of the masks, or "belief", by the probability of
+    /// every place and of none.
     pub method: TrackMethod,
-    /// P(F) from which a feature counts as seen, 0 to 1; default 0.75.
+    /// P(F) from which a feature counts as seen.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub detect_threshold: f64,
-    /// P(F) that is enough where the arms that tell the feature stand out from their verges, 0 to detect_threshold;
-    /// default 0.5.
+    /// P(F) that is enough where the arms that tell the feature stand out from their verges; at most
+    /// `detect_threshold`.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub detect_threshold_at_verge: f64,
-    /// Contrast with the verge that is enough for detection in `detect_frames` frames, above 0 to 1: with less it takes
-    /// longer, and half of it or less is none; default 0.12.
+    /// Contrast with the verge that is enough for detection in `detect_frames` frames: with less it takes longer, and
+    /// half of it or less is none.
+    #[schemars(range(min = 0.01, max = 1.0))]
     pub detect_contrast: f64,
-    /// P(F) from which a tracked feature counts as confirmed, 0 to detect_threshold; default 0.65.
+    /// P(F) from which a tracked feature counts as confirmed; at most `detect_threshold`.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub confirm_threshold: f64,
-    /// Frames in a row in which a feature must be seen to be tracked, at least 1; default 3.
+    /// Frames in a row in which a feature must be seen to be tracked.
+    #[schemars(range(min = 1, max = 100))]
     pub detect_frames: usize,
-    /// Frames in a row without confirmation after which a tracked feature is lost, at least 1; default 10.
+    /// Frames in a row without confirmation after which a tracked feature is lost.
+    #[schemars(range(min = 1, max = 1000))]
     pub lost_frames: usize,
-    /// Step of the search along the road, metres; default 0.5.
+    /// Step of the search along the road, metres.
+    #[schemars(range(min = 0.05, max = 5.0))]
     pub search_forward_step_m: f64,
-    /// Step of the search across the road, metres; default 0.4.
+    /// Step of the search across the road, metres.
+    #[schemars(range(min = 0.05, max = 5.0))]
     pub search_left_step_m: f64,
-    /// How far the vehicle's heading may differ from the road's in the search, degrees; default 6.
+    /// How far the vehicle's heading may differ from the road's in the search, degrees.
+    #[schemars(range(min = 0.0, max = 45.0))]
     pub search_heading_deg: f64,
-    /// Step of the search over headings, degrees; default 2.
+    /// Step of the search over headings, degrees.
+    #[schemars(range(min = 0.2, max = 45.0))]
     pub search_heading_step_deg: f64,
-    /// Reach of the bracketing search along the road, metres; default 2.
+    /// Reach of the bracketing search along the road, metres.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub bracket_forward_m: f64,
-    /// Reach of the bracketing search across the road, metres; default 1.
+    /// Reach of the bracketing search across the road, metres.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub bracket_left_m: f64,
-    /// Reach of the bracketing search over headings, degrees; default 6.
+    /// Reach of the bracketing search over headings, degrees.
+    #[schemars(range(min = 0.0, max = 45.0))]
     pub bracket_heading_deg: f64,
     /// How the place of a matched feature is made precise.
     pub alignment: AlignmentConfig,
@@ -96,12 +109,14 @@ pub enum TrackMethod {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BeliefConfig {
-    /// Probability that a feature is there from which it is tracked, 0.5 to 1; default 0.8.
+    /// Probability that a feature is there from which it is tracked.
+    #[schemars(range(min = 0.5, max = 1.0))]
     pub detect_present: f64,
-    /// Probability below which a tracked feature is lost, 0 to detect_present; default 0.5.
+    /// Probability below which a tracked feature is lost; at most `detect_present`.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub lost_present: f64,
-    /// Standard deviation of its place up to which a feature is tracked, metres, 0.1 to 10: what a vehicle can still steer by;
-    /// default 1.2.
+    /// Standard deviation of its place up to which a feature is tracked, metres: what a vehicle can still steer by.
+    #[schemars(range(min = 0.1, max = 10.0))]
     pub detect_sigma_m: f64,
 }
 

@@ -31,13 +31,16 @@ impl Traffic {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct VehicleConfig {
-    /// Width of the body, metres, 0.3 to 6; default 1.8.
+    /// Width of the body, metres.
+    #[schemars(range(min = 0.3, max = 6.0))]
     pub width_m: f64,
-    /// Room that the driving line keeps on either side of the body, metres, 0 to 2; default 0.1.
+    /// Room that the driving line keeps on either side of the body, metres.
+    #[schemars(range(min = 0.0, max = 2.0))]
     pub margin_m: f64,
-    /// Radius of the tightest path of the rear axle's middle, metres, 0.5 to 50; default 5.
+    /// Radius of the tightest path of the rear axle's middle, metres.
+    #[schemars(range(min = 0.5, max = 50.0))]
     pub turning_radius_m: f64,
-    /// Side of the road: "left", "right" or "centre"; default "right".
+    /// Side of the road: "left", "right" or "centre".
     pub traffic: Traffic,
 }
 

@@ -43,12 +43,16 @@ use crate::mount::AttitudeObservation;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectMotionConfig {
-    /// Width of the strip of road that is aligned, metres, 1 to 40; default 10: a street with its kerbs. Half a lane to either
-    /// side of the path counts with all its texture, what is farther off with edges along the direction of travel alone.
+    /// Width of the strip of road that is aligned, metres, by default a street with its kerbs. Half a lane to either
+    /// side of the path counts with all its texture, what is farther off with edges along the direction of travel
+    /// alone.
+    #[schemars(range(min = 1.0, max = 40.0))]
     pub width_m: f64,
-    /// Its length from the nearest place seen, metres, 1 to 40; default 7.5.
+    /// Its length from the nearest place seen, metres.
+    #[schemars(range(min = 1.0, max = 40.0))]
     pub length_m: f64,
-    /// Most iterations at each level, 1 to 50; default 10.
+    /// Most iterations at each level.
+    #[schemars(range(min = 1, max = 50))]
     pub iterations: usize,
 }
 

@@ -26,23 +26,31 @@ use crate::mount::AttitudeObservation;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FarnebackMotionConfig {
-    /// "rigid": translation and rotation; "mean": the mean flow, as in the papers; default "rigid".
+    /// "rigid": translation and rotation; "mean": the mean flow, as in the papers.
     pub model: FlowModel,
-    /// Width of the region, metres, 1 to 20; default 6.4 (128 pixels at 0.05).
+    /// Width of the region, metres.
+    #[schemars(range(min = 1.0, max = 20.0))]
     pub region_width_m: f64,
-    /// Length of the region, metres, 1 to 20; default 6.4.
+    /// Length of the region, metres.
+    #[schemars(range(min = 1.0, max = 20.0))]
     pub region_length_m: f64,
-    /// Size of a level of the pyramid against the one below, 0.1 to 0.95; default 0.5.
+    /// Size of a level of the pyramid against the one below.
+    #[schemars(range(min = 0.1, max = 0.95))]
     pub pyramid_scale: f64,
-    /// Levels above the full size, 0 to 8; default 3.
+    /// Levels above the full size.
+    #[schemars(range(min = 0, max = 8))]
     pub levels: usize,
-    /// Side of the averaging window, pixels, odd, 3 to 101; default 15.
+    /// Side of the averaging window, pixels; odd.
+    #[schemars(range(min = 3, max = 101))]
     pub window_px: usize,
-    /// Iterations at each level, 1 to 20; default 3.
+    /// Iterations at each level.
+    #[schemars(range(min = 1, max = 20))]
     pub iterations: usize,
-    /// Pixels to either side in the polynomial expansion, 1 to 15; default 5.
+    /// Pixels to either side in the polynomial expansion.
+    #[schemars(range(min = 1, max = 15))]
     pub poly_n_px: usize,
-    /// Standard deviation of the expansion's weights, pixels, above 0; default 1.2.
+    /// Standard deviation of the expansion's weights, pixels.
+    #[schemars(range(min = 0.1, max = 15.0))]
     pub poly_sigma_px: f64,
 }
 
@@ -60,6 +68,7 @@ impl Default for FarnebackMotionConfig {
     fn default() -> Self {
         Self {
             model: FlowModel::Rigid,
+            // 128 pixels of the default ground view.
             region_width_m: 6.4,
             region_length_m: 6.4,
             pyramid_scale: 0.5,

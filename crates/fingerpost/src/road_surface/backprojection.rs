@@ -27,21 +27,29 @@ use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BackprojectionConfig {
-    /// Hue bins, 2 to 180; default 32.
+    /// Hue bins.
+    #[schemars(range(min = 2, max = 180))]
     pub hue_bins: u16,
-    /// Saturation bins, 2 to 256; default 32.
+    /// Saturation bins.
+    #[schemars(range(min = 2, max = 256))]
     pub saturation_bins: u16,
-    /// Frames in the rolling mean of the model histogram, at least 1; default 5 (paper 1, IV-B).
+    /// Frames in the rolling mean of the model histogram (paper 1, IV-B).
+    #[schemars(range(min = 1, max = 1000))]
     pub frames: usize,
-    /// Share of the ground view expected to be road, 0.01 to 1; default 0.8.
+    /// Share of the ground view expected to be road.
+    #[schemars(range(min = 0.01, max = 1.0))]
     pub prior: f64,
-    /// Standard deviation of the histograms' smoothing, bins, 0 to 60; default 1.2.
+    /// Standard deviation of the histograms' smoothing, bins; 0 for none.
+    #[schemars(range(min = 0.0, max = 60.0))]
     pub smoothing_bins: f64,
-    /// Radius of the disc, pixels, 0 to 32; default 2 (a 5 x 5 disc).
+    /// Radius of the disc, pixels; 0 for none, 2 for a disc of 5 x 5.
+    #[schemars(range(min = 0, max = 32))]
     pub disc_radius_px: u16,
-    /// A sample whose mean probability under the model so far is below this is left out, 0 to 1; default 0.3.
+    /// A sample whose mean probability under the model so far is below this is left out.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub min_sample_probability: f64,
-    /// Frames after which a sample so unlike the model is learned all the same; default 20.
+    /// Frames after which a sample so unlike the model is learned all the same.
+    #[schemars(range(min = 0, max = 1000))]
     pub patience_frames: usize,
 }
 

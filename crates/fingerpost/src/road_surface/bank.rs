@@ -36,24 +36,32 @@ pub(super) use surface_memory::SurfaceMemory;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankConfig {
-    /// Surfaces that are kept at the most, 1 to 64; default 8.
+    /// Surfaces that are kept at the most.
+    #[schemars(range(min = 1, max = 64))]
     pub surfaces: usize,
-    /// Likeness (Bhattacharyya coefficient) from which a sample is of a known surface, 0 to 1; default 0.6.
+    /// Likeness (Bhattacharyya coefficient) from which a sample is of a known surface.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub min_likeness: f64,
-    /// Frames of straight driving over which a sample must be like no known surface before it founds a new one, 1 to 1000;
-    /// default 4.
+    /// Frames of straight driving over which a sample must be like no known surface before it founds a new one.
+    #[schemars(range(min = 1, max = 1000))]
     pub patience_frames: usize,
-    /// Curvature of the vehicle's way from which it counts as turning, 1/m, 0 or more; default 0.04, a radius of 25 m.
+    /// Curvature of the vehicle's way from which it counts as turning, 1/m.
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub turning_per_m: f64,
-    /// Frames in the rolling mean, 1 to 1000; default 5 (paper 1, IV-B).
+    /// Frames in the rolling mean (paper 1, IV-B).
+    #[schemars(range(min = 1, max = 1000))]
     pub frames: usize,
-    /// Share of the picture expected to be road, above 0 to 1; default 0.8.
+    /// Share of the picture expected to be road.
+    #[schemars(range(min = 0.01, max = 1.0))]
     pub prior: f64,
-    /// What a surface counts that has not been met for long, 0 to 1; default 0.7.
+    /// What a surface counts that has not been met for long.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub stale_weight: f64,
-    /// Frames since a surface was met after which it has come half way to that; default 100.
+    /// Frames since a surface was met after which it has come half way to that.
+    #[schemars(range(min = 1.0, max = 1000000000.0))]
     pub stale_frames: f64,
-    /// Radius of the disc of the back-projection, pixels, 0 to 32; default 2.
+    /// Radius of the disc of the back-projection, pixels; 0 for none.
+    #[schemars(range(min = 0, max = 32))]
     pub disc_radius_px: u16,
 }
 
@@ -63,6 +71,7 @@ impl Default for BankConfig {
             surfaces: 8,
             min_likeness: 0.6,
             patience_frames: 4,
+            // A radius of 25 m.
             turning_per_m: 0.04,
             frames: 5,
             prior: 0.8,

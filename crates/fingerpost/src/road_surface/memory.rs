@@ -32,22 +32,28 @@ use sensor_model::SensorModel;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
-    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", "onnx", or "fused": back-projection where
-    /// colours tell the road, and elsewhere "online", sharpened by the colours of what it finds; default "fused".
+    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", "onnx", or "fused": back-projection
+    /// where colours tell the road, and elsewhere "online", sharpened by the colours of what it finds.
     pub of: RememberedMethod,
-    /// Side of a cell of the map, metres, 0.02 to 2; rounded to whole pixels of the ground view; default 0.2.
+    /// Side of a cell of the map, metres; rounded to whole pixels of the ground view.
+    #[schemars(range(min = 0.02, max = 2.0))]
     pub cell_m: f64,
-    /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1 less this,
-    /// 0.01 to 0.4; default 0.2.
+    /// Doubt that is left about any pixel of a single frame: its probability counts as at least this and at most 1
+    /// less this.
+    #[schemars(range(min = 0.01, max = 0.4))]
     pub doubt: f64,
-    /// Distance from the camera at which a pixel adds half as much to the map as a near one, metres, 1 to 1000; default 12.
+    /// Distance from the camera at which a pixel adds half as much to the map as a near one, metres.
+    #[schemars(range(min = 1.0, max = 1000.0))]
     pub half_trust_m: f64,
-    /// Share of what a cell says that is left when it is seen anew, 0 to 0.95; default 0.5: a frame
-    /// that is sure then outvotes the surest memory.
+    /// Share of what a cell says that is left when it is seen anew; up to a half, a frame that is sure outvotes the
+    /// surest memory.
+    #[schemars(range(min = 0.0, max = 0.95))]
     pub keep_seen: f64,
-    /// Distance driven over which what is not seen any more fades to a third, metres, 1 to 1000; default 20.
+    /// Distance driven over which what is not seen any more fades to a third, metres.
+    #[schemars(range(min = 1.0, max = 1000.0))]
     pub fade_m: f64,
-    /// Probability of road or of none from which a cell that is not seen counts as known, 0.5 to 0.95; default 0.65.
+    /// Probability of road or of none from which a cell that is not seen counts as known.
+    #[schemars(range(min = 0.5, max = 0.95))]
     pub min_known: f64,
 }
 

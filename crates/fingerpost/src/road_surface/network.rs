@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::perspective::{KnownPerspective, clear_unseen};
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
-use crate::config::{ConfigError, check_ranges};
+use crate::config::{ConfigError, declared};
 
 /// Settings of the detector "onnx": which network, and what goes in and comes out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,31 +22,38 @@ use crate::config::{ConfigError, check_ranges};
 pub struct NetworkConfig {
     /// ONNX file of the network; none by default.
     pub model: String,
-    /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the environment
-    /// variable `FINGERPOST_ONNX_LIBRARY` names, else the system's.
+    /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the
+    /// environment variable `FINGERPOST_ONNX_LIBRARY` names, else the system's.
     pub library: String,
-    /// Width of the picture that goes in, pixels, 16 to 4096; default 640.
+    /// Width of the picture that goes in, pixels.
+    #[schemars(range(min = 16, max = 4096))]
     pub width_px: usize,
-    /// Its height, pixels, 16 to 4096; default 360.
+    /// Its height, pixels.
+    #[schemars(range(min = 16, max = 4096))]
     pub height_px: usize,
-    /// Order of the numbers: "nchw" (plane after plane) or "nhwc" (channels together); default "nchw".
+    /// Order of the numbers: "nchw" (plane after plane) or "nhwc" (channels together).
     pub layout: TensorLayout,
-    /// Order of the channels: "rgb" or "bgr"; default "rgb".
+    /// Order of the channels: "rgb" or "bgr".
     pub channels: ChannelOrder,
-    /// What is taken from each channel after division by 255, in the channels' order, -1000 to 1000; default 0, 0, 0.
+    /// What is taken from each channel after division by 255, in the channels' order.
+    #[schemars(inner(range(min = -1000.0, max = 1000.0)))]
     pub mean: [f32; 3],
-    /// What each channel is then divided by, 0.001 to 1000; default 1, 1, 1.
+    /// What each channel is then divided by.
+    #[schemars(inner(range(min = 0.001, max = 1000.0)))]
     pub standard_deviation: [f32; 3],
     /// Name of the output with a score for every class and pixel; empty, as by default: the first.
     pub output: String,
     /// How scores become probabilities: "softmax" over the classes, "sigmoid" of each, or "none", where they are
-    /// probabilities already; default "softmax".
+    /// probabilities already.
     pub scores: ScoreKind,
-    /// Classes that are road, counted from 0; their probabilities are added up; default 1.
+    /// Classes that are road, counted from 0; their probabilities are added up.
+    #[schemars(inner(range(min = 0, max = 65535)))]
     pub road_classes: BTreeSet<usize>,
-    /// Added to the logarithm of the odds of road, -20 to 20; above 0 where the network takes too little for road; default 0.
+    /// Added to the logarithm of the odds of road; above 0 where the network takes too little for road.
+    #[schemars(range(min = -20.0, max = 20.0))]
     pub log_odds_offset: f32,
-    /// Threads of the network, 1 to 256; default 1, with which a run always gives the same bytes.
+    /// Threads of the network; with one a run always gives the same bytes.
+    #[schemars(range(min = 1, max = 256))]
     pub threads: usize,
 }
 
@@ -108,20 +115,7 @@ impl NetworkConfig {
     /// # Errors
     /// [`ConfigError`] names the first key out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        const SIDE: &str = "16 to 4096 pixels";
-        let numbers = [
-            ("road_surface.onnx.width_px", self.width_px as f64, 16.0, 4096.0, SIDE),
-            ("road_surface.onnx.height_px", self.height_px as f64, 16.0, 4096.0, SIDE),
-            ("road_surface.onnx.log_odds_offset", self.log_odds_offset.into(), -20.0, 20.0, "-20 to 20"),
-            ("road_surface.onnx.threads", self.threads as f64, 1.0, 256.0, "1 to 256 threads"),
-        ];
-        let mean = |value: f32| ("road_surface.onnx.mean", value.into(), -1e3, 1e3, "three of -1000 to 1000");
-        let deviation = |value: f32| {
-            ("road_surface.onnx.standard_deviation", value.into(), 1e-3, 1e3, "three of 0.001 to 1000")
-        };
-        check_ranges(&numbers)?;
-        check_ranges(&self.mean.map(mean))?;
-        check_ranges(&self.standard_deviation.map(deviation))
+        declared::check(&declared::schema_of::<Self>(), "road_surface.onnx", self)
     }
 }
 

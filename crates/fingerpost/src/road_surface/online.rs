@@ -35,21 +35,27 @@ use surfaces::Surfaces;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OnlineConfig {
-    /// Most columns of blocks that the camera picture is reduced to, 16 to 2048; default 256.
+    /// Most columns of blocks that the camera picture is reduced to.
+    #[schemars(range(min = 16, max = 2048))]
     pub columns: usize,
-    /// Most rows of blocks, 16 to 2048; default 192.
+    /// Most rows of blocks.
+    #[schemars(range(min = 16, max = 2048))]
     pub rows: usize,
-    /// Surfaces (one for each kind and light) that are remembered, 1 to 16; default 4.
+    /// Surfaces (one for each kind and light) that are remembered.
+    #[schemars(range(min = 1, max = 16))]
     pub surfaces: usize,
-    /// Bright stripes up to this width are taken for markings, camera heights above the road, 0 to 1; default 0.12: with
-    /// the camera at 1.4 m, 0.17 m.
+    /// Bright stripes up to this width are taken for markings, camera heights above the road.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub marking_width_heights: f64,
-    /// Step in log-brightness, at an edge towards the vanishing point, across which the probability falls to a half, 0.05
-    /// to 10; default 0.75, a factor of 2.1.
+    /// Step in log-brightness, at an edge towards the vanishing point, across which the probability falls to a
+    /// half.
+    #[schemars(range(min = 0.05, max = 10.0))]
     pub half_step: f64,
-    /// Share by which a step between two colours known as road counts less, 0 to 1; default 0.85.
+    /// Share by which a step between two colours known as road counts less.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub known_step: f64,
-    /// What the part of a slope that runs along lines to the vanishing point counts, 0 to 1; default 0.35.
+    /// What the part of a slope that runs along lines to the vanishing point counts.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub edges_along: f64,
 }
 
@@ -59,7 +65,9 @@ impl Default for OnlineConfig {
             columns: 256,
             rows: 192,
             surfaces: 4,
+            // 0.17 m, with the camera at 1.4 m.
             marking_width_heights: 0.12,
+            // A factor of 2.1.
             half_step: 0.75,
             known_step: 0.85,
             edges_along: 0.35,

@@ -37,30 +37,39 @@ pub use section::{CrossSection, CrossSectionUse};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AlignmentConfig {
-    /// Length of a piece of an arm, metres, 0.5 to 10; default 1.5.
+    /// Length of a piece of an arm, metres.
+    #[schemars(range(min = 0.5, max = 10.0))]
     pub piece_length_m: f64,
-    /// Width of a piece, metres, 0.1 to 2; default 0.3.
+    /// Width of a piece, metres.
+    #[schemars(range(min = 0.1, max = 2.0))]
     pub piece_width_m: f64,
-    /// How far beyond the road's half width a piece is slid, metres; default 3.
+    /// How far beyond the road's half width a piece is slid, metres.
+    #[schemars(range(min = 0.2, max = 10.0))]
     pub slide_beyond_m: f64,
-    /// Step of the slide, metres; default 0.1.
+    /// Step of the slide, metres.
+    #[schemars(range(min = 0.02, max = 1.0))]
     pub slide_step_m: f64,
-    /// Least fall of the probability at an edge, 0.01 to 1; half of it for the mean of a whole arm, which has less noise;
-    /// default 0.15.
+    /// Least fall of the probability at an edge; half of it for the mean of a whole arm, which has less noise.
+    #[schemars(range(min = 0.01, max = 1.0))]
     pub min_edge_step: f64,
-    /// Narrowest road believed, as a share of the map's width; default 0.55.
+    /// Narrowest road believed, as a share of the map's width.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub min_width_share: f64,
-    /// How much wider than on the map a road may be, metres: room for parked cars, which the map does not count; default
-    /// 4.
+    /// How much wider than on the map a road may be, metres: room for parked cars, which the map does not count.
+    #[schemars(range(min = 0.0, max = 50.0))]
     pub max_wider_m: f64,
-    /// Standard deviation of a road's middle between its edges, metres; default 0.2.
+    /// Standard deviation of a road's middle between its edges, metres.
+    #[schemars(range(min = 0.01, max = 5.0))]
     pub sigma_m: f64,
-    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says; default 0.16.
+    /// Standard deviation of a road's width against the map's, as a share of it: what a single edge says.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub width_sigma_share: f64,
-    /// Radius of the kerbs where roads meet, metres, 0 to 50: within them a road's edge is not its own; default 4.
+    /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own.
+    #[schemars(range(min = 0.0, max = 50.0))]
     pub kerb_radius_m: f64,
-    /// Standard deviation of what is not known of the camera's pitch, degrees: far places are less sure, in however many
-    /// frames they are seen; default 0.2.
+    /// Standard deviation of what is not known of the camera's pitch, degrees: far places are less sure, in however
+    /// many frames they are seen.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub pitch_sigma_deg: f64,
 }
 

@@ -3,8 +3,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{ConfigError, check_ranges};
-
 /// Unit of a yaw rate on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -85,43 +83,50 @@ pub enum SignalValue {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CanConfig {
-    /// Only frames of this interface are read, such as "can0"; default those of all.
+    /// Only frames of this interface are read, such as "can0"; by default those of all.
     pub interface: Option<String>,
-    /// When the log's first line came, seconds after the drive's first frame, -100000 to 100000; negative where the log
-    /// began earlier; default 0. A live bus needs none.
+    /// When the log's first line came, seconds after the drive's first frame; negative where the log began earlier. A
+    /// live bus needs none.
+    #[schemars(range(min = -100000.0, max = 100000.0))]
     pub time_offset_s: f64,
-    /// Signal with the yaw rate; default none.
+    /// Signal with the yaw rate.
     pub yaw_rate: Option<String>,
-    /// Its unit: "deg_per_s" or "rad_per_s"; default "deg_per_s".
+    /// Its unit: "deg_per_s" or "rad_per_s".
     pub yaw_rate_unit: YawRateUnit,
-    /// The side to which a positive yaw rate turns: "left" or "right"; default "left".
+    /// The side to which a positive yaw rate turns: "left" or "right".
     pub yaw_rate_positive: PositiveYaw,
-    /// Signal with the speed; default none.
+    /// Signal with the speed.
     pub speed: Option<String>,
-    /// Its unit: "m_per_s", "km_per_h" or "miles_per_h"; default "km_per_h".
+    /// Its unit: "m_per_s", "km_per_h" or "miles_per_h".
     pub speed_unit: SpeedUnit,
-    /// Signal with the turn signal; default none.
+    /// Signal with the turn signal.
     pub turn_signal: Option<String>,
-    /// Its value while the driver signals to the left, a number or a name of the value table; default "left".
+    /// Its value while the driver signals to the left, a number or a name of the value table.
     pub turn_signal_left: SignalValue,
-    /// Its value to the right; default "right".
+    /// Its value to the right.
     pub turn_signal_right: SignalValue,
-    /// Its value while the driver does not signal; default "none".
+    /// Its value while the driver does not signal.
     pub turn_signal_off: SignalValue,
-    /// Oldest speed and yaw rate that are used, seconds, 0.01 to 60; default 0.5.
+    /// Oldest speed and yaw rate that are used, seconds.
+    #[schemars(range(min = 0.01, max = 60.0))]
     pub max_age_s: f64,
-    /// Oldest turn signal that is used, seconds, 0.01 to 600; default 10: many buses tell it when it changes and seldom else.
+    /// Oldest turn signal that is used, seconds: many buses tell it when it changes and seldom else.
+    #[schemars(range(min = 0.01, max = 600.0))]
     pub turn_signal_max_age_s: f64,
-    /// Highest speed that is believed, m/s, 1 to 200; default 90.
+    /// Highest speed that is believed, m/s.
+    #[schemars(range(min = 1.0, max = 200.0))]
     pub max_speed_mps: f64,
-    /// Fastest change of speed that is believed, m/s², 1 to 200; default 20.
+    /// Fastest change of speed that is believed, m/s².
+    #[schemars(range(min = 1.0, max = 200.0))]
     pub max_acceleration_mps2: f64,
-    /// Highest yaw rate that is believed, degrees a second, 1 to 1000; default 120.
+    /// Highest yaw rate that is believed, degrees a second.
+    #[schemars(range(min = 1.0, max = 1000.0))]
     pub max_yaw_rate_deg_per_s: f64,
-    /// Fastest change of the yaw rate that is believed, degrees/s², 1 to 10000; default 400.
+    /// Fastest change of the yaw rate that is believed, degrees/s².
+    #[schemars(range(min = 1.0, max = 10000.0))]
     pub max_yaw_acceleration_deg_per_s2: f64,
-    /// How long a signal may contradict what the camera sees of the motion until the camera is believed, seconds, 0.1 to 600;
-    /// default 2.
+    /// How long a signal may contradict what the camera sees of the motion until the camera is believed, seconds.
+    #[schemars(range(min = 0.1, max = 600.0))]
     pub contradiction_s: f64,
 }
 
@@ -147,36 +152,5 @@ impl Default for CanConfig {
             max_yaw_acceleration_deg_per_s2: 400.0,
             contradiction_s: 2.0,
         }
-    }
-}
-
-impl CanConfig {
-    /// Checks every number against its range.
-    ///
-    /// # Errors
-    /// [`ConfigError`] names the first key out of range.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        check_ranges(&[
-            ("can.time_offset_s", self.time_offset_s, -1e5, 1e5, "-100000 to 100000 seconds"),
-            ("can.max_age_s", self.max_age_s, 0.01, 60.0, "0.01 to 60 seconds"),
-            ("can.turn_signal_max_age_s", self.turn_signal_max_age_s, 0.01, 600.0, "0.01 to 600 seconds"),
-            ("can.max_speed_mps", self.max_speed_mps, 1.0, 200.0, "1 to 200 m/s"),
-            ("can.max_acceleration_mps2", self.max_acceleration_mps2, 1.0, 200.0, "1 to 200 m/s²"),
-            (
-                "can.max_yaw_rate_deg_per_s",
-                self.max_yaw_rate_deg_per_s,
-                1.0,
-                1e3,
-                "1 to 1000 degrees a second",
-            ),
-            (
-                "can.max_yaw_acceleration_deg_per_s2",
-                self.max_yaw_acceleration_deg_per_s2,
-                1.0,
-                1e4,
-                "1 to 10000 degrees/s²",
-            ),
-            ("can.contradiction_s", self.contradiction_s, 0.1, 600.0, "0.1 to 600 seconds"),
-        ])
     }
 }
