@@ -29,7 +29,7 @@ pub use verge::Verge;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchConfig {
-    /// What the masks are laid over: "probability" or "binary".
+    /// What the masks are laid over.
     pub surface: MatchedSurface,
     /// Road probability from which a pixel of the binary mask is road.
     #[schemars(range(min = 0.0, max = 1.0))]

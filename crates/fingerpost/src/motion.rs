@@ -29,7 +29,7 @@ use crate::mount::AttitudeObservation;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionConfig {
-    /// "direct": the road ahead aligned with that of the frame before; "farneback": dense flow, as in the papers.
+    /// How the motion between frames is found.
     pub estimator: MotionMethod,
     /// Settings of "direct".
     pub direct: DirectMotionConfig,
@@ -41,10 +41,10 @@ pub struct MotionConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionMethod {
-    /// [`DirectMotion`].
+    /// The road ahead aligned with that of the frame before ([`DirectMotion`]).
     #[default]
     Direct,
-    /// [`FarnebackMotion`].
+    /// Dense flow, as in the papers ([`FarnebackMotion`]).
     Farneback,
 }
 

@@ -44,10 +44,7 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// "backprojection": the papers' histogram back-projection; "bank": whatever looks like a known surface; "online":
-    /// a classifier trained as the drive goes; "onnx": a segmentation network, in programs built for it; "memory":
-    /// what one of these sees, remembered as the vehicle moves on; "combined": the same, with the surface named by the
-    /// bank, and "online" in camera pictures.
+    /// How the road is told from what is beside it.
     pub detector: RoadMethod,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead.
     #[schemars(range(min = 0.5, max = 20.0))]
@@ -86,17 +83,17 @@ impl Default for RoadSurfaceConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RoadMethod {
-    /// [`Backprojection`].
+    /// The papers' histogram back-projection ([`Backprojection`]).
     Backprojection,
-    /// [`Bank`].
+    /// Whatever looks like a known surface ([`Bank`]).
     Bank,
-    /// [`Online`].
+    /// A classifier trained as the drive goes ([`Online`]).
     Online,
-    /// [`Network`].
+    /// A segmentation network, in programs built for it ([`Network`]).
     Onnx,
-    /// [`Memory`] of what another detector sees.
+    /// What another of these sees, remembered as the vehicle moves on ([`Memory`]).
     Memory,
-    /// The same, with the surface under way named by the bank, and [`Online`] in camera pictures.
+    /// The same, with the surface under way named by the bank, and "online" in camera pictures.
     #[default]
     Combined,
 }

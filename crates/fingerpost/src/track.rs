@@ -44,8 +44,7 @@ pub use tracker::Tracker;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackConfig {
-    /// How features are found and followed: "rules", by the match of the masks, or "belief", by the probability of
-    /// every place and of none.
+    /// How features are found and followed.
     pub method: TrackMethod,
     /// P(F) from which a feature counts as seen.
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -98,10 +97,10 @@ pub struct TrackConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TrackMethod {
-    /// [`Tracker`].
+    /// By the match of the masks ([`Tracker`]).
     #[default]
     Rules,
-    /// [`BeliefTracker`].
+    /// By the probability of every place and of none ([`BeliefTracker`]).
     Belief,
 }
 

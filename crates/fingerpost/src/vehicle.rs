@@ -40,7 +40,7 @@ pub struct VehicleConfig {
     /// Radius of the tightest path of the rear axle's middle, metres.
     #[schemars(range(min = 0.5, max = 50.0))]
     pub turning_radius_m: f64,
-    /// Side of the road: "left", "right" or "centre".
+    /// Side of the road that the vehicle keeps to.
     pub traffic: Traffic,
 }
 

@@ -129,12 +129,16 @@ fn results_of_an_earlier_run_are_replaced() {
 }
 
 #[test]
-fn the_schema_describes_every_table() {
+fn the_schema_describes_every_table_and_number() {
     let called = call_line("schema").done();
     let schema: serde_json::Value = serde_json::from_str(&called.stdout).unwrap();
     for table in ["vehicle", "ground_view", "road_surface", "motion", "match", "track"] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }
+    let width = &schema["properties"]["vehicle"]["properties"]["width_m"];
+    assert_eq!((&width["minimum"], &width["maximum"]), (&0.3.into(), &6.0.into()));
+    assert_eq!((&width["default"], &width["x-unit"]), (&1.8.into(), &"metres".into()));
+    assert_eq!(width["description"], "Width of the body, metres.");
 }
 
 #[test]

@@ -27,19 +27,24 @@ const UNITS: [(&str, &str); 13] = [
     ("_frames", "frames"),
 ];
 
-/// The schema of `T` without references, each number with its unit where it has one.
+/// The schema of `T` in one piece: of each field the meaning, the unit where it has one, range and default.
 pub(crate) fn schema_of<T: JsonSchema>() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
-    add_units(&mut schema);
+    complete(&mut schema);
     schema
 }
 
-/// Gives every number under `schema` the unit that its key ends in, unless its field declares another.
-fn add_units(schema: &mut Value) {
-    let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) else { return };
+/// Gives every number under `schema` the unit that its key ends in, unless its field declares another, and leaves defaults
+/// to the fields.
+fn complete(schema: &mut Value) {
+    let Some(table) = schema.as_object_mut().filter(|schema| schema.contains_key("properties")) else {
+        return;
+    };
+    table.remove("default");
+    let Some(properties) = table.get_mut("properties").and_then(Value::as_object_mut) else { return };
     for (key, property) in properties {
-        add_units(property);
+        complete(property);
         let number = if property.get("items").is_some() { &mut property["items"] } else { property };
         if let Some(unit) = unit_of(key, number)
             && let Some(number) = number.as_object_mut()

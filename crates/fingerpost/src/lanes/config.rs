@@ -21,7 +21,7 @@ pub enum LaneMethod {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LanesConfig {
-    /// "markings": lanes are found by their markings; "off": none are looked for.
+    /// How lanes are found.
     pub finder: LaneMethod,
     /// Time that a driver needs to begin to brake, seconds; with the speed it gives how far ahead of the vehicle's
     /// front lanes must be read; by default that of a driver on the telephone (paper 3, table I).

@@ -26,7 +26,7 @@ use crate::mount::AttitudeObservation;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct FarnebackMotionConfig {
-    /// "rigid": translation and rotation; "mean": the mean flow, as in the papers.
+    /// What is taken from the flow.
     pub model: FlowModel,
     /// Width of the region, metres.
     #[schemars(range(min = 1.0, max = 20.0))]

@@ -32,8 +32,7 @@ use sensor_model::SensorModel;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MemoryConfig {
-    /// Detector whose surfaces are remembered: "backprojection", "bank", "online", "onnx", or "fused": back-projection
-    /// where colours tell the road, and elsewhere "online", sharpened by the colours of what it finds.
+    /// Detector whose surfaces are remembered.
     pub of: RememberedMethod,
     /// Side of a cell of the map, metres; rounded to whole pixels of the ground view.
     #[schemars(range(min = 0.02, max = 2.0))]
@@ -75,15 +74,15 @@ impl Default for MemoryConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RememberedMethod {
-    /// [`super::Backprojection`].
+    /// The papers' histogram back-projection.
     Backprojection,
-    /// [`super::Bank`].
+    /// Whatever looks like a known surface.
     Bank,
-    /// [`super::Online`].
+    /// A classifier trained as the drive goes.
     Online,
-    /// [`super::Network`].
+    /// A segmentation network, in programs built for it.
     Onnx,
-    /// [`super::Backprojection`] where colours tell the road, elsewhere [`super::Online`] with the colours that it finds.
+    /// Back-projection where colours tell the road, and elsewhere "online", sharpened by the colours of what it finds.
     #[default]
     Fused,
 }

@@ -31,9 +31,9 @@ pub struct NetworkConfig {
     /// Its height, pixels.
     #[schemars(range(min = 16, max = 4096))]
     pub height_px: usize,
-    /// Order of the numbers: "nchw" (plane after plane) or "nhwc" (channels together).
+    /// Order of the numbers.
     pub layout: TensorLayout,
-    /// Order of the channels: "rgb" or "bgr".
+    /// Order of the channels.
     pub channels: ChannelOrder,
     /// What is taken from each channel after division by 255, in the channels' order.
     #[schemars(inner(range(min = -1000.0, max = 1000.0)))]
@@ -43,8 +43,7 @@ pub struct NetworkConfig {
     pub standard_deviation: [f32; 3],
     /// Name of the output with a score for every class and pixel; empty, as by default: the first.
     pub output: String,
-    /// How scores become probabilities: "softmax" over the classes, "sigmoid" of each, or "none", where they are
-    /// probabilities already.
+    /// How scores become probabilities.
     pub scores: ScoreKind,
     /// Classes that are road, counted from 0; their probabilities are added up.
     #[schemars(inner(range(min = 0, max = 65535)))]
@@ -61,9 +60,9 @@ pub struct NetworkConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TensorLayout {
-    /// Channel, row, column.
+    /// Channel, row, column: plane after plane.
     Nchw,
-    /// Row, column, channel.
+    /// Row, column, channel: channels together.
     Nhwc,
 }
 
@@ -81,11 +80,11 @@ pub enum ChannelOrder {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ScoreKind {
-    /// Logarithms of weights over all classes.
+    /// By their softmax over the classes.
     Softmax,
-    /// Log-odds of each class by itself.
+    /// By the sigmoid of each.
     Sigmoid,
-    /// Probabilities.
+    /// They are probabilities already.
     None,
 }
 

@@ -91,13 +91,13 @@ pub struct CanConfig {
     pub time_offset_s: f64,
     /// Signal with the yaw rate.
     pub yaw_rate: Option<String>,
-    /// Its unit: "deg_per_s" or "rad_per_s".
+    /// Its unit.
     pub yaw_rate_unit: YawRateUnit,
-    /// The side to which a positive yaw rate turns: "left" or "right".
+    /// The side to which a positive yaw rate turns.
     pub yaw_rate_positive: PositiveYaw,
     /// Signal with the speed.
     pub speed: Option<String>,
-    /// Its unit: "m_per_s", "km_per_h" or "miles_per_h".
+    /// Its unit.
     pub speed_unit: SpeedUnit,
     /// Signal with the turn signal.
     pub turn_signal: Option<String>,
