@@ -116,10 +116,12 @@ pub(super) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use fingerpost_geometry::GroundGrid;
     use serde_json::json;
 
     use super::*;
     use crate::Config;
+    use crate::ground_view::GroundViewConfig;
 
     /// The key and the schema of every number under `schema`; of an array, that of its items.
     fn numbers(schema: &Value, key: &str) -> Vec<(String, Value)> {
@@ -170,6 +172,41 @@ mod tests {
                 assert_eq!((&error.key, error.value), (&key, beyond));
             }
         }
+    }
+
+    #[test]
+    fn the_limits_of_the_ground_view_are_those_of_its_grid() {
+        let grid = |change: &dyn Fn(&mut GroundViewConfig)| {
+            let mut view = GroundViewConfig::default();
+            change(&mut view);
+            GroundGrid::new(view.near_m, view.far_m, view.half_width_m, view.metres_per_pixel)
+        };
+        let limits = |key: &str| {
+            let number = &Config::schema()["properties"]["ground_view"]["properties"][key];
+            [("minimum", -1e-6), ("maximum", 1e-6)].map(|(limit, step)| {
+                (number[limit].as_f64().unwrap(), number[limit].as_f64().unwrap() + step)
+            })
+        };
+        let agree = |key: &str, set: &dyn Fn(&mut GroundViewConfig, f64)| {
+            for (limit, beyond) in limits(key) {
+                grid(&|view| set(view, limit)).expect(key);
+                assert!(
+                    grid(&|view| set(view, beyond)).unwrap_err().to_string().contains(key),
+                    "{key} {beyond}"
+                );
+            }
+        };
+        agree("near_m", &|view, near_m| (view.near_m, view.far_m) = (near_m, near_m + 20.0));
+        // The view ends at least a metre beyond where it begins.
+        agree("far_m", &|view, far_m| {
+            (view.near_m, view.far_m) = ((far_m - 20.0).clamp(-10.0, 200.0), far_m)
+        });
+        agree("half_width_m", &|view, half_width_m| view.half_width_m = half_width_m);
+        agree("metres_per_pixel", &|view, scale| {
+            view.metres_per_pixel = scale;
+            (view.near_m, view.far_m) = (4.0, 4.0 + 20.0 * scale.max(0.05));
+            view.half_width_m = 10.0 * scale.max(0.05);
+        });
     }
 
     #[test]
