@@ -9,6 +9,8 @@ use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::progress::GpsUse;
+
 /// Settings of the progress along the route.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -55,21 +57,6 @@ pub struct RouteProgress {
 struct Known {
     mean_m: f64,
     variance: f64,
-}
-
-/// What became of a GPS position.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum GpsUse {
-    /// It moved the belief by this much, metres.
-    Accepted {
-        /// Measured minus believed distance along the route.
-        innovation_m: f64,
-    },
-    /// It lies too far from the route.
-    OffRoute {
-        /// Distance from the route, metres.
-        distance_m: f64,
-    },
 }
 
 impl RouteProgress {

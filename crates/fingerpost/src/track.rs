@@ -29,8 +29,8 @@ use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::feature_model::ArmModel;
 use crate::matching::{LaidSurface, Match};
 use crate::motion::{CameraAttitude, Motion};
+use crate::progress::GpsUse;
 use crate::road_surface::RoadSurface;
-use crate::route_progress::GpsUse;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
 pub use belief::BeliefTracker;
@@ -507,6 +507,10 @@ pub struct Moved<'a> {
     pub motion: Option<&'a Motion>,
     /// How the camera is turned against its mount; none where this frame says nothing of it.
     pub camera: Option<CameraAttitude>,
+    /// Seconds that it took; none where frames have no times.
+    pub dt_s: Option<f64>,
+    /// Speed by the vehicle's bus, metres a second, positive forward; none where it says none.
+    pub speed_mps: Option<f64>,
 }
 
 /// What a frame shows of the road.

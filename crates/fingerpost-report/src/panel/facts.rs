@@ -4,8 +4,8 @@ use fingerpost::camera_state::{CameraEvidence, CameraState};
 use fingerpost::lanes::{Lane, LaneEdge, MarkingColour, MarkingKind, Side};
 use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
+use fingerpost::progress::GpsUse;
 use fingerpost::road_surface::SampleUse;
-use fingerpost::route_progress::GpsUse;
 use fingerpost::track::{CrossSectionUse, PossiblePlace};
 use nalgebra::Isometry2;
 
@@ -123,9 +123,13 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         Some(GpsUse::Accepted { innovation_m }) => {
             facts.push(("GPS", format!("used, {innovation_m:+.1} m along the route")));
         }
+        Some(GpsUse::Jumped { innovation_m }) => {
+            facts.push(("GPS", format!("jumped, {innovation_m:+.1} m along the route")));
+        }
         Some(GpsUse::OffRoute { distance_m }) => {
             facts.push(("GPS", format!("not used, {distance_m:.0} m off the route")));
         }
+        Some(GpsUse::NothingNew) => facts.push(("GPS", "not used, nothing new".into())),
         None => {}
     }
     facts

@@ -13,20 +13,23 @@
 //!
 //! Limits: on recorded streets, where shadows and parked cars make whole stretches of road look like none, it finds less than the rules.
 
+mod along_route;
 mod feature_belief;
 mod fit;
 mod ground_memory;
 pub(super) mod junction_shape;
 mod likelihood;
+mod route_belief;
 
 use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
 use fingerpost_map::Route;
 use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Point2};
 
-use self::feature_belief::{Expected, FeatureBelief, Moments, Seen, Workspace};
+use self::feature_belief::{Moments, Workspace};
 use self::ground_memory::GroundMemory;
 use self::likelihood::Ground;
+use self::route_belief::{FeatureInView, PASSED_M, RouteBelief, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
@@ -37,14 +40,7 @@ use crate::driving_line::DrivingLine;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::CameraAttitude;
-use crate::route_progress::RouteProgress;
-
-/// A feature that was arrived at, until it lies behind.
-#[derive(Debug)]
-struct Passing {
-    index: usize,
-    belief: FeatureBelief,
-}
+use crate::progress::Travel;
 
 /// Follows the features of a route, one after the other.
 #[derive(Debug)]
@@ -52,13 +48,9 @@ pub struct BeliefTracker {
     config: TrackConfig,
     stops: Vec<RouteStop>,
     route_in_map: Option<Polyline>,
-    /// The feature that is searched for or tracked.
-    next: usize,
-    belief: FeatureBelief,
+    route: RouteBelief,
+    /// While no feature is followed.
     state: State,
-    passing: Option<Passing>,
-    progress: RouteProgress,
-    expected: Vec<Expected>,
     memory: GroundMemory,
     ground: Ground,
     work: Workspace,
@@ -76,17 +68,22 @@ pub struct BeliefTracker {
     attitude_sigma_rad: [f64; 2],
 }
 
-/// A node at least this far behind by all that is known has been passed, metres.
-const PASSED_M: f64 = 3.0;
 /// Distance driven after which the ground has more to say, metres: a cell of its map.
 const NEWS_M: f64 = 0.25;
 /// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
 const STEERED_RAD: f64 = 0.052;
 /// A tracked feature is lost when its place is less sure than the bound for tracking by this factor, so that it does not come and go.
 const LOST_SIGMA_FACTOR: f64 = 1.6;
-/// Standard deviation of the distance to a feature while nothing is known of the progress, metres: it may be anywhere in view
-/// and beyond.
-const UNKNOWN_SIGMA_M: f64 = 15.0;
+/// A motion less sure than this leaves the ground behind, metres: edges of the road are no longer where they are remembered.
+const LEFT_BEHIND_M: f64 = 2.0;
+/// Seconds from frame to frame where no times are known: ten frames a second.
+const FRAME_S: f64 = 0.1;
+/// Standard deviation of a speed that is not the camera's, share of it: wheels wear and slip.
+const SPEED_SIGMA_SHARE: f64 = 0.03;
+/// Standard deviation of the speed of a vehicle that hardly moves, metres a second.
+const SPEED_SIGMA_MPS: f64 = 0.1;
+/// Probability from which all features lie behind.
+const DONE: f64 = 0.5;
 
 impl BeliefTracker {
     /// A tracker at the start of `route`, or without one.
@@ -99,16 +96,13 @@ impl BeliefTracker {
         start_m: Option<f64>,
     ) -> Result<Self, GeometryError> {
         let (stops, route_in_map) = route_stops(setting, route)?;
+        let route_length_m = route_in_map.as_ref().map_or(0.0, Polyline::length_m);
         Ok(Self {
             config: setting.track.clone(),
             state: if stops.is_empty() { State::NoRoute } else { State::Searching },
             stops,
             route_in_map,
-            next: 0,
-            belief: FeatureBelief::default(),
-            passing: None,
-            progress: RouteProgress::new(setting.progress, start_m),
-            expected: Vec::new(),
+            route: RouteBelief::new(setting.progress, start_m, route_length_m),
             memory: GroundMemory::new(setting.viewpoint.foot),
             ground: Ground::default(),
             work: Workspace::default(),
@@ -130,81 +124,52 @@ impl BeliefTracker {
         }
         let Some(motion) = moved.motion else { return };
         let step = &motion.previous_from_current;
-        self.memory.carry(step);
-        self.progress.advance(step.translation.x);
-        self.belief.carry(step);
-        if let Some(passing) = &mut self.passing {
-            passing.belief.carry(step);
+        let sigma_m = motion.covariance[(0, 0)].sqrt();
+        let dt_s = moved.dt_s.unwrap_or(FRAME_S);
+        if sigma_m < LEFT_BEHIND_M {
+            self.route.advance(Travel::Measured { forward_m: step.translation.x, sigma_m }, dt_s);
+            self.memory.carry(step);
+            self.route.carry(step);
+            self.since_update_m = self.since_update_m.map(|since_m| since_m + step.translation.vector.norm());
+        } else {
+            let by_bus = |forward_mps: f64| Travel::Speed {
+                forward_mps,
+                sigma_mps: (SPEED_SIGMA_SHARE * forward_mps).hypot(SPEED_SIGMA_MPS),
+            };
+            self.route.advance(moved.speed_mps.map_or(Travel::Unknown, by_bus), dt_s);
+            self.leave_ground();
         }
-        self.since_update_m = self.since_update_m.map(|since_m| since_m + step.translation.vector.norm());
+    }
+
+    /// The vehicle went on unseen: what is remembered of the ground lies nobody knows where.
+    fn leave_ground(&mut self) {
+        self.memory = GroundMemory::new(self.viewpoint.foot);
+        self.route.leave_ground();
+        self.since_update_m = None;
+        if matches!(self.state, State::Tracking | State::Arrived) {
+            self.state = State::Lost;
+        }
     }
 
     /// Computes the beliefs afresh where the ground has more to say.
     fn compute(&mut self, evidence: &mut TrackEvidence) {
-        self.skip_passed(evidence);
-        let reaches = self.expect();
         if self.since_update_m.is_some_and(|since_m| since_m < NEWS_M) {
             return;
         }
-        if !reaches && self.passing.is_none() {
-            self.belief.clear();
+        if let Some(index) = self.route.choose(&self.stops, self.view_m) {
+            self.forget_masks(index);
+            evidence.decision = Decision::Skipped { index };
+            self.state = State::Searching;
+        }
+        if self.route.features().is_empty() {
             self.since_update_m = None;
             return;
         }
         self.since_update_m = Some(0.0);
         self.ground.take(self.memory.squares(), self.viewpoint, self.row_rad);
-        let Self { config, stops, ground, expected, view_m, attitude_sigma_rad, work, .. } = self;
-        let mut update = |index: usize, belief: &mut FeatureBelief| {
-            let Some(stop) = stops.get(index) else { return 0 };
-            belief.update(
-                work,
-                Seen {
-                    config,
-                    stop,
-                    ground,
-                    expected,
-                    view_m: *view_m,
-                    attitude_sigma_rad: *attitude_sigma_rad,
-                },
-            )
-        };
-        if let Some(passing) = &mut self.passing {
-            update(passing.index, &mut passing.belief);
-        }
-        if reaches {
-            evidence.tried = update(self.next, &mut self.belief);
-        } else {
-            self.belief.clear();
-        }
-    }
-
-    /// Moves on past features that lie behind by all that is known.
-    fn skip_passed(&mut self, evidence: &mut TrackEvidence) {
-        while self.state != State::Tracking
-            && let Some(stop) = self.stops.get_mut(self.next)
-            && self.progress.at_least_m() > stop.model.route_m + PASSED_M
-        {
-            stop.masks.clear();
-            evidence.decision = Decision::Skipped { index: self.next };
-            self.next += 1;
-            self.belief.clear();
-            self.state = State::Searching;
-        }
-    }
-
-    /// Where the next feature is expected; whether that may be in view.
-    fn expect(&mut self) -> bool {
-        self.expected.clear();
-        let Some(stop) = self.stops.get(self.next) else { return false };
-        let beliefs = self.progress.beliefs_m();
-        self.expected.extend(
-            beliefs.map(|(mean_m, sigma_m)| Expected { ahead_m: stop.model.route_m - mean_m, sigma_m }),
-        );
-        if self.expected.is_empty() {
-            let ahead_m = 0.5 * (self.view_m[0] + self.view_m[1]);
-            self.expected.push(Expected { ahead_m, sigma_m: UNKNOWN_SIGMA_M });
-        }
-        self.expected.iter().any(|e| e.ahead_m - 3.0 * e.sigma_m < self.view_m[1])
+        let Self { config, stops, ground, view_m, attitude_sigma_rad, route, work, .. } = self;
+        let (view_m, attitude_sigma_rad) = (*view_m, *attitude_sigma_rad);
+        evidence.tried = route.weigh(View { config, stops, ground, view_m, attitude_sigma_rad }, work);
     }
 
     /// Reads the state off the beliefs.
@@ -212,87 +177,106 @@ impl BeliefTracker {
     /// # Errors
     /// [`SpanError`] when an arm cannot be drawn.
     fn decide(&mut self, grid: &GroundGrid, evidence: &mut TrackEvidence) -> Result<(), SpanError> {
-        if let Some(gone) = self.passing.take_if(|passing| passed(&self.stops, passing)) {
-            self.forget_masks(gone.index);
+        let gone = |feature: &&FeatureInView| feature.stage == Stage::Arrived && passed(&self.stops, feature);
+        if let Some(index) = self.route.features().iter().find(gone).map(|gone| gone.index) {
+            self.route.leave(&self.stops, index);
+            self.forget_masks(index);
         }
-        let moments = self.belief.moments();
-        let tracked = self.state == State::Tracking;
-        let lack = moments.and_then(|moments| self.lack(&moments, tracked));
-        match (tracked, moments, lack) {
-            (false, Some(moments), None) => {
-                evidence.decision = Decision::Detected;
-                self.state = State::Tracking;
-                if let Some(stop) = self.stops.get_mut(self.next) {
+        let bottom_m = grid.near_m().max(self.view_m[0]);
+        let next = self.next().unwrap_or(self.stops.len());
+        let mut decided = None;
+        let mut state = if self.state == State::Lost { State::Lost } else { State::Searching };
+        let mut arrived = None;
+        for feature in self.route.features_mut() {
+            let index = feature.index;
+            let Some(stop) = self.stops.get_mut(index) else { continue };
+            let moments = feature.belief.moments();
+            let lack = moments.map(|moments| lack(&self.config, &moments, feature.stage));
+            match (feature.stage, moments, lack) {
+                (Stage::Arrived, ..) => {}
+                (Stage::Sought, Some(moments), Some(None)) if index <= next => {
+                    feature.stage = Stage::Tracked;
                     stop.masks.draw_about(moments.vehicle_from_feature.rotation.angle(), STEERED_RAD)?;
+                    decided = Some(Decision::Detected);
+                    state = State::Tracking;
+                }
+                (Stage::Sought, _, lack) => {
+                    let lack = lack.flatten();
+                    let undecided =
+                        lack.map_or(Decision::NotFound { index }, |lack| Decision::NotSure { index, lack });
+                    decided = decided.or(Some(undecided));
+                }
+                (Stage::Tracked, Some(moments), Some(None)) => {
+                    decided = Some(Decision::Confirmed);
+                    state = State::Tracking;
+                    if has_begun(stop, &moments, bottom_m) {
+                        decided = Some(Decision::Arrived);
+                        feature.belief.leave_approach();
+                        feature.stage = Stage::Arrived;
+                        arrived = Some(index);
+                        state = State::Searching;
+                    }
+                }
+                (Stage::Tracked, _, lack) => {
+                    let needed = self.config.belief.lost_present;
+                    let lack = lack.flatten().unwrap_or(Lack::Presence { present: 0.0, needed });
+                    decided = Some(Decision::NoLongerSure { index, lack });
+                    feature.stage = Stage::Sought;
+                    state = State::Lost;
                 }
             }
-            (true, Some(moments), None) => {
-                evidence.decision = Decision::Confirmed;
-                self.arrive(&moments, grid, evidence);
-            }
-            (true, _, lack) => {
-                let lack =
-                    lack.unwrap_or(Lack::Presence { present: 0.0, needed: self.config.belief.lost_present });
-                evidence.decision = Decision::NoLongerSure { index: self.next, lack };
-                self.state = State::Lost;
-            }
-            (false, ..) if self.passing.is_some() => evidence.decision = Decision::Passing,
-            (false, Some(_), Some(lack)) => {
-                evidence.decision = Decision::NotSure { index: self.next, lack };
-            }
-            (false, ..) => self.decide_without_place(evidence),
         }
+        if let Some(arrived) = arrived {
+            self.leave_arrived_before(arrived);
+        }
+        let is_passing = self
+            .route
+            .features()
+            .iter()
+            .any(|feature| feature.stage == Stage::Arrived && feature.belief.moments().is_some());
+        if is_passing && matches!(state, State::Searching | State::Lost) {
+            state = State::Arrived;
+        }
+        self.state = state;
+        self.say(decided, evidence);
         Ok(())
     }
 
-    /// What is decided where the next feature has no place.
-    fn decide_without_place(&mut self, evidence: &mut TrackEvidence) {
-        if self.next >= self.stops.len() {
-            evidence.decision = Decision::RouteDone;
-            self.state = State::RouteDone;
-        } else if let (Some(expected), 0) = (self.expected.first(), evidence.tried) {
-            if !matches!(evidence.decision, Decision::Skipped { .. }) {
-                evidence.decision = Decision::NotInReach { index: self.next, ahead_m: expected.ahead_m };
+    /// The first feature that does not lie behind.
+    fn next(&self) -> Option<usize> {
+        let progress = self.route.progress();
+        self.stops.iter().position(|stop| progress.mass_behind(stop.model.route_m) < DONE)
+    }
+
+    /// One feature at a time is on its way through: those before `index` lie behind.
+    fn leave_arrived_before(&mut self, index: usize) {
+        let is_before = |feature: &&FeatureInView| feature.stage == Stage::Arrived && feature.index != index;
+        while let Some(before) = self.route.features().iter().find(is_before).map(|feature| feature.index) {
+            self.route.leave(&self.stops, before);
+            self.forget_masks(before);
+        }
+    }
+
+    /// Says what was decided of the features in view, or what there is to say where none is.
+    fn say(&mut self, decided: Option<Decision>, evidence: &mut TrackEvidence) {
+        let is_undecided =
+            |decision: &Decision| matches!(decision, Decision::NotSure { .. } | Decision::NotFound { .. });
+        let progress = self.route.progress();
+        evidence.decision = match (decided, self.state, self.next()) {
+            (Some(decided), ..) if !is_undecided(&decided) => decided,
+            (_, State::Arrived, _) => Decision::Passing,
+            (Some(undecided), ..) => undecided,
+            (None, ..) if matches!(evidence.decision, Decision::Skipped { .. }) => return,
+            (None, _, Some(index)) => {
+                let (route_m, _) = progress.moments_m();
+                let ahead_m = self.stops.get(index).map_or(0.0, |stop| stop.model.route_m - route_m);
+                Decision::NotInReach { index, ahead_m }
             }
-        } else {
-            evidence.decision = Decision::NotFound { index: self.next };
-        }
-    }
-
-    /// What a feature lacks to be tracked, or to be tracked on.
-    fn lack(&self, moments: &Moments, tracked: bool) -> Option<Lack> {
-        let config = &self.config;
-        let (needed, most_m) = if tracked {
-            (config.belief.lost_present, LOST_SIGMA_FACTOR * config.belief.detect_sigma_m)
-        } else {
-            (config.belief.detect_present, config.belief.detect_sigma_m)
+            (None, _, None) => {
+                self.state = State::RouteDone;
+                Decision::RouteDone
+            }
         };
-        let (present, sigma_m) = (moments.present, moments.sigma_m());
-        if present < needed {
-            Some(Lack::Presence { present, needed })
-        } else if sigma_m > most_m {
-            Some(Lack::Place { present, sigma_m, most_m })
-        } else {
-            None
-        }
-    }
-
-    /// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
-    fn arrive(&mut self, moments: &Moments, grid: &GroundGrid, evidence: &mut TrackEvidence) {
-        let Some(stop) = self.stops.get(self.next) else { return };
-        let start = stop.line.as_ref().map_or(Point2::origin(), DrivingLine::start);
-        let bottom_m = grid.near_m().max(self.view_m[0]);
-        if (moments.vehicle_from_feature * start).x > bottom_m {
-            return;
-        }
-        evidence.decision = Decision::Arrived;
-        self.belief.leave_approach();
-        let arrived = Passing { index: self.next, belief: std::mem::take(&mut self.belief) };
-        if let Some(before) = self.passing.replace(arrived) {
-            self.forget_masks(before.index);
-        }
-        self.next += 1;
-        self.state = State::Searching;
     }
 
     /// Frees the masks of a feature that lies behind, so that memory does not grow with the route that was driven.
@@ -309,24 +293,25 @@ impl BeliefTracker {
         output: &mut TrackOutput,
         evidence: &mut TrackEvidence,
     ) -> Result<(), SpanError> {
-        let is_followed = |state: State| matches!(state, State::Tracking | State::Arrived);
-        output.state = match (self.state, &self.passing) {
-            (State::Tracking | State::NoRoute, _) | (_, None) => self.state,
-            (_, Some(_)) => State::Arrived,
+        output.state = self.state;
+        let at = |stage: Stage| self.route.features().iter().find(|feature| feature.stage == stage);
+        let followed = match self.state {
+            State::Tracking => at(Stage::Tracked),
+            State::Arrived => at(Stage::Arrived),
+            _ => None,
         };
-        let (index, belief) = match &self.passing {
-            Some(passing) if output.state == State::Arrived => (passing.index, &passing.belief),
-            _ => (self.next, &self.belief),
-        };
-        let (Some(moments), Some(stop)) = (belief.moments(), self.stops.get_mut(index)) else {
+        let Some(feature) = followed.or_else(|| at(Stage::Sought)) else { return Ok(()) };
+        let FeatureInView { index, belief, .. } = feature;
+        let (Some(moments), Some(stop)) = (belief.moments(), self.stops.get_mut(*index)) else {
             return Ok(());
         };
         evidence.places.extend(belief.places());
         belief.edges(stop, &mut evidence.edges);
+        let (index, is_followed) = (*index, followed.is_some());
         let Moments { vehicle_from_feature, covariance, present } = moments;
         let mut matched = self.spare.pop().unwrap_or_default();
         laid.explain(&mut stop.masks, &self.shown.shown_from_road(&vehicle_from_feature), &mut matched)?;
-        if is_followed(output.state) {
+        if is_followed {
             output.followed =
                 Some(Followed { index, vehicle_from_feature, covariance, present: Some(present), matched });
         } else {
@@ -356,27 +341,47 @@ impl FeatureTracker for BeliefTracker {
             self.carry(&moved);
             self.memory.see(shown.laid.grid(), (&shown.surface.probability, shown.seen), self.shown.map());
             if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
-                evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
+                evidence.gps = Some(self.route.observe_gps(route, p_in_map));
             }
             self.compute(evidence);
             self.decide(shown.laid.grid(), evidence)?;
         }
         self.give(&shown.laid, output, evidence)?;
         let beside = output.followed.as_ref().and_then(|followed| followed.route_m(&self.stops));
-        if let (Some((route_m, sigma_m)), State::Arrived) = (beside, output.state) {
-            // Before it is reached a feature does not say where it is to be expected.
-            self.progress.observe(route_m, sigma_m);
-        }
-        output.route_m = beside.or_else(|| self.progress.belief_m()).map(|(route_m, _)| route_m);
+        let likeliest = || self.route.progress().components().next().map(|likeliest| likeliest.mean_m);
+        output.route_m = beside.map(|(route_m, _)| route_m).or_else(likeliest);
         Ok(())
     }
 }
 
+/// What a feature lacks to be tracked, or to be tracked on.
+fn lack(config: &TrackConfig, moments: &Moments, stage: Stage) -> Option<Lack> {
+    let (needed, most_m) = match stage {
+        Stage::Sought => (config.belief.detect_present, config.belief.detect_sigma_m),
+        _ => (config.belief.lost_present, LOST_SIGMA_FACTOR * config.belief.detect_sigma_m),
+    };
+    let (present, sigma_m) = (moments.present, moments.sigma_m());
+    if present < needed {
+        Some(Lack::Presence { present, needed })
+    } else if sigma_m > most_m {
+        Some(Lack::Place { present, sigma_m, most_m })
+    } else {
+        None
+    }
+}
+
+/// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
+fn has_begun(stop: &RouteStop, moments: &Moments, bottom_m: f64) -> bool {
+    let start = stop.line.as_ref().map_or(Point2::origin(), DrivingLine::start);
+    (moments.vehicle_from_feature * start).x <= bottom_m
+}
+
 /// Whether the vehicle's origin is past the end of the line through the feature.
-fn passed(stops: &[RouteStop], passing: &Passing) -> bool {
-    let stop = stops.get(passing.index);
+fn passed(stops: &[RouteStop], feature: &FeatureInView) -> bool {
+    let stop = stops.get(feature.index);
     let end = stop.and_then(|stop| stop.line.as_ref()).map_or(Point2::origin(), DrivingLine::end);
-    let Some(moments) = passing.belief.moments() else { return true };
-    let pose: Isometry2<f64> = moments.vehicle_from_feature;
-    (pose * end).x < 0.0 && (pose * Point2::origin()).x < PASSED_M
+    feature
+        .belief
+        .pose()
+        .is_none_or(|pose: Isometry2<f64>| (pose * end).x < 0.0 && (pose * Point2::origin()).x < PASSED_M)
 }

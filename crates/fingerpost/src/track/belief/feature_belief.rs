@@ -4,17 +4,20 @@
 //!
 //! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) p(ground | place, unknowns),
 //!
-//! against p(nothing there) p(ground | plain road). The places that a scan along the approach finds are fitted together with
+//! against p(nothing there) p(ground | plain road), where p(place | progress) is what the route's other features leave open, and
+//! some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds are fitted together with
 //! what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
 use fingerpost_geometry::wrap_angle;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 
+use super::along_route::{Expected, SeenAlong, expected_at};
 use super::fit::{Fit, Fitter, Prior};
 use super::junction_shape::{
     CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
 };
 use super::likelihood::{Ground, pose_of};
+use crate::progress::{FeatureOutcome, FeaturePlace, Progress};
 use crate::track::{PossiblePlace, RouteStop, TrackConfig};
 
 /// Standard deviation of a vehicle's place beside the middle of its road, metres: either lane of a road of 8 m.
@@ -57,13 +60,12 @@ const CARRIED_SIGMAS: f64 = 2.0;
 /// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
 const EDGE_ROOM_M: f64 = 1.0;
 
-/// Where the vehicle may be along its route, by all that is known without the feature.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Expected {
-    /// Distance of the node ahead along the route, metres.
-    pub(super) ahead_m: f64,
-    pub(super) sigma_m: f64,
-}
+/// How often a feature does not show though it is there, in shade or in poor light: one in six of drawn worlds.
+const UNSEEN: f64 = 0.15;
+/// Where the ground says so much less of the feature than of a plain road it would have been seen, logarithm; and a place that is
+/// weighed speaks for so many metres about it.
+const UNSEEN_LOG_RATIO: f64 = -2.0;
+const SEEN_ABOUT_M: f64 = 1.5;
 
 /// The places together, matched by their moments.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,11 +86,15 @@ impl Moments {
 #[derive(Debug, Clone)]
 struct Place {
     fit: Fit,
+    /// Where it was expected.
+    expected: Expected,
+    /// Logarithm of how much likelier it makes the ground than a plain road does, with the probability of being there.
+    log_share: f64,
     weight: f64,
 }
 
 /// The belief about one feature.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct FeatureBelief {
     places: Vec<Place>,
     /// The plain road without the feature, as the last fit left it.
@@ -97,14 +103,24 @@ pub(super) struct FeatureBelief {
     carried: Option<(Isometry2<f64>, [f64; 3])>,
     /// Metres driven since the approach was scanned; none before the first scan.
     since_scan_m: Option<f64>,
+    /// What the scan found: how far ahead, metres, and the log-likelihood there against that of a plain road.
+    scanned: Vec<(f64, f64)>,
+    /// The places as the progress sees them.
+    on_route: Vec<FeaturePlace>,
+    /// Where ahead it would have been seen, metres, and the probability that it is there and was not.
+    looked_for: Option<([f64; 2], f64)>,
 }
+
+/// Where a fit starts, and after how many rounds it ends.
+type Start = (Unknowns, usize);
 
 /// Memory that is reused from belief to belief.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     fitter: Fitter,
-    starts: Vec<(Unknowns, usize)>,
+    starts: Vec<Start>,
     scores: Vec<(Unknowns, f64)>,
+    expected: Vec<Expected>,
 }
 
 /// What a belief is computed from.
@@ -113,21 +129,30 @@ pub(super) struct Seen<'a> {
     pub(super) config: &'a TrackConfig,
     pub(super) stop: &'a RouteStop,
     pub(super) ground: &'a Ground,
-    /// The likeliest first; never empty.
-    pub(super) expected: &'a [Expected],
+    /// Where the vehicle is along the route, without what this feature says.
+    pub(super) progress: &'a Progress,
     /// Bottom and top of the view, metres.
     pub(super) view_m: [f64; 2],
     /// Standard deviations of the camera's pitch and roll, radians.
     pub(super) attitude_sigma_rad: [f64; 2],
 }
 
-impl FeatureBelief {
-    /// Nothing is known any more.
-    pub(super) fn clear(&mut self) {
-        self.places.clear();
-        (self.plain, self.carried, self.since_scan_m) = (None, None, None);
+impl Default for FeatureBelief {
+    /// Nothing is known yet.
+    fn default() -> Self {
+        Self {
+            places: Vec::new(),
+            plain: None,
+            carried: None,
+            since_scan_m: None,
+            scanned: Vec::new(),
+            on_route: Vec::new(),
+            looked_for: None,
+        }
     }
+}
 
+impl FeatureBelief {
     /// The vehicle moves on: places, and what is carried, stay on the ground.
     pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
         let current_from_previous = previous_from_current.inverse();
@@ -138,11 +163,13 @@ impl FeatureBelief {
         };
         self.places.iter_mut().for_each(|place| carry(&mut place.fit.unknowns));
         self.plain.iter_mut().for_each(carry);
-        let moved_m = previous_from_current.translation.vector.norm();
+        let moved = previous_from_current.translation.vector;
         if let Some((pose, _)) = &mut self.carried {
             *pose = current_from_previous * *pose;
         }
-        self.since_scan_m = self.since_scan_m.map(|since_m| since_m + moved_m);
+        self.since_scan_m = self.since_scan_m.map(|since_m| since_m + moved.norm());
+        self.scanned.iter_mut().for_each(|(ahead_m, _)| *ahead_m -= moved.x);
+        self.on_route.iter_mut().for_each(|place| place.ahead_m -= moved.x);
     }
 
     /// From now on the approach no longer says how the vehicle is turned.
@@ -153,12 +180,20 @@ impl FeatureBelief {
         }
     }
 
+    /// Where the feature is, or would be by what was known when the curve began.
+    pub(super) fn pose(&self) -> Option<Isometry2<f64>> {
+        let carried = self.carried.map(|(pose, _)| pose);
+        self.moments().map(|moments| moments.vehicle_from_feature).or(carried)
+    }
+
     /// Computes the belief afresh; returns how many places were tried.
     pub(super) fn update(&mut self, work: &mut Workspace, seen: Seen<'_>) -> usize {
-        let Workspace { fitter, starts, scores } = work;
-        let Seen { stop, ground, expected, .. } = seen;
-        let Some(first) = expected.first() else { return 0 };
-        let here = self.prior(seen, first.ahead_m);
+        let Workspace { fitter, starts, scores, expected } = work;
+        let Seen { stop, ground, .. } = seen;
+        expected.clear();
+        expected.extend(Expected::by_progress(seen));
+        let first_m = expected.first().map_or(0.5 * (seen.view_m[0] + seen.view_m[1]), |first| first.ahead_m);
+        let here = self.prior(seen, &expected_at(seen, expected, first_m), first_m);
         let (start, rounds) = self.plain.map_or((here.mean, ROUNDS), |plain| (plain, WARM_ROUNDS));
         let plain = fitter.fit(ground, &stop.plain_shape, &here, &start, rounds);
         self.plain = Some(plain.unknowns);
@@ -167,47 +202,48 @@ impl FeatureBelief {
         let mut tried = starts.len();
         if self.carried.is_none() && self.since_scan_m.is_none_or(|since_m| since_m >= SCAN_EVERY_M) {
             self.since_scan_m = Some(0.0);
-            tried += self.scan(seen, &plain.unknowns, starts, scores);
+            tried += self.scan(seen, &plain.unknowns, expected, (starts, scores));
         }
         self.places.clear();
         for (start, rounds) in starts.iter() {
-            let prior = self.prior(seen, stop.model.before_m(&pose_of(start)));
+            let before_m = stop.model.before_m(&pose_of(start));
+            let expected = expected_at(seen, expected, before_m);
+            let prior = self.prior(seen, &expected, before_m);
             let fit = fitter.fit(ground, &stop.shape, &prior, start, *rounds);
             let at = |place: &Place| pose_of(&place.fit.unknowns).translation.vector;
-            let place = Place { fit, weight: 0.0 };
+            let place = Place { fit, expected, log_share: f64::NEG_INFINITY, weight: 0.0 };
             // Beyond the view nothing speaks against a place: there the feature is not seen, which is weighed as a whole.
             if at(&place).x > seen.view_m[1] - EDGE_ROOM_M {
                 continue;
             }
             match self.places.iter_mut().find(|other| (at(other) - at(&place)).norm() < SAME_PLACE_M) {
-                Some(other) if other.fit.log_evidence < place.fit.log_evidence => *other = place,
+                Some(other) if other.log_evidence() < place.log_evidence() => *other = place,
                 Some(_) => {}
                 None => self.places.push(place),
             }
         }
-        self.places.sort_unstable_by(|a, b| b.fit.log_evidence.total_cmp(&a.fit.log_evidence));
+        self.places.sort_unstable_by(|a, b| b.log_evidence().total_cmp(&a.log_evidence()));
         self.places.truncate(MOST_PLACES);
-        self.weigh(plain.log_evidence, self.in_view(seen));
+        self.place_on_route(seen, plain.log_evidence);
+        self.weigh(self.in_view(seen));
         tried
     }
 
     /// What is known before of a feature whose node is `before_m` ahead along the approach.
-    fn prior(&self, seen: Seen<'_>, before_m: f64) -> Prior {
+    fn prior(&self, seen: Seen<'_>, expected: &Expected, before_m: f64) -> Prior {
         let config = seen.config;
         let (pose, sigmas) = self.carried.unwrap_or_else(|| {
-            let off = |expected: &&Expected| ((before_m - expected.ahead_m) / expected.sigma_m).abs();
-            let nearest = seen.expected.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-            let (ahead_m, sigma_m) = nearest.map_or((before_m, 1.0), |e| (e.ahead_m, e.sigma_m));
             let here = seen.stop.model.vehicle_from_feature(before_m, 0.0, 0.0);
             // As far off along the road as the place is from where it is expected.
             let along = seen.stop.model.vehicle_from_feature(before_m - 1.0, 0.0, 0.0).translation.vector
                 - here.translation.vector;
-            let mean = here.translation.vector - (ahead_m - before_m) * along;
+            let mean = here.translation.vector - (expected.ahead_m - before_m) * along;
             // Where the road bends a vehicle is turned as one a little before or behind may be.
             let heading = |m: f64| seen.stop.model.vehicle_from_feature(before_m + m, 0.0, 0.0).rotation;
             let bends_rad = heading(TURNS_WITHIN_M).angle_to(&heading(-TURNS_WITHIN_M)).abs();
             let heading_sigma_rad = HEADING_SIGMA_RAD.hypot(0.5 * bends_rad);
-            (Isometry2::new(mean, here.rotation.angle()), [sigma_m, BESIDE_SIGMA_M, heading_sigma_rad])
+            let sigmas = [expected.sigma_m, BESIDE_SIGMA_M, heading_sigma_rad];
+            (Isometry2::new(mean, here.rotation.angle()), sigmas)
         });
         let (mut mean, mut sigma) = (Unknowns::zeros(), Unknowns::repeat(1.0));
         (mean[FORWARD], mean[LEFT], mean[HEADING]) =
@@ -226,36 +262,33 @@ impl FeatureBelief {
 
     /// Adds the best places along the approach, the vehicle beside it as the plain road says; returns how many were tried.
     fn scan(
-        &self,
+        &mut self,
         seen: Seen<'_>,
         plain: &Unknowns,
-        starts: &mut Vec<(Unknowns, usize)>,
-        scores: &mut Vec<(Unknowns, f64)>,
+        expected: &[Expected],
+        (starts, scores): (&mut Vec<Start>, &mut Vec<(Unknowns, f64)>),
     ) -> usize {
-        let Seen { stop, ground, expected, view_m, .. } = seen;
+        let Seen { stop, ground, view_m, .. } = seen;
         let plain_pose = pose_of(plain);
         let left_m = stop.model.left_of_approach_m(&plain_pose);
         let heading_rad = stop.model.heading_off_approach_rad(&plain_pose);
-        let reach = |side: f64| expected.iter().map(move |e| e.ahead_m + side * 3.0 * e.sigma_m);
-        let nearest_m = reach(-1.0).fold(f64::INFINITY, f64::min).max(view_m[0] - EDGE_ROOM_M);
-        let farthest_m = reach(1.0).fold(f64::NEG_INFINITY, f64::max).min(view_m[1] - EDGE_ROOM_M);
-        let steps = ((farthest_m - nearest_m) / SCAN_STEP_M).floor();
-        if steps.is_nan() || steps < 0.0 {
-            return 0;
-        }
+        let plain_score = ground.score(&stop.plain_shape, plain, SCAN_SOFT_M, SCAN_EVERY);
+        let [nearest_m, farthest_m] = [view_m[0] - EDGE_ROOM_M, view_m[1] - EDGE_ROOM_M];
+        let steps = ((farthest_m - nearest_m) / SCAN_STEP_M).floor().max(0.0) as usize;
         scores.clear();
-        scores.extend((0..=steps as usize).map(|i| {
+        self.scanned.clear();
+        for i in 0..=steps {
             let before_m = nearest_m + SCAN_STEP_M * i as f64;
             let pose = stop.model.vehicle_from_feature(before_m, left_m, heading_rad);
-            let mut unknowns = self.prior(seen, before_m).mean;
+            let expected = expected_at(seen, expected, before_m);
+            let mut unknowns = self.prior(seen, &expected, before_m).mean;
             (unknowns[FORWARD], unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
             unknowns[HEADING] = pose.rotation.angle();
             (unknowns[PITCH], unknowns[ROLL]) = (plain[PITCH], plain[ROLL]);
-            let off = expected.iter().map(|e| ((before_m - e.ahead_m) / e.sigma_m).powi(2));
-            let score = ground.score(&stop.shape, &unknowns, SCAN_SOFT_M, SCAN_EVERY)
-                - 0.5 * off.fold(f64::INFINITY, f64::min);
-            (unknowns, score)
-        }));
+            let score = ground.score(&stop.shape, &unknowns, SCAN_SOFT_M, SCAN_EVERY);
+            self.scanned.push((before_m, score - plain_score));
+            scores.push((unknowns, score + expected.log_per_m(before_m)));
+        }
         let tried = scores.len();
         keep_peaks(scores);
         let known = starts.len();
@@ -269,33 +302,70 @@ impl FeatureBelief {
         tried
     }
 
+    /// Says of the places, and of the ground where there is none, what the progress is to know.
+    fn place_on_route(&mut self, seen: Seen<'_>, plain_log_evidence: f64) {
+        let Seen { stop, .. } = seen;
+        if self.carried.is_none() || !self.places.is_empty() {
+            self.on_route.clear();
+        }
+        for place in &mut self.places {
+            let log_ratio = place.fit.log_evidence - plain_log_evidence;
+            let (seen, log_clutter) = if self.carried.is_some() {
+                // What was known when the curve began is one of the route's features.
+                place.log_share = log_ratio;
+                (SeenAlong::unexpected(&stop.model, &place.fit, log_ratio), 0.0)
+            } else {
+                let seen = SeenAlong::of(&stop.model, &place.fit, &place.expected, log_ratio);
+                let log_clutter = seen.log_clutter();
+                place.log_share = place.expected.log_weight + log_ratio - log_clutter;
+                (seen, log_clutter)
+            };
+            self.on_route.push(seen.on_map(log_clutter));
+        }
+        let mut looked_for: Option<([f64; 2], f64)> = None;
+        let mut unlikely = f64::NEG_INFINITY;
+        for &(ahead_m, log_ratio) in &self.scanned {
+            let is_place = |place: &FeaturePlace| (place.ahead_m - ahead_m).abs() < SEEN_ABOUT_M;
+            if !self.on_route.iter().any(is_place) {
+                if log_ratio > UNSEEN_LOG_RATIO {
+                    break;
+                }
+                unlikely = unlikely.max(log_ratio);
+            }
+            let nearest_m = looked_for.map_or(ahead_m, |([nearest_m, _], _)| nearest_m);
+            looked_for =
+                Some(([nearest_m, ahead_m], MAP_WRONG + (1.0 - MAP_WRONG) * unlikely.exp().max(UNSEEN)));
+        }
+        self.looked_for = looked_for.filter(|_| self.carried.is_none());
+    }
+
+    /// What this feature says of the progress.
+    pub(super) fn outcome(&self) -> FeatureOutcome<'_> {
+        let (looked_for_m, map_wrong_share) = self.looked_for.unzip();
+        let map_wrong_share = map_wrong_share.unwrap_or(MAP_WRONG);
+        FeatureOutcome { places: &self.on_route, looked_for_m, map_wrong_share }
+    }
+
     /// Probability that the feature would be in view if it is there.
-    fn in_view(&self, Seen { expected, view_m, .. }: Seen<'_>) -> f64 {
+    fn in_view(&self, Seen { stop, progress, view_m, .. }: Seen<'_>) -> f64 {
         if self.carried.is_some() {
             return 1.0;
         }
-        let within = |e: &Expected| {
-            let below = |m: f64| normal_share((m - e.ahead_m) / e.sigma_m);
-            (below(view_m[1] - EDGE_ROOM_M) - below(0.0)).clamp(0.0, 1.0)
-        };
-        expected.iter().map(within).sum::<f64>() / expected.len().max(1) as f64
+        let route_m = stop.model.route_m;
+        progress.probability_between(route_m - view_m[1] + EDGE_ROOM_M, route_m)
     }
 
     /// Gives every place its probability against that of a plain road.
-    fn weigh(&mut self, plain_log_evidence: f64, in_view: f64) {
-        let there = (1.0 - MAP_WRONG) * in_view;
-        let best = self
-            .places
-            .first()
-            .map_or(plain_log_evidence, |place| place.fit.log_evidence.max(plain_log_evidence));
-        let share = |log_evidence: f64| (log_evidence - best).exp();
-        let nowhere = (1.0 - there) * share(plain_log_evidence);
-        let total =
-            nowhere + there * self.places.iter().map(|place| share(place.fit.log_evidence)).sum::<f64>();
+    fn weigh(&mut self, in_view: f64) {
+        let best = self.places.iter().map(|place| place.log_share).fold(0.0, f64::max);
+        let there = |place: &Place| (1.0 - MAP_WRONG) * (place.log_share - best).exp();
+        let nowhere = (1.0 - (1.0 - MAP_WRONG) * in_view) * (-best).exp();
+        let total = nowhere + self.places.iter().map(there).sum::<f64>();
         for place in &mut self.places {
-            place.weight = there * share(place.fit.log_evidence) / total.max(f64::MIN_POSITIVE);
+            place.weight = there(place) / total.max(f64::MIN_POSITIVE);
         }
         self.places.retain(|place| place.weight > LEAST_WEIGHT);
+        self.places.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight));
     }
 
     /// The places, the likeliest first.
@@ -346,6 +416,13 @@ impl FeatureBelief {
     }
 }
 
+impl Place {
+    /// Logarithm of its evidence and of the probability of being there.
+    fn log_evidence(&self) -> f64 {
+        self.fit.log_evidence + self.expected.log_weight
+    }
+}
+
 /// Keeps those that are higher than their neighbours, the highest first.
 fn keep_peaks(scores: &mut Vec<(Unknowns, f64)>) {
     let (mut before, mut kept) = (f64::NEG_INFINITY, 0);
@@ -360,9 +437,4 @@ fn keep_peaks(scores: &mut Vec<(Unknowns, f64)>) {
     }
     scores.truncate(kept);
     scores.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
-}
-
-/// Share of a normal distribution below so many standard deviations.
-fn normal_share(sigmas: f64) -> f64 {
-    0.5 * libm::erfc(-sigmas / std::f64::consts::SQRT_2)
 }

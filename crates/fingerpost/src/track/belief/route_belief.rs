@@ -1,0 +1,176 @@
+//! Where along the route the vehicle is, and the features that may therefore be in view: one belief.
+//!
+//! The progress from before any feature in view goes on with the vehicle. Whenever the ground has more to say, each of these
+//! features is weighed afresh with the progress as the others have it, and all of them together give the progress as it is now
+//! (`progress/feature.rs`). What a feature said is taken over for good when it can be in view no more. A wrong start, a feature
+//! that the map has and the road has not, and a vehicle that was moved are thus one case: mass goes where the ground is explained.
+
+use fingerpost_geometry::Polyline;
+use nalgebra::{Isometry2, Point2};
+
+use super::feature_belief::{FeatureBelief, Seen, Workspace};
+use super::likelihood::Ground;
+use crate::progress::{GpsUse, Progress, Travel};
+use crate::route_progress::RouteProgressConfig;
+use crate::track::{RouteStop, TrackConfig};
+
+/// Most features that are weighed at a time: what a view of 20 m can hold, and one that a doubt about the progress adds.
+const MOST_IN_VIEW: usize = 3;
+/// A feature is looked for from this probability of being in view on, and no more below half of it: a fiftieth of the doubts.
+const LEAST_IN_VIEW: f64 = 0.02;
+/// A node at least this far behind can be in view no more, metres.
+pub(super) const PASSED_M: f64 = 3.0;
+
+/// How far the vehicle has come with a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// It is looked for.
+    Sought,
+    /// It is there, and its place sure enough to steer by.
+    Tracked,
+    /// Its driving line has begun.
+    Arrived,
+}
+
+/// A feature that may be in view.
+#[derive(Debug)]
+pub(super) struct FeatureInView {
+    pub(super) index: usize,
+    pub(super) stage: Stage,
+    pub(super) belief: FeatureBelief,
+}
+
+/// What features are weighed against, besides the progress.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View<'a> {
+    pub(super) config: &'a TrackConfig,
+    pub(super) stops: &'a [RouteStop],
+    pub(super) ground: &'a Ground,
+    /// Bottom and top of the view, metres.
+    pub(super) view_m: [f64; 2],
+    /// Standard deviations of the camera's pitch and roll, radians.
+    pub(super) attitude_sigma_rad: [f64; 2],
+}
+
+/// The belief of the route.
+#[derive(Debug)]
+pub(super) struct RouteBelief {
+    /// Without what the features in view say.
+    before: Progress,
+    now: Progress,
+    /// In the order of the route.
+    features: Vec<FeatureInView>,
+}
+
+impl RouteBelief {
+    /// At the first frame: `start_m` along a route of this length, or anywhere on it.
+    pub(super) fn new(config: &RouteProgressConfig, start_m: Option<f64>, route_length_m: f64) -> Self {
+        let before = Progress::new(config, start_m, route_length_m);
+        Self { now: before.clone(), before, features: Vec::with_capacity(MOST_IN_VIEW) }
+    }
+
+    pub(super) const fn progress(&self) -> &Progress {
+        &self.now
+    }
+
+    pub(super) fn features(&self) -> &[FeatureInView] {
+        &self.features
+    }
+
+    pub(super) fn features_mut(&mut self) -> &mut [FeatureInView] {
+        &mut self.features
+    }
+
+    /// The vehicle came so far in so many seconds.
+    pub(super) fn advance(&mut self, travel: Travel, dt_s: f64) {
+        self.before.advance(travel, dt_s);
+        self.now.advance(travel, dt_s);
+    }
+
+    /// The features stay where they are on the ground.
+    pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
+        self.features.iter_mut().for_each(|feature| feature.belief.carry(previous_from_current));
+    }
+
+    /// The ground that was seen is left behind, and what it said is kept.
+    pub(super) fn leave_ground(&mut self) {
+        self.before = self.now.clone();
+        self.features.clear();
+    }
+
+    /// Takes in a GPS position, in the map frame, with `route` in the same.
+    pub(super) fn observe_gps(&mut self, route: &Polyline, p_in_map: Point2<f64>) -> GpsUse {
+        self.before.observe_gps(route, p_in_map);
+        self.now.observe_gps(route, p_in_map)
+    }
+
+    /// Leaves a feature that lies behind; what it said of the progress is kept.
+    pub(super) fn leave(&mut self, stops: &[RouteStop], index: usize) {
+        for left in self.features.extract_if(.., |feature| feature.index == index) {
+            let Some(stop) = stops.get(left.index) else { continue };
+            self.before = self.before.conditioned(stop.model.route_m, &left.belief.outcome());
+        }
+    }
+
+    /// Leaves the features that can be in view no more, and takes up those that can; returns one that was left without having
+    /// been arrived at.
+    pub(super) fn choose(&mut self, stops: &[RouteStop], view_m: [f64; 2]) -> Option<usize> {
+        let in_view = |progress: &Progress, index: usize, nearest_m: f64| {
+            let route_m = stops.get(index).map_or(0.0, |stop| stop.model.route_m);
+            progress.probability_between(route_m - view_m[1], route_m - nearest_m)
+        };
+        let mut skipped = None;
+        while let Some(gone) = self.features.iter().find(|feature| {
+            feature.stage != Stage::Arrived
+                && in_view(&self.now, feature.index, -PASSED_M) < 0.5 * LEAST_IN_VIEW
+        }) {
+            skipped = Some(gone.index);
+            self.leave(stops, gone.index);
+        }
+        let nothing_known = self.now.components().next().is_none();
+        while self.features.len() < MOST_IN_VIEW {
+            let is_new = |index: &usize| self.features.iter().all(|feature| feature.index != *index);
+            let probable =
+                (0..stops.len()).filter(is_new).map(|index| (index, in_view(&self.now, index, view_m[0])));
+            // Of equally probable ones the first.
+            let likeliest = probable.fold(None, |best: Option<(usize, f64)>, next| match best {
+                Some(best) if best.1 >= next.1 => Some(best),
+                _ => Some(next),
+            });
+            let Some((index, probability)) = likeliest else { break };
+            if probability < LEAST_IN_VIEW && !(nothing_known && probability > 0.0) {
+                break;
+            }
+            let belief = FeatureBelief::default();
+            self.features.push(FeatureInView { index, stage: Stage::Sought, belief });
+            self.features.sort_unstable_by_key(|feature| feature.index);
+        }
+        skipped
+    }
+
+    /// Weighs the features afresh; returns how many places were tried.
+    pub(super) fn weigh(&mut self, view: View<'_>, work: &mut Workspace) -> usize {
+        let View { config, stops, ground, view_m, attitude_sigma_rad } = view;
+        let mut tried = 0;
+        for i in 0..self.features.len() {
+            let progress = &self.conditioned(stops, Some(i));
+            let Some(feature) = self.features.get_mut(i) else { continue };
+            let Some(stop) = stops.get(feature.index) else { continue };
+            let seen = Seen { config, stop, ground, progress, view_m, attitude_sigma_rad };
+            tried += feature.belief.update(work, seen);
+        }
+        self.now = self.conditioned(stops, None);
+        tried
+    }
+
+    /// The progress as all features in view have it but one.
+    fn conditioned(&self, stops: &[RouteStop], but: Option<usize>) -> Progress {
+        let mut progress = self.before.clone();
+        for (_, feature) in self.features.iter().enumerate().filter(|(i, _)| Some(*i) != but) {
+            if let Some(stop) = stops.get(feature.index) {
+                progress = progress.conditioned(stop.model.route_m, &feature.belief.outcome());
+            }
+        }
+        progress
+    }
+}
