@@ -5,11 +5,12 @@
 //!
 //! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) prod (h + (1 - h) prod [q(d) e^l + 1 - q(d)] / [b e^l + 1 - b])
 //!
-//! over the stretches of the arms, of which a share h is hidden, and the cells of the ground beside each, with l a cell's log-odds of road, d its signed distance from the edge of the road at that
-//! place, q the share of such ground that looks like road and b that of ground of which nothing is known. Against it stands the
+//! over the stretches of the arms, of which a share h is hidden, and the cells of the ground beside each, with l a cell's log-odds of
+//! road, d its signed distance from the edge of the road at that place, q the share of such ground that looks like road and b that of ground of which nothing is known. Against it stands the
 //! same of a plain road without the feature. Searching while neither is sure, tracking once the feature is there and its place
 //! is known well enough to steer by, arrived when the driving line's start reaches the bottom of the view, lost when the
 //! probability goes elsewhere. A feature that was arrived at is measured on until it lies behind, while the next is searched for.
+//! Where the vehicle is along the route is part of it (`route_belief.rs`).
 //!
 //! Limits: on recorded streets, where shadows and parked cars make whole stretches of road look like none, it finds less than the rules.
 

@@ -118,3 +118,37 @@ pub fn route(junction: &Junction<'_>) -> (Route, Vector2<f64>) {
     let (x, y) = line[0];
     (route, Vector2::new(-x, -y))
 }
+
+/// A route straight north from `start` to `end`, with side roads at places along it: metres north, and where each side road
+/// leads from its node.
+pub fn route_past(sides: &[(f64, Place)], [start, end]: [f64; 2], width_m: f64) -> Route {
+    let plane = TangentPlane::new(LatLon { lat_deg: 47.1, lon_deg: 9.5 });
+    let at = |x: f64, y: f64| plane.wgs84_from_map(Point2::new(x, y));
+    let feature = |i: usize| {
+        let (north, side) = sides[i];
+        let before = if i == 0 { start } else { sides[i - 1].0 };
+        let behind = sides.get(i + 1).map_or(end, |next| next.0);
+        let arm = |role: ArmRole, (x, y): Place| Arm {
+            role,
+            bearing_rad: (y - north).atan2(x),
+            points: vec![at(0.0, north), at(x, y)],
+            width_m,
+            surface: None,
+        };
+        RouteFeature {
+            id: i as i64 + 1,
+            at: at(0.0, north),
+            name: "A x B".to_owned(),
+            kind: FeatureKind::SideRoad,
+            turn_rad: 0.0,
+            arms: vec![
+                arm(ArmRole::Approach, (0.0, before)),
+                arm(ArmRole::Exit, (0.0, behind)),
+                arm(ArmRole::Side, (side.0, north + side.1)),
+            ],
+            route_m: north - start,
+        }
+    };
+    let line = [start, end].map(|north| RoutePoint { node: None, at: at(0.0, north) });
+    Route { name: "test".to_owned(), line: line.to_vec(), features: (0..sides.len()).map(feature).collect() }
+}
