@@ -6,8 +6,8 @@
 use std::{
     fs,
     num::NonZeroUsize,
-    os::unix::fs::PermissionsExt,
     path::{Path, PathBuf},
+    process::Command,
     time::{Duration, Instant},
 };
 
@@ -30,8 +30,12 @@ impl Machine {
         let folder = tempfile::tempdir().unwrap();
         let script = |name: &str, body: &str| -> PathBuf {
             let path = folder.path().join(name);
-            fs::write(&path, format!("#!/bin/sh\n{body}\n")).unwrap();
-            fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+            let text = folder.path().join("text");
+            fs::write(&text, format!("#!/bin/sh\n{body}\n")).unwrap();
+            // A file that this process has open for writing while another test forks cannot be run until that child has begun
+            // its own program ("text file busy"); what another process writes is closed when that ends.
+            let copied = Command::new("install").args(["-m", "755"]).args([&text, &path]).status().unwrap();
+            assert!(copied.success(), "{copied}");
             path
         };
         let (ffmpeg, ffprobe) = (script("ffmpeg", ffmpeg), script("ffprobe", ffprobe));

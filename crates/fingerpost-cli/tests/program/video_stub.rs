@@ -1,7 +1,6 @@
 //! Stand-ins for ffmpeg and ffprobe, so that what videos do can be tried where there is no ffmpeg.
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -40,8 +39,11 @@ impl VideoStub {
 
     fn program(&self, name: &str, commands: &str) {
         let path = self.folder.path().join(name);
-        fs::write(&path, format!("#!/bin/sh\n{commands}\n")).unwrap();
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+        let text = self.folder.path().join("commands");
+        fs::write(&text, format!("#!/bin/sh\n{commands}\n")).unwrap();
+        // What this process itself has open for writing while another test forks cannot be run ("text file busy").
+        let copied = Command::new("install").args(["-m", "755"]).args([&text, &path]).status().unwrap();
+        assert!(copied.success(), "{copied}");
     }
 
     fn numbers(&self) -> PathBuf {
