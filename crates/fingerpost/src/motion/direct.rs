@@ -5,8 +5,8 @@
 //! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The camera's pitch and
 //! roll against the road are fitted beside them ([`super::camera_turn`]), and a change of the light; kerbs, cars and walls
 //! are told from the road by weights, and by lying beside the path. The motion of the frame
-//! before, with its covariance, is a prior, and so is the turn that the far scene shows: where the road shows nothing, motion goes
-//! on and its uncertainty grows.
+//! before, with its covariance, is a prior: where the road shows nothing, motion goes on and its
+//! uncertainty grows.
 //!
 //! While the vehicle stands, the frame in which it came to stand stays the older one: noise is not summed up as motion, and
 //! creeping shows as soon as it can be told from noise.
@@ -28,7 +28,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::aligned::{Aligned, costs};
-use self::expected::{Expected, is_surprising};
+use self::expected::Expected;
 use self::gauss_newton::Estimate;
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
@@ -161,18 +161,8 @@ impl DirectMotion {
         self.travel = self.travel.after(attitude);
         let travel = self.travel;
         let mut begun = Begun { patch, residuals, views, last, travel, iterations: self.config.iterations };
-        let mut expected = Expected::after(&last, self.turn, attitude);
-        let (mut aligned, mut start) = begun.aligned((&expected, attitude), found, displaced)?;
-        if is_surprising(&last, attitude) {
-            // What moves with the camera, as dirt on its glass does, may have been taken for the far scene.
-            let unseen = AttitudeObservation::default();
-            let without = Expected::after(&last, self.turn, &unseen);
-            let by_road = begun.aligned((&without, &unseen), found, displaced);
-            if let Some(by_road) = by_road.filter(|(by_road, _)| by_road.cost < aligned.cost) {
-                (aligned, start) = by_road;
-                expected = without;
-            }
-        }
+        let expected = Expected::after(&last, self.turn, attitude);
+        let (aligned, start) = begun.aligned(&expected, found, displaced)?;
         let Aligned { mut estimate, quality, .. } = aligned;
         show(begun.patch, begun.residuals, (&estimate, &begun.views), start, &mut self.evidence);
         let mut seen_turn = estimate.seen_turn;
@@ -231,13 +221,13 @@ impl Begun<'_> {
     /// The alignment with what is expected, and where it started from in the end.
     fn aligned(
         &mut self,
-        (expected, far): (&Expected, &AttitudeObservation),
+        expected: &Expected,
         (start, motion): (FlowStart, Isometry2<f64>),
         displaced: impl Fn(Isometry2<f64>) -> Displacement,
     ) -> Option<(Aligned, FlowStart)> {
         let Self { patch, residuals, views, last, travel, iterations } = self;
         let prior = match start {
-            FlowStart::CoarseSearch => expected.searched(motion, far).prior()?,
+            FlowStart::CoarseSearch => expected.searched(motion).prior()?,
             _ => expected.prior()?,
         };
         let (all, at) = (patch.levels.len(), displaced(motion));
