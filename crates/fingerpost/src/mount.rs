@@ -51,8 +51,6 @@ pub struct AttitudeObservation {
     pub pitch_change: Option<ObservedAngle>,
     /// Change of the roll since the frame before.
     pub roll_change: Option<ObservedAngle>,
-    /// Change of the vehicle's heading since the frame before; positive left.
-    pub heading_change: Option<ObservedAngle>,
 }
 
 /// Whether an estimate of the mount can be used.
@@ -186,7 +184,6 @@ impl AttitudeObservation {
             yaw: ObservedAngle::joined(self.yaw, other.yaw),
             pitch_change: ObservedAngle::joined(self.pitch_change, other.pitch_change),
             roll_change: ObservedAngle::joined(self.roll_change, other.roll_change),
-            heading_change: ObservedAngle::joined(self.heading_change, other.heading_change),
         }
     }
 }

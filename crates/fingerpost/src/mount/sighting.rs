@@ -99,7 +99,6 @@ impl Sighting {
             roll: None,
             pitch_change: seen(self.pitch_change_rad, turned.x),
             roll_change: seen(self.roll_change_rad, turned.z),
-            heading_change: seen(self.turn_rad, turned.y),
         }
     }
 }

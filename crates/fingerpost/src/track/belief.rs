@@ -144,7 +144,7 @@ impl BeliefTracker {
 
     /// The vehicle went on unseen: what is remembered of the ground lies nobody knows where.
     fn leave_ground(&mut self) {
-        self.memory = GroundMemory::new(self.viewpoint.foot);
+        self.memory.clear();
         self.route.leave_ground();
         self.since_update_m = None;
         if matches!(self.state, State::Tracking | State::Arrived) {
@@ -201,10 +201,12 @@ impl BeliefTracker {
                     decided = Some(Decision::Detected);
                     state = State::Tracking;
                 }
+                // It waits until those before it lie behind.
+                (Stage::Sought, Some(_), Some(None)) => {}
                 (Stage::Sought, _, lack) => {
-                    let lack = lack.flatten();
-                    let undecided =
-                        lack.map_or(Decision::NotFound { index }, |lack| Decision::NotSure { index, lack });
+                    let undecided = lack
+                        .flatten()
+                        .map_or(Decision::NotFound { index }, |lack| Decision::NotSure { index, lack });
                     decided = decided.or(Some(undecided));
                 }
                 (Stage::Tracked, Some(moments), Some(None)) => {

@@ -1,5 +1,5 @@
-//! What is expected of a motion before the road is looked at: that of the frame before, and how the camera
-//! turned against the far scene.
+//! What is expected of a motion before the road is looked at: that of the frame before, and how the
+//! camera turned against the far scene.
 
 use nalgebra::{Isometry2, Matrix3, Vector3};
 
@@ -13,6 +13,7 @@ use crate::mount::AttitudeObservation;
 const CHANGE_SIGMA: [f64; 3] = [0.15, 0.05, 0.02];
 /// The same where the motion of the frame before does not help.
 const UNKNOWN_SIGMA: [f64; 3] = [2.0, 0.3, 0.1];
+
 /// Motion and turning of the camera that are expected.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Expected {

@@ -5,8 +5,8 @@
 //! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) p(ground | place, unknowns),
 //!
 //! against p(nothing there) p(ground | plain road), where p(place | progress) is what the route's other features leave open, and
-//! some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds are fitted together with
-//! what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
+//! some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds
+//! are fitted together with what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
 use fingerpost_geometry::wrap_angle;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
@@ -59,8 +59,7 @@ const SCAN_EVERY_M: f64 = 0.7;
 const CARRIED_SIGMAS: f64 = 2.0;
 /// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
 const EDGE_ROOM_M: f64 = 1.0;
-
-/// How often a feature does not show though it is there, in shade or in poor light: one in six of drawn worlds.
+/// How often a feature does not show though it is there, in shade or in poor light: one in seven on drawn worlds.
 const UNSEEN: f64 = 0.15;
 /// Where the ground says so much less of the feature than of a plain road it would have been seen, logarithm; and a place that is
 /// weighed speaks for so many metres about it.
@@ -94,7 +93,7 @@ struct Place {
 }
 
 /// The belief about one feature.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct FeatureBelief {
     places: Vec<Place>,
     /// The plain road without the feature, as the last fit left it.
@@ -135,21 +134,6 @@ pub(super) struct Seen<'a> {
     pub(super) view_m: [f64; 2],
     /// Standard deviations of the camera's pitch and roll, radians.
     pub(super) attitude_sigma_rad: [f64; 2],
-}
-
-impl Default for FeatureBelief {
-    /// Nothing is known yet.
-    fn default() -> Self {
-        Self {
-            places: Vec::new(),
-            plain: None,
-            carried: None,
-            since_scan_m: None,
-            scanned: Vec::new(),
-            on_route: Vec::new(),
-            looked_for: None,
-        }
-    }
 }
 
 impl FeatureBelief {

@@ -83,6 +83,13 @@ impl GroundMemory {
         memory
     }
 
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.cells.fill(Cell::default());
+        self.listed.clear();
+        self.squares.clear();
+    }
+
     /// What is known, as the last frame left it: the known cells of every square of two by two.
     pub(super) fn squares(&self) -> impl Iterator<Item = &[GroundCell]> {
         let ends = self.squares.iter().skip(1).copied().chain([self.listed.len()]);

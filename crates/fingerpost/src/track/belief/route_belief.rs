@@ -153,20 +153,21 @@ impl RouteBelief {
         let View { config, stops, ground, view_m, attitude_sigma_rad } = view;
         let mut tried = 0;
         for i in 0..self.features.len() {
-            let progress = &self.conditioned(stops, Some(i));
+            let Some(index) = self.features.get(i).map(|feature| feature.index) else { continue };
+            let progress = &self.conditioned(stops, |other| other != index);
             let Some(feature) = self.features.get_mut(i) else { continue };
             let Some(stop) = stops.get(feature.index) else { continue };
             let seen = Seen { config, stop, ground, progress, view_m, attitude_sigma_rad };
             tried += feature.belief.update(work, seen);
         }
-        self.now = self.conditioned(stops, None);
+        self.now = self.conditioned(stops, |_| true);
         tried
     }
 
-    /// The progress as all features in view have it but one.
-    fn conditioned(&self, stops: &[RouteStop], but: Option<usize>) -> Progress {
+    /// The progress as those features in view have it that count.
+    fn conditioned(&self, stops: &[RouteStop], counts: impl Fn(usize) -> bool) -> Progress {
         let mut progress = self.before.clone();
-        for (_, feature) in self.features.iter().enumerate().filter(|(i, _)| Some(*i) != but) {
+        for feature in self.features.iter().filter(|feature| counts(feature.index)) {
             if let Some(stop) = stops.get(feature.index) {
                 progress = progress.conditioned(stop.model.route_m, &feature.belief.outcome());
             }
