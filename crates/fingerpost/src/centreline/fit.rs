@@ -161,20 +161,7 @@ impl Course {
             self.curve[3] = width_m;
         }
         let width_m = self.curve[3];
-        self.fresh.clear();
-        for (index, section) in sections.iter().enumerate() {
-            let forward_m = 0.5 * (section.forward_m[0] + section.forward_m[1]);
-            for (edge, side) in section.edges.iter().zip(SIDES) {
-                self.fresh.extend(edge.map(|edge| EdgePoint {
-                    place: Point2::new(forward_m, edge.left_m),
-                    side,
-                    slope: edge.slope,
-                    sigma_m: EDGE_SIGMA_M + AHEAD_SIGMA * forward_m,
-                    turned_rad: 0.0,
-                    section: index,
-                }));
-            }
-        }
+        self.list_edges(sections);
         let (mut curve, mut covariance) = (self.curve, self.covariance);
         if !self.known {
             // Before a curve is known a section is judged by its width alone.
@@ -190,18 +177,7 @@ impl Course {
             (curve, covariance) = next;
         }
         self.fresh.retain(|edge| is_near(edge, &curve, &covariance));
-        let mut agree = 0;
-        for (index, section) in sections.iter_mut().enumerate() {
-            let found = section.edges.iter().flatten().count();
-            let used = self.fresh.iter().filter(|edge| edge.section == index).count();
-            section.section_use = match (found, used) {
-                (0, _) => SectionUse::NoEdges,
-                (_, 0) => SectionUse::OtherWidth,
-                (_, 1) => SectionUse::OneEdge,
-                _ => SectionUse::BothEdges,
-            };
-            agree += usize::from(used > 0);
-        }
+        let agree = self.say_uses(sections);
         let sigma_m = covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
         let [offset_m, slope, curvature_per_m, width_m] = curve.into();
         let on_road = offset_m.abs() <= 0.5 * width_m;
@@ -225,6 +201,41 @@ impl Course {
             width_m,
             steer_rad: 0.0,
         })
+    }
+
+    /// Lists the edges of these sections in place of the last frame's.
+    fn list_edges(&mut self, sections: &[SectionEvidence]) {
+        self.fresh.clear();
+        for (index, section) in sections.iter().enumerate() {
+            let forward_m = 0.5 * (section.forward_m[0] + section.forward_m[1]);
+            for (edge, side) in section.edges.iter().zip(SIDES) {
+                self.fresh.extend(edge.map(|edge| EdgePoint {
+                    place: Point2::new(forward_m, edge.left_m),
+                    side,
+                    slope: edge.slope,
+                    sigma_m: EDGE_SIGMA_M + AHEAD_SIGMA * forward_m,
+                    turned_rad: 0.0,
+                    section: index,
+                }));
+            }
+        }
+    }
+
+    /// Says of each section what became of its edges; returns how many sections agree with the curve.
+    fn say_uses(&self, sections: &mut [SectionEvidence]) -> usize {
+        let mut agree = 0;
+        for (index, section) in sections.iter_mut().enumerate() {
+            let found = section.edges.iter().flatten().count();
+            let used = self.fresh.iter().filter(|edge| edge.section == index).count();
+            section.section_use = match (found, used) {
+                (0, _) => SectionUse::NoEdges,
+                (_, 0) => SectionUse::OtherWidth,
+                (_, 1) => SectionUse::OneEdge,
+                _ => SectionUse::BothEdges,
+            };
+            agree += usize::from(used > 0);
+        }
+        agree
     }
 
     fn forget(&mut self) {
