@@ -11,7 +11,7 @@ use self::words::{
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::mount::MountEstimate;
-use crate::track::{Decision, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
+use crate::track::{Decision, Followed, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::vehicle_signals::SignalsEvidence;
 
 /// What was decided in a frame and what decided it, as one sentence.
@@ -127,28 +127,29 @@ impl Why<'_> {
             (Decision::Skipped { index }, _) => {
                 write!(f, "{} lies behind by all that is known and was never seen", name(index))
             }
-            (decision, Some(followed)) => {
-                let forward_m = followed.vehicle_from_feature.translation.x;
-                write!(f, "{} {:.1}", name(&followed.index), Along(forward_m))?;
-                let words = FollowedWords(followed, needed_p);
-                match decision {
-                    Decision::Detected => write!(f, ", detected: {words}"),
-                    Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),
-                    Decision::NotConfirmed { frames } => write!(
-                        f,
-                        " by dead reckoning, not confirmed for {frames} of {}: {words}",
-                        Frames(config.lost_frames)
-                    ),
-                    Decision::Arrived => {
-                        f.write_str(": the driving line's start reached the bottom of the view")
-                    }
-                    Decision::Passing => f.write_str(": on the driving line through it"),
-                    _ => write!(f, ": {words}"),
-                }
-            }
+            (decision, Some(followed)) => self.write_followed(f, decision, followed),
             (_, None) => {
                 f.write_str(if track.state == State::RouteDone { ROUTE_DONE } else { "nothing is followed" })
             }
+        }
+    }
+
+    /// Where the followed feature is, and by what.
+    fn write_followed(&self, f: &mut Formatter<'_>, decision: &Decision, followed: &Followed) -> fmt::Result {
+        let forward_m = followed.vehicle_from_feature.translation.x;
+        write!(f, "{} {:.1}", FeatureName(self.stops.get(followed.index)), Along(forward_m))?;
+        let words = FollowedWords(followed, self.evidence.needed_p);
+        match decision {
+            Decision::Detected => write!(f, ", detected: {words}"),
+            Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),
+            Decision::NotConfirmed { frames } => write!(
+                f,
+                " by dead reckoning, not confirmed for {frames} of {}: {words}",
+                Frames(self.config.lost_frames)
+            ),
+            Decision::Arrived => f.write_str(": the driving line's start reached the bottom of the view"),
+            Decision::Passing => f.write_str(": on the driving line through it"),
+            _ => write!(f, ": {words}"),
         }
     }
 
