@@ -177,7 +177,7 @@ impl Course {
             (curve, covariance) = next;
         }
         self.fresh.retain(|edge| is_near(edge, &curve, &covariance));
-        let agree = self.say_uses(sections);
+        let agree = self.mark_section_use(sections);
         let sigma_m = covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
         let [offset_m, slope, curvature_per_m, width_m] = curve.into();
         let on_road = offset_m.abs() <= 0.5 * width_m;
@@ -221,8 +221,8 @@ impl Course {
         }
     }
 
-    /// Says of each section what became of its edges; returns how many sections agree with the curve.
-    fn say_uses(&self, sections: &mut [SectionEvidence]) -> usize {
+    /// Marks each section with what became of its edges; returns how many sections agree with the curve.
+    fn mark_section_use(&self, sections: &mut [SectionEvidence]) -> usize {
         let mut agree = 0;
         for (index, section) in sections.iter_mut().enumerate() {
             let found = section.edges.iter().flatten().count();
