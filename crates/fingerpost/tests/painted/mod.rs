@@ -20,8 +20,17 @@ pub fn camera() -> Camera {
 
 /// The same camera with pictures of another width, pixels.
 pub fn camera_of_width(width: usize) -> Camera {
-    let mount = Mount { pitch_rad: 8_f64.to_radians(), x_m: 1.5, ..Mount::level(1.5) };
-    let (height, f) = (width * 3 / 4, 420.0 / 640.0 * width as f64);
+    calibrated(width, 8_f64.to_radians(), 1.0)
+}
+
+/// The same camera as a calibration has it that errs: by an angle of pitch, and by a factor of the focal length.
+pub fn camera_calibrated_wrong(pitch_off_rad: f64, focal_factor: f64) -> Camera {
+    calibrated(640, 8_f64.to_radians() + pitch_off_rad, focal_factor)
+}
+
+fn calibrated(width: usize, pitch_rad: f64, focal_factor: f64) -> Camera {
+    let mount = Mount { pitch_rad, x_m: 1.5, ..Mount::level(1.5) };
+    let (height, f) = (width * 3 / 4, 420.0 / 640.0 * width as f64 * focal_factor);
     let (cx, cy) = (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0));
     let intrinsics = Intrinsics { fx: f, fy: f, cx, cy };
     Camera::calibrated(width, height, intrinsics, Distortion::None, mount).unwrap()
