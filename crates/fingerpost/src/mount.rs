@@ -45,7 +45,7 @@ pub struct AttitudeObservation {
     pub pitch: Option<ObservedAngle>,
     /// Roll against that road; positive left side up.
     pub roll: Option<ObservedAngle>,
-    /// Yaw against the direction of driving; positive left. None in turns, where the camera does not move straight ahead.
+    /// Yaw against the direction in which the camera moves; positive left. None in sharp turns.
     pub yaw: Option<ObservedAngle>,
     /// Change of the pitch since the frame before.
     pub pitch_change: Option<ObservedAngle>,

@@ -228,7 +228,7 @@ impl Pipeline {
             motion: config.motion.estimator()?,
             camera: camera.clone(),
             attitude: AttitudeWatch::new(camera),
-            mount: MountFilter::new(&config.mount),
+            mount: MountFilter::new(&config.mount, view.viewpoint().foot.x),
             signals: VehicleSignals::new(&config.can),
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker,

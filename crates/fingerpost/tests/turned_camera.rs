@@ -13,6 +13,8 @@ use nalgebra::{Isometry2, Matrix3, Vector2};
 
 const MOUNT: Mount =
     Mount { height_m: 1.5, pitch_rad: 0.14, yaw_rad: 0.0, roll_rad: 0.0, x_m: 1.5, y_m: 0.0 };
+/// Distance of the windscreen's camera ahead of the rear axle, metres.
+const WINDSCREEN_AHEAD_M: f64 = 1.7;
 /// Three degrees.
 const TURNED_RAD: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Frames before the camera is turned, and five seconds of them.
@@ -44,7 +46,8 @@ fn motion(drive: &Simulator, index: usize) -> Motion {
 /// The estimates of a drive whose frames come from the first simulator and, from `BEFORE` on, from the second.
 fn estimates(before: &Simulator, after: &Simulator, frames: usize) -> Vec<MountEstimate> {
     let camera = camera(MOUNT);
-    let (mut watch, mut filter) = (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default()));
+    let (mut watch, mut filter) =
+        (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default(), MOUNT.x_m));
     (0..frames)
         .map(|index| {
             let simulator = if index < BEFORE { before } else { after };
@@ -114,7 +117,7 @@ fn a_bare_highway_raises_no_alarm() {
         let camera = windscreen_camera(640, 480).unwrap();
         let simulator = Simulator::new(&graph, &route, &camera, &config).unwrap();
         let (mut watch, mut filter) =
-            (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default()));
+            (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default(), WINDSCREEN_AHEAD_M));
         for index in 0..120 {
             let seen = watch.look_at(&camera, &simulator.frame(index).picture).unwrap();
             let Some(seen) = seen.filter(|_| index > 0) else { continue };

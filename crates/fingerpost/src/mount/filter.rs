@@ -37,6 +37,8 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 #[derive(Debug, Clone)]
 pub struct MountFilter {
     config: MountConfig,
+    /// Distance of the camera ahead of the rear axle, metres.
+    camera_ahead_m: f64,
     pitch: PitchAndSuspension,
     yaw: SlowAngle,
     roll: SlowAngle,
@@ -66,9 +68,9 @@ struct SlowAngle {
 }
 
 impl MountFilter {
-    /// A filter that has seen nothing yet.
+    /// A filter that has seen nothing yet, of a camera `camera_ahead_m` metres ahead of the rear axle.
     #[must_use]
-    pub fn new(config: &MountConfig) -> Self {
+    pub fn new(config: &MountConfig, camera_ahead_m: f64) -> Self {
         let variance = (config.prior_sigma_deg * DEGREE).powi(2);
         Self {
             pitch: PitchAndSuspension::new(0.0, variance, (config.suspension_sigma_deg * DEGREE).powi(2)),
@@ -82,6 +84,7 @@ impl MountFilter {
                 .map(|angle| AngleWatch::new(angle, config.moved_deg * DEGREE)),
             roll_jump: RollJump::new(config.moved_deg * DEGREE),
             config: config.clone(),
+            camera_ahead_m,
         }
     }
 
@@ -89,25 +92,41 @@ impl MountFilter {
     pub fn observe(&mut self, observation: &AttitudeObservation, motion: &Motion) -> MountEstimate {
         self.drift(observation.pitch_change);
         let is_turning = motion.previous_from_current.rotation.angle().abs() > TURNING_RAD;
+        let yaw = observation.yaw.and_then(|seen| self.off_curve(seen, motion));
         let differences = [
             observation.pitch.map(|seen| seen.angle_rad - self.pitch.mean[0]),
-            observation.yaw.map(|seen| wrap_angle(seen.angle_rad - self.yaw.mean_rad)),
+            yaw.map(|seen| wrap_angle(seen.angle_rad - self.yaw.mean_rad)),
             observation.roll.filter(|_| !is_turning).map(|seen| seen.angle_rad - self.roll.mean_rad),
         ];
         if let Some(seen) = observation.pitch {
             self.pitch.take(floored(seen));
         }
-        if let Some(seen) = observation.yaw {
+        if let Some(seen) = yaw {
             self.yaw.take(floored(seen));
         }
         if let Some(seen) = observation.roll {
             self.roll.take(floored(seen));
         }
-        if let (Some(pitch), Some(yaw)) = (observation.pitch, observation.yaw) {
+        if let (Some(pitch), Some(yaw)) = (observation.pitch, yaw) {
             self.count([pitch.angle_rad, yaw.angle_rad]);
         }
         self.judge(differences, observation.roll_change, is_turning);
         self.estimate()
+    }
+
+    /// The yaw against the vehicle's own direction, from that against the camera's: ahead of the rear axle, which is where a
+    /// vehicle does not slip sideways, a camera moves to the inside of a curve. None where the vehicle does not move on.
+    fn off_curve(&self, seen: ObservedAngle, motion: &Motion) -> Option<ObservedAngle> {
+        let Motion { previous_from_current, covariance, .. } = motion;
+        let (forward_m, turn_rad) =
+            (previous_from_current.translation.x, previous_from_current.rotation.angle());
+        if forward_m <= 0.0 {
+            return None;
+        }
+        // Against where the vehicle points at the end of the step, half of whose turn it moved less far round.
+        let per_turn = self.camera_ahead_m / forward_m - 0.5;
+        let variance_rad2 = seen.variance_rad2 + per_turn * per_turn * covariance[(2, 2)];
+        Some(ObservedAngle { angle_rad: seen.angle_rad + per_turn * turn_rad, variance_rad2 })
     }
 
     /// Counts an observation of pitch and yaw. A false first one shuts the true ones out, because each seems surer than it
@@ -221,8 +240,8 @@ impl MountFilter {
 
     /// Begins anew after the camera has been moved.
     fn restart(&mut self, fault: MountFault) {
-        let Self { config, pitch, yaw, roll, .. } = &*self;
-        let mut begun = Self::new(config);
+        let Self { config, camera_ahead_m, pitch, yaw, roll, .. } = &*self;
+        let mut begun = Self::new(config, *camera_ahead_m);
         begun.pitch.mean[0] = pitch.mean[0];
         begun.yaw.mean_rad = yaw.mean_rad;
         begun.roll.mean_rad = roll.mean_rad;

@@ -1,9 +1,10 @@
-use nalgebra::{Isometry2, Matrix3};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::*;
 use crate::motion::Motion;
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
+const AHEAD_M: f64 = 1.5;
 
 fn straight() -> Motion {
     Motion {
@@ -34,7 +35,7 @@ fn drive(filter: &mut MountFilter, frames: usize, truth_deg: [f64; 3]) -> MountE
 
 #[test]
 fn the_mount_is_found_and_becomes_valid() {
-    let mut filter = MountFilter::new(&MountConfig::default());
+    let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     assert_eq!(drive(&mut filter, 5, [0.8, -0.3, 0.2]).state, MountState::NotYetValid);
     let estimate = drive(&mut filter, 60, [0.8, -0.3, 0.2]);
     assert_eq!((estimate.state, estimate.fault), (MountState::Valid, None));
@@ -48,7 +49,7 @@ fn the_mount_is_found_and_becomes_valid() {
 
 #[test]
 fn braking_moves_the_suspension_and_not_the_mount() {
-    let mut filter = MountFilter::new(&MountConfig::default());
+    let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     let before = drive(&mut filter, 200, [0.5, 0.0, 0.0]);
     let dip = AttitudeObservation { pitch_change: seen(0.6, 0.05), ..angles(5, [1.1, 0.0, 0.0]) };
     let braking = filter.observe(&dip, &straight());
@@ -63,7 +64,7 @@ fn a_turned_camera_is_noticed_and_found_again() {
         ([0.5, -3.0, 0.0], MountAngle::Yaw),
         ([0.5, 0.0, 3.0], MountAngle::Roll),
     ] {
-        let mut filter = MountFilter::new(&MountConfig::default());
+        let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
         assert_eq!(drive(&mut filter, 100, [0.5, 0.0, 0.0]).fault, None);
         let noticed = (0..50).find_map(|frame| filter.observe(&angles(frame, turned), &straight()).fault);
         let fault = noticed.unwrap();
@@ -78,7 +79,7 @@ fn a_turned_camera_is_noticed_and_found_again() {
 
 #[test]
 fn a_jump_of_the_roll_is_noticed_without_a_view_of_the_roll() {
-    let mut filter = MountFilter::new(&MountConfig::default());
+    let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     let without = |frame| AttitudeObservation { roll: None, ..angles(frame, [0.5, 0.0, 0.0]) };
     for frame in 0..100 {
         assert_eq!(filter.observe(&without(frame), &straight()).fault, None);
@@ -92,7 +93,7 @@ fn a_jump_of_the_roll_is_noticed_without_a_view_of_the_roll() {
 
 #[test]
 fn bumps_and_outliers_are_no_fault() {
-    let mut filter = MountFilter::new(&MountConfig::default());
+    let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     drive(&mut filter, 100, [0.5, 0.0, 0.0]);
     for frame in 0..200 {
         let bump = if frame % 4 == 0 { 4.0 } else { 0.0 };
@@ -108,7 +109,7 @@ fn bumps_and_outliers_are_no_fault() {
 
 #[test]
 fn a_small_lasting_change_is_followed() {
-    let mut filter = MountFilter::new(&MountConfig::default());
+    let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     drive(&mut filter, 100, [0.5, 0.0, 0.0]);
     let loaded = drive(&mut filter, 500, [-0.7, 0.0, 0.0]);
     assert_eq!(loaded.fault, None);
@@ -122,7 +123,7 @@ fn a_calibration_that_cannot_be_true_is_named_and_a_possible_one_is_not() {
         for (truth, angle) in
             [([off_deg, 0.0, 0.0], MountAngle::Pitch), ([0.0, off_deg, 0.0], MountAngle::Yaw)]
         {
-            let mut filter = MountFilter::new(&MountConfig::default());
+            let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
             let early = drive(&mut filter, 5, truth);
             assert_eq!(early.contradiction, None, "not before it is known");
             let estimate = drive(&mut filter, 200, truth);
@@ -148,4 +149,25 @@ fn joining_observations_weighs_them_by_their_variance() {
     assert!((both.pitch.unwrap().angle_rad / DEGREE - 1.2).abs() < 1e-9);
     assert!((both.pitch.unwrap().variance_rad2.sqrt() / DEGREE - 0.1 * 0.8_f64.sqrt()).abs() < 1e-9);
     assert_eq!(both.yaw, b.yaw);
+}
+
+/// The camera sweeps round a circle of 25 m at 5 m/s and 30 frames a second: it moves 3.3 degrees to the inside all the time.
+#[test]
+fn a_long_bend_turns_no_camera() {
+    for (left, yaw_deg) in [(1.0_f64, 0.0), (-1.0, 0.0), (1.0, 0.6)] {
+        let (step_m, turn_rad) = (5.0 / 30.0, left * 5.0 / 30.0 / 25.0);
+        let chord_m = Vector2::new((0.5 * turn_rad).cos(), (0.5 * turn_rad).sin()) * step_m;
+        let previous_from_current = Isometry2::new(chord_m, turn_rad);
+        let camera = Point2::new(AHEAD_M, 0.0);
+        let moved_m = previous_from_current.rotation.inverse() * (previous_from_current * camera - camera);
+        let bend = Motion { previous_from_current, ..straight() };
+        let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
+        drive(&mut filter, 60, [0.5, yaw_deg, 0.0]);
+        for frame in 0..150 {
+            let inwards_deg = moved_m.y.atan2(moved_m.x) / DEGREE;
+            let estimate = filter.observe(&angles(frame, [0.5, yaw_deg - inwards_deg, 0.0]), &bend);
+            assert_eq!(estimate.fault, None, "{left}, frame {frame}");
+            assert!((estimate.yaw_rad / DEGREE - yaw_deg).abs() < 0.2, "{left}, frame {frame}: {estimate:?}");
+        }
+    }
 }
