@@ -123,14 +123,10 @@ impl DepartureWarning {
         });
         self.hush.end_frame(config, clearance_m, lateral_mps, dt_s);
 
-        let time_to_crossing_s = Side::BOTH
-            .into_iter()
-            .filter(|&side| closing_mps[side.index()] >= MIN_CLOSING_MPS)
-            .find_map(|side| Some(clearance_m[side.index()]?.max(0.0) / closing_mps[side.index()]));
         let output = DepartureOutput {
             warning: self.warning,
             lateral_speed_mps: Some(lateral_mps),
-            time_to_crossing_s,
+            time_to_crossing_s: time_to_crossing_s(clearance_m, closing_mps),
             // A warning that is being given needs no excuse for not being given again.
             silence: silence.filter(|_| self.warning.is_none()),
         };
@@ -142,6 +138,15 @@ impl DepartureWarning {
         };
         (output, evidence)
     }
+}
+
+/// When the edge that the vehicle closes in on is reached, seconds, by clearances in metres and closing speeds in metres a second
+/// to the left and right; none where it drifts to neither.
+fn time_to_crossing_s(clearance_m: [Option<f64>; 2], closing_mps: [f64; 2]) -> Option<f64> {
+    Side::BOTH
+        .into_iter()
+        .filter(|&side| closing_mps[side.index()] >= MIN_CLOSING_MPS)
+        .find_map(|side| Some(clearance_m[side.index()]?.max(0.0) / closing_mps[side.index()]))
 }
 
 #[cfg(test)]

@@ -60,17 +60,11 @@ pub(super) fn fit(
     let mut motion = procrustes(pairs)?;
     let mut sway = SVector::<f64, 3>::zeros();
     let mut information = SMatrix::<f64, 6, 6>::zeros();
-    let Residuals { of_pairs_m, sorted } = residuals;
     for _ in 0..ITERATIONS {
-        of_pairs_m.clear();
-        of_pairs_m.extend(pairs.iter().map(|pair| residual(pair, &motion, &sway, viewpoint).norm()));
-        sorted.clone_from(of_pairs_m);
-        sorted.sort_unstable_by(f64::total_cmp);
-        let scale = (MAD_TO_SIGMA * sorted[sorted.len() / 2]).max(scale_floor_m);
-        for (pair, residual) in pairs.iter_mut().zip(&*of_pairs_m) {
-            let x = residual / (TUKEY * scale);
-            pair.weight = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
-        }
+        residuals.of_pairs_m.clear();
+        let of_pairs_m = pairs.iter().map(|pair| residual(pair, &motion, &sway, viewpoint).norm());
+        residuals.of_pairs_m.extend(of_pairs_m);
+        let scale = residuals.weigh(pairs, scale_floor_m);
         // Each pair counts for its share of an independent measurement of this standard deviation.
         let per_pair = independent / (pairs.len() as f64 * scale * scale);
         let mut gradient = SVector::<f64, 6>::zeros();
@@ -97,10 +91,37 @@ pub(super) fn fit(
         pairs.iter().map(|pair| pair.weight * residual(pair, &motion, &sway, viewpoint).norm_squared()).sum();
     let accepted = pairs.iter().filter(|pair| pair.weight > 0.5).count() as f64 / pairs.len() as f64;
     let of_inverse: Matrix3<f64> = information.try_inverse()?.fixed_view::<3, 3>(0, 0).into();
-    // previous_from_current is -R^T t, so a turn moves it by the lever of the step itself.
-    let back = motion.rotation.inverse().to_rotation_matrix();
-    let lever = back * Vector2::new(-motion.translation.y, motion.translation.x);
-    let by_fit = Matrix3::new(
+    let by_fit = previous_from_current_by_fit(&motion);
+    Some(RigidFit {
+        current_from_previous: motion,
+        residual_m: (squares / total).sqrt(),
+        accepted,
+        covariance: by_fit * of_inverse * by_fit.transpose(),
+    })
+}
+
+impl Residuals {
+    /// Weighs every pair by its residual (Tukey's biweight); returns the residuals' scale, metres, at least `scale_floor_m`.
+    fn weigh(&mut self, pairs: &mut [Pair], scale_floor_m: f64) -> f64 {
+        let Self { of_pairs_m, sorted } = self;
+        sorted.clone_from(of_pairs_m);
+        sorted.sort_unstable_by(f64::total_cmp);
+        let scale = (MAD_TO_SIGMA * sorted[sorted.len() / 2]).max(scale_floor_m);
+        for (pair, residual) in pairs.iter_mut().zip(&*of_pairs_m) {
+            let x = residual / (TUKEY * scale);
+            pair.weight = if x < 1.0 { (1.0 - x * x).powi(2) } else { 0.0 };
+        }
+        scale
+    }
+}
+
+/// The derivative of `previous_from_current` by the fitted `current_from_previous`: the former is -R^T t, so a turn moves it by
+/// the lever of the step itself.
+fn previous_from_current_by_fit(current_from_previous: &Isometry2<f64>) -> Matrix3<f64> {
+    let back = current_from_previous.rotation.inverse().to_rotation_matrix();
+    let step_m = current_from_previous.translation.vector;
+    let lever = back * Vector2::new(-step_m.y, step_m.x);
+    Matrix3::new(
         -back[(0, 0)],
         -back[(0, 1)],
         lever.x, //
@@ -110,13 +131,7 @@ pub(super) fn fit(
         0.0,
         0.0,
         -1.0,
-    );
-    Some(RigidFit {
-        current_from_previous: motion,
-        residual_m: (squares / total).sqrt(),
-        accepted,
-        covariance: by_fit * of_inverse * by_fit.transpose(),
-    })
+    )
 }
 
 /// The displacement of a pair that a standing roll explains, per radian.
