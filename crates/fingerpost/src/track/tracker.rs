@@ -3,6 +3,7 @@
 mod confirming;
 mod passing;
 mod searching;
+mod weighing;
 
 use fingerpost_geometry::{GeometryError, Polyline};
 use fingerpost_map::Route;

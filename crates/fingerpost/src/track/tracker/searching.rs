@@ -10,23 +10,17 @@ use crate::feature_masks::MaskCache;
 use crate::feature_model::FeatureModel;
 use crate::matching::{LaidSurface, Match};
 use crate::track::alignment::{CrossSection, CrossSectionUse};
-use crate::track::{Decision, Expectation, ExpectedAhead, Missing, PoseFilter, TrackConfig, TrackEvidence};
+use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, RouteStop, TrackEvidence};
 
 /// Alignments before the one that counts, in the first frame of a candidate.
 const SETTLING_ROUNDS: usize = 3;
-/// A feature is only taken as detected when its distance is known to this standard deviation, metres.
-const KNOWN_SIGMA_M: f64 = 0.45;
 /// Standard deviations of the place at which a feature stands out most from its verges, against those of the frames before:
 /// metres, metres, radians.
 const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
 /// The same where edges say otherwise: what leads the search astray does so for many frames.
 const SEARCHED_SIGMAS: [f64; 3] = [1.8, 1.2, 0.1];
-/// A candidate whose place is not sure after this many times the frames that are needed is another place.
-const CANDIDATE_PATIENCE: usize = 10;
 /// Standard deviation of a vehicle's heading against its road's, radians: 3 degrees, as in keeping a lane past parked cars.
 const ON_ROAD_SIGMA_RAD: f64 = 0.052;
-/// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
-const STEERED_RAD: f64 = 0.052;
 /// A vehicle farther than this beyond the approach's edge by the map is not on it, metres: as far as maps lie
 /// beside the road.
 const OFF_ROAD_M: f64 = 1.0;
@@ -34,10 +28,20 @@ const OFF_ROAD_M: f64 = 1.0;
 const VERGES_OUT_OF_VIEW_M: f64 = 11.0;
 /// Loss in rank up to which a feature is where it is expected: within two standard deviations.
 const EXPECTED: f64 = 0.1;
-/// Sums of weights that differ by less are equal.
-const WEIGHT_ROUNDING: f64 = 1e-9;
 /// A feature nearer than this many metres beyond the bottom of the view is not searched for: its arms are out of view.
 const NEAREST_BEYOND_M: f64 = 0.5;
+
+/// Where a frame's search found a feature, and what was known of it before.
+pub(super) struct Found {
+    /// What earlier frames know of it, or the place that was found where there are none.
+    pub(super) filter: PoseFilter,
+    /// Frames in which it was seen before, and their weight.
+    pub(super) frames: usize,
+    pub(super) weight: f64,
+    /// The best match of this frame.
+    pose: Isometry2<f64>,
+    p: f64,
+}
 
 impl Tracker {
     /// Searches for the next feature where it can be; tracks it once it matched in enough frames.
@@ -48,129 +52,173 @@ impl Tracker {
     ) -> Result<(), SpanError> {
         self.skip_passed(evidence);
         let range = self.search_range(evidence);
-        let (Mode::Searching { candidate, .. }, Some(stop)) = (&mut self.mode, self.stops.get_mut(self.next))
-        else {
+        let Mode::Searching { candidate, .. } = &mut self.mode else { return Ok(()) };
+        let found = match (candidate.take(), range) {
+            (Some(candidate), _) => self.find_again(laid, candidate, evidence)?,
+            (None, Some(range)) => self.find_anew(laid, &range, evidence)?,
+            (None, None) => None,
+        };
+        let Some(mut found) = found else { return Ok(()) };
+        let by_search = self.align(laid, &mut found, evidence)?;
+        if let Some(gated) = edges_elsewhere(&evidence.sections) {
+            evidence.decision = Decision::EdgesElsewhere { index: self.next, p: found.p, gated };
             return Ok(());
-        };
-        let (config, index, masks, shown) = (&self.config, self.next, &mut stop.masks, self.shown);
-        let (mut filter, before, found) = match (candidate.take(), &range) {
-            (Some(candidate), _) => {
-                let threshold = config.detect_threshold_at_verge;
-                let tried = self.search.about(config, laid, masks, threshold, &candidate.filter)?;
-                evidence.needed_p = Some(threshold);
-                evidence.tried = tried.count;
-                let Some(found) = tried.best else {
-                    evidence.decision = Decision::NotFound { index };
-                    if let Some(closest) = &tried.closest {
-                        let matched = explained(laid, masks, closest, &mut self.spare)?;
-                        evidence.sought = Some(shown.sought(index, matched));
-                    }
-                    return Ok(());
-                };
-                (candidate.filter, (candidate.frames, candidate.weight), found)
+        }
+        match self.settle(laid, &mut found, by_search, evidence)? {
+            Some((aligned_p, contrast)) => self.weigh(found, aligned_p, contrast, evidence),
+            None => Ok(()),
+        }
+    }
+
+    /// Searches for a candidate about where its frames have it.
+    fn find_again(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        candidate: Candidate,
+        evidence: &mut TrackEvidence,
+    ) -> Result<Option<Found>, SpanError> {
+        let (config, index, shown) = (&self.config, self.next, self.shown);
+        let Some(RouteStop { masks, .. }) = self.stops.get_mut(index) else { return Ok(None) };
+        let threshold = config.detect_threshold_at_verge;
+        let tried = self.search.about(config, laid, masks, threshold, &candidate.filter)?;
+        evidence.needed_p = Some(threshold);
+        evidence.tried = tried.count;
+        let Some((pose, p)) = tried.best else {
+            evidence.decision = Decision::NotFound { index };
+            if let Some(closest) = &tried.closest {
+                let matched = explained(laid, masks, closest, &mut self.spare)?;
+                evidence.sought = Some(shown.sought(index, matched));
             }
-            (None, Some(range)) => {
-                let expectation = Expectation::Ahead(&stop.model, &self.expected);
-                let tried =
-                    self.search.along_approach(config, laid, &stop.model, masks, range, expectation)?;
-                evidence.needed_p = Some(config.detect_threshold_at_verge);
-                evidence.tried = tried.count;
-                if let Some(closest) = &tried.closest {
-                    let matched = explained(laid, masks, closest, &mut self.spare)?;
-                    evidence.sought = Some(shown.sought(index, matched));
-                }
-                let Some(found) = tried.best else {
-                    evidence.decision = Decision::NotFound { index };
-                    return Ok(());
-                };
-                // The search is coarse: until the place settles, each alignment starts anew from the one before.
-                let mut filter = PoseFilter::new(found.0, FOUND_SIGMAS);
-                for _ in 0..SETTLING_ROUNDS {
-                    stay_on_the_road(&stop.model, &mut filter);
-                    self.aligner.align(laid, &stop.arms, &mut filter)?;
-                    filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
-                }
-                stay_on_the_road(&stop.model, &mut filter);
-                (filter, (0, 0.0), found)
-            }
-            (None, None) => return Ok(()),
+            return Ok(None);
         };
-        let (found_pose, p) = found;
+        let Candidate { filter, frames, weight } = candidate;
+        Ok(Some(Found { filter, frames, weight, pose, p }))
+    }
+
+    /// Searches along the approach, where nothing was found yet.
+    fn find_anew(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        range: &RangeInclusive<f64>,
+        evidence: &mut TrackEvidence,
+    ) -> Result<Option<Found>, SpanError> {
+        let (config, index, shown) = (&self.config, self.next, self.shown);
+        let Some(RouteStop { model, masks, arms, .. }) = self.stops.get_mut(index) else { return Ok(None) };
+        let expectation = Expectation::Ahead(model, &self.expected);
+        let tried = self.search.along_approach(config, laid, model, masks, range, expectation)?;
+        evidence.needed_p = Some(config.detect_threshold_at_verge);
+        evidence.tried = tried.count;
+        if let Some(closest) = &tried.closest {
+            let matched = explained(laid, masks, closest, &mut self.spare)?;
+            evidence.sought = Some(shown.sought(index, matched));
+        }
+        let Some((pose, p)) = tried.best else {
+            evidence.decision = Decision::NotFound { index };
+            return Ok(None);
+        };
+        // The search is coarse: until the place settles, each alignment starts anew from the one before.
+        let mut filter = PoseFilter::new(pose, FOUND_SIGMAS);
+        for _ in 0..SETTLING_ROUNDS {
+            stay_on_the_road(model, &mut filter);
+            self.aligner.align(laid, arms, &mut filter)?;
+            filter = PoseFilter::new(*filter.pose(), FOUND_SIGMAS);
+        }
+        stay_on_the_road(model, &mut filter);
+        Ok(Some(Found { filter, frames: 0, weight: 0.0, pose, p }))
+    }
+
+    /// Takes in what the cross-sections say of a found place; returns it as the search alone has it.
+    fn align(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        found: &mut Found,
+        evidence: &mut TrackEvidence,
+    ) -> Result<PoseFilter, SpanError> {
+        let is_new = found.frames == 0;
         let mut by_search =
-            if before.0 > 0 { filter.clone() } else { PoseFilter::new(found_pose, FOUND_SIGMAS) };
-        let by_pitch = self.aligner.pitch().moves_m(Point2::from(found_pose.translation.vector));
-        by_search.update_pose(&found_pose, SEARCHED_SIGMAS, by_pitch);
-        evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut filter)?);
+            if is_new { PoseFilter::new(found.pose, FOUND_SIGMAS) } else { found.filter.clone() };
+        let by_pitch = self.aligner.pitch().moves_m(Point2::from(found.pose.translation.vector));
+        by_search.update_pose(&found.pose, SEARCHED_SIGMAS, by_pitch);
+        let Some(stop) = self.stops.get(self.next) else { return Ok(by_search) };
+        evidence.sections.extend_from_slice(self.aligner.align(laid, &stop.arms, &mut found.filter)?);
         let by_edges = |section: &CrossSection| {
             section.leaves_the_line && section.section_use == CrossSectionUse::Accepted
         };
-        if before.0 > 0 && !self.expected.is_empty() && !evidence.sections.iter().any(by_edges) {
+        if !is_new && !self.expected.is_empty() && !evidence.sections.iter().any(by_edges) {
             // Without an edge the place at which the arms stand out most is what is known, frame by frame anew; where nothing
             // is known of the distance, that alone would make a junction of any road that widens.
-            filter.update_pose(&found_pose, STANDS_OUT_SIGMAS, by_pitch);
+            found.filter.update_pose(&found.pose, STANDS_OUT_SIGMAS, by_pitch);
         }
-        if let Some(gated) = edges_elsewhere(&evidence.sections) {
-            evidence.decision = Decision::EdgesElsewhere { index, p, gated };
-            return Ok(());
-        }
-        // The match must hold where the edges say the feature is. Edges that lead it elsewhere belong to something else; where
-        // the feature is expected, the search alone then says where it is, less surely.
-        let surprise = |filter: &PoseFilter| {
-            let expectation = Expectation::Ahead(&stop.model, &self.expected);
-            (!self.expected.is_empty()).then(|| expectation.penalty(filter.pose()))
-        };
-        let is_expected = |filter: &PoseFilter| surprise(filter).is_some_and(|surprise| surprise <= EXPECTED);
-        let most_m = stop.model.approach().map_or(0.0, |arm| 0.5 * arm.width_m) + OFF_ROAD_M;
+        Ok(by_search)
+    }
+
+    /// Puts a found place where the match holds: where the edges have it or, if that is nowhere and the feature is expected
+    /// there, where the search alone has it, less surely. Returns P(F) and contrast there; none where it is refused.
+    fn settle(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        found: &mut Found,
+        by_search: PoseFilter,
+        evidence: &mut TrackEvidence,
+    ) -> Result<Option<(f64, Option<f64>)>, SpanError> {
         let mut aligned = self.spare.pop().unwrap_or_default();
-        // What speaks against a place, if anything does.
-        let mut refusal = |filter: &PoseFilter| -> Result<Option<Decision>, SpanError> {
-            laid.explain(masks, filter.pose(), &mut aligned)?;
-            let beside_m = stop.model.left_of_approach_m(filter.pose()).abs();
-            let (aligned_p, needed_p) = (aligned.p.unwrap_or(0.0), config.detect_threshold_at_verge);
-            Ok(if beside_m > most_m {
-                Some(Decision::OffApproach { index, p, beside_m, most_m })
-            } else if aligned_p < needed_p {
-                Some(Decision::EdgesDisagree { index, p, aligned_p, needed_p })
-            } else {
-                None
-            })
-        };
-        if let Some(refused) = refusal(&filter)? {
-            if !is_expected(&by_search) || refusal(&by_search)?.is_some() {
+        if let Some(refused) = self.refusal(laid, &found.filter, found.p, &mut aligned)? {
+            let is_taken = self.is_expected(&by_search)
+                && self.refusal(laid, &by_search, found.p, &mut aligned)?.is_none();
+            if !is_taken {
                 self.spare.push(aligned);
                 evidence.decision = refused;
-                return Ok(());
+                return Ok(None);
             }
             evidence.sections.clear();
-            filter = by_search;
+            found.filter = by_search;
         }
         let (aligned_p, contrast) = (aligned.p.unwrap_or(0.0), aligned.contrast());
         // What is shown is the place that is judged from here on.
-        let before_it = evidence.sought.replace(shown.sought(index, aligned));
+        let before_it = evidence.sought.replace(self.shown.sought(self.next, aligned));
         self.spare.extend(before_it.map(|sought| sought.matched));
-        let is_near = filter.pose().translation.x <= VERGES_OUT_OF_VIEW_M;
-        if contrast.is_none() && !(is_near && is_expected(&filter)) && !evidence.sections.iter().any(tells_it)
-        {
-            evidence.decision = Decision::Unbounded { index, p: aligned_p };
-            return Ok(());
+        let is_near = found.filter.pose().translation.x <= VERGES_OUT_OF_VIEW_M;
+        let is_bounded = contrast.is_some()
+            || (is_near && self.is_expected(&found.filter))
+            || evidence.sections.iter().any(tells_it);
+        if !is_bounded {
+            evidence.decision = Decision::Unbounded { index: self.next, p: aligned_p };
         }
-        let surprise = surprise(&filter).unwrap_or(0.0);
-        let (frames, weight) = (before.0 + 1, before.1 + frame_weight(config, aligned_p, contrast, surprise));
-        let most_frames = CANDIDATE_PATIENCE * config.detect_frames;
-        if weight <= 0.0 {
-            evidence.decision = without_weight(config, index, aligned_p, contrast, surprise);
-        } else if frames > most_frames {
-            evidence.decision = Decision::Dropped { index, frames, most_frames };
-        } else if let Some(missing) = missing(config, frames, weight, &filter) {
-            evidence.decision = Decision::Candidate { index, frames, p: aligned_p, missing };
-            *candidate = Some(Candidate { filter, frames, weight });
+        Ok(is_bounded.then_some((aligned_p, contrast)))
+    }
+
+    /// What speaks against a place that a search found with this P(F), if anything does; `aligned` becomes the match there.
+    fn refusal(
+        &mut self,
+        laid: &LaidSurface<'_>,
+        filter: &PoseFilter,
+        p: f64,
+        aligned: &mut Match,
+    ) -> Result<Option<Decision>, SpanError> {
+        let index = self.next;
+        let Some(RouteStop { model, masks, .. }) = self.stops.get_mut(index) else { return Ok(None) };
+        laid.explain(masks, filter.pose(), aligned)?;
+        let most_m = model.approach().map_or(0.0, |arm| 0.5 * arm.width_m) + OFF_ROAD_M;
+        let beside_m = model.left_of_approach_m(filter.pose()).abs();
+        let (aligned_p, needed_p) = (aligned.p.unwrap_or(0.0), self.config.detect_threshold_at_verge);
+        Ok(if beside_m > most_m {
+            Some(Decision::OffApproach { index, p, beside_m, most_m })
+        } else if aligned_p < needed_p {
+            Some(Decision::EdgesDisagree { index, p, aligned_p, needed_p })
         } else {
-            masks.draw_about(filter.pose().rotation.angle(), STEERED_RAD)?;
-            evidence.decision = Decision::Detected;
-            self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
-            self.mode = Mode::Tracking { filter, unconfirmed: 0 };
-        }
-        Ok(())
+            None
+        })
+    }
+
+    /// Loss in rank of a place by where the feature is expected; none where that is not known.
+    pub(super) fn surprise(&self, filter: &PoseFilter) -> Option<f64> {
+        let stop = self.stops.get(self.next)?;
+        let expectation = Expectation::Ahead(&stop.model, &self.expected);
+        (!self.expected.is_empty()).then(|| expectation.penalty(filter.pose()))
+    }
+
+    fn is_expected(&self, filter: &PoseFilter) -> bool {
+        self.surprise(filter).is_some_and(|surprise| surprise <= EXPECTED)
     }
 
     /// Moves on past features that lie behind by all that is known.
@@ -218,51 +266,6 @@ fn explained(
     let mut matched = spare.pop().unwrap_or_default();
     laid.explain(masks, vehicle_from_feature, &mut matched)?;
     Ok(matched)
-}
-
-/// What a frame says for a candidate: its contrast beyond half of the one that is needed, so that a weak contrast must
-/// last longer and none at all speaks against it; a great one counts no more than twice what is needed. Where no verge is
-/// seen a match that is good enough without one says as much as that contrast. Where the feature is not expected it must
-/// stand out by so much more.
-fn frame_weight(config: &TrackConfig, p: f64, contrast: Option<f64>, surprise: f64) -> f64 {
-    let needed = config.detect_contrast;
-    match contrast {
-        Some(contrast) => (contrast - surprise).min(2.0 * needed) - 0.5 * needed,
-        None if p >= config.detect_threshold => 0.5 * needed - surprise,
-        None => f64::NEG_INFINITY,
-    }
-}
-
-/// Why a match has no weight: [`frame_weight`] is not above zero.
-fn without_weight(
-    config: &TrackConfig,
-    index: usize,
-    p: f64,
-    contrast: Option<f64>,
-    surprise: f64,
-) -> Decision {
-    match contrast {
-        Some(contrast) => Decision::NoVerge { index, p, contrast, surprise },
-        None if p < config.detect_threshold => {
-            Decision::NoVergeInView { index, p, needed_p: config.detect_threshold }
-        }
-        None => Decision::NotExpected { index, p, surprise, most: 0.5 * config.detect_contrast },
-    }
-}
-
-/// What a candidate lacks, if anything.
-fn missing(config: &TrackConfig, frames: usize, weight: f64, filter: &PoseFilter) -> Option<Missing> {
-    let needed = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
-    let sigma_m = filter.covariance()[(0, 0)].sqrt();
-    if frames < config.detect_frames {
-        Some(Missing::Frames { needed: config.detect_frames })
-    } else if weight < needed - WEIGHT_ROUNDING {
-        Some(Missing::Contrast { sum: weight, needed })
-    } else if sigma_m > KNOWN_SIGMA_M {
-        Some(Missing::Distance { sigma_m, most_m: KNOWN_SIGMA_M })
-    } else {
-        None
-    }
 }
 
 /// A vehicle that has not come to the feature yet drives along the approach: its heading says how the feature is turned.
