@@ -1,5 +1,7 @@
 //! The pipeline: one frame in, where the next junction is and how to drive through it out.
 
+mod ego;
+mod lane_watch;
 mod passed_over;
 
 use fingerpost_geometry::{Camera, GeometryError, View};
@@ -16,17 +18,20 @@ use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, Centrel
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
-use crate::lanes::departure::{DepartureEvidence, DepartureOutput, DepartureWarning};
-use crate::lanes::{Lane, LaneError, LaneEvidence, LaneFinder, LaneInput};
+use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
+use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::Matcher;
-use crate::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
-use crate::mount::{AttitudeWatch, MountEstimate, MountFilter};
+use crate::motion::{Motion, MotionError, MotionEvidence};
+use crate::mount::MountEstimate;
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{
     FeatureTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
 };
-use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSamples, VehicleSignals, VehicleState};
+use crate::vehicle_signals::{SignalsEvidence, VehicleSamples, VehicleState};
 use crate::why::Why;
+
+use self::ego::Ego;
+use self::lane_watch::LaneWatch;
 
 /// What else is known when a frame is taken.
 #[derive(Debug, Clone, Copy, Default)]
@@ -149,26 +154,17 @@ pub enum PipelineError {
     Picture(#[from] PictureError),
 }
 
-/// After a longer time two pictures show other road, seconds: at 50 km/h 14 m of the default view's 16 lie behind.
-const LONGEST_STEP_S: f64 = 1.0;
-
 /// The whole method with its state.
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
-    /// Seconds of the frames that showed nothing, behind the last one that did; none where it was the last.
-    unseen_s: Option<f64>,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
-    motion: Box<dyn MotionEstimator>,
     camera: Camera,
-    attitude: AttitudeWatch,
-    mount: MountFilter,
-    signals: VehicleSignals,
+    ego: Ego,
     matcher: Matcher,
     tracker: Box<dyn FeatureTracker>,
-    lanes: Option<LaneFinder>,
-    departure: DepartureWarning,
+    lanes: LaneWatch,
     map: Option<TangentPlane>,
     config: Config,
     ground: GroundPicture,
@@ -222,18 +218,13 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
-            unseen_s: None,
             detector,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
-            motion: config.motion.estimator()?,
             camera: camera.clone(),
-            attitude: AttitudeWatch::new(camera),
-            mount: MountFilter::new(&config.mount, view.viewpoint().foot.x),
-            signals: VehicleSignals::new(&config.can),
+            ego: Ego::new(config, camera, &view)?,
             matcher: Matcher::new(&config.matching, view.grid()),
             tracker,
-            lanes: config.lanes.finder()?,
-            departure: DepartureWarning::default(),
+            lanes: LaneWatch::new(&config.lanes)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             config: config.clone(),
             ground: view.black_picture(),
@@ -261,84 +252,57 @@ impl Pipeline {
         if camera.state != CameraState::Clear {
             return Ok(self.pass_over(camera, sensors));
         }
+        self.output.camera = camera;
+        self.take_in(frame, sensors, finished)
+    }
+
+    /// Takes in a frame that shows something, of which the ground view is made.
+    fn take_in(
+        &mut self,
+        frame: &RgbImage,
+        sensors: Sensors,
+        finished: &mut dyn FnMut(Stage),
+    ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
         let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
-        let validity = view.validity();
-        output.camera = camera;
-        let unseen_s = self.unseen_s.take();
-
-        let attitude = self.attitude.look_at(&self.camera, frame)?.unwrap_or_default();
-        finished(Stage::Mount);
-
-        let Sensors { gps, signals, dt_s } = sensors;
-        let since_shown_s = dt_s.map(|dt_s| dt_s + unseen_s.unwrap_or(0.0));
-        let (motion, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
-        let is_gap = since_shown_s.is_some_and(|since_s| since_s > LONGEST_STEP_S);
-        let motion = motion.map(|motion| if is_gap { Motion::unknown() } else { motion });
-        let camera = motion_evidence.map(|evidence| evidence.camera);
-        // A frame whose picture shows nothing still lets the suspension swing back.
-        if let Some(motion) = &motion {
-            self.mount.observe(&attitude, motion);
-        }
-        // A motion over frames that showed nothing took longer than this frame.
-        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none());
-        let (vehicle, signals_evidence) =
-            self.signals.step(SignalsInput { samples: signals, motion: of_frame, dt_s });
-        let dt_s = since_shown_s;
-        finished(Stage::Motion);
+        let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
+        let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
+        let motion = ego.motion.as_ref();
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
-        let input = RoadInput { picture: ground, validity, sample, perspective, motion: motion.as_ref() };
+        let input = RoadInput { picture: ground, validity, sample, perspective, motion };
         let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
-        let (centreline, centreline_evidence) = self.centreline.find(surface, motion.as_ref())?;
+        let (centreline, centreline_evidence) = self.centreline.find(surface, motion)?;
         finished(Stage::Centreline);
 
         let laid = self.matcher.laid_with(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
-        let moved = Moved { motion: motion.as_ref(), camera, dt_s, speed_mps: vehicle.speed_mps };
+        let moved = Moved { motion, camera: ego.camera, dt_s: ego.dt_s, speed_mps: ego.vehicle.speed_mps };
         let shown = ShownSurface { surface, seen: validity, laid };
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
-        output.motion = motion;
-        output.vehicle = vehicle;
+        output.motion = ego.motion;
+        output.vehicle = ego.vehicle;
         output.centreline = centreline;
-        output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then(|| self.mount.estimate());
+        output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);
         output.place_driving_line(tracker.stops());
         finished(Stage::DrivingLine);
 
-        let pitch_change = attitude.pitch_change;
-        let lane_input = LaneInput { frame, dt_s, vehicle: &output.vehicle, pitch_change };
-        let turns_through = self.lanes.is_some() && tracker.turns_through(&output.track);
-        let lanes = match &mut self.lanes {
-            Some(finder) if turns_through => {
-                finder.reset();
-                self.departure = DepartureWarning::default();
-                output.lane = None;
-                None
-            }
-            Some(finder) => Some(finder.find(&self.camera, &lane_input, &mut output.lane)?),
-            None => None,
-        };
-        let on_road = output.lane.as_ref().filter(|_| output.mount.is_some()).map(Lane::on_road);
-        let (departure, departure_evidence) = on_road
-            .map(|lane| {
-                let (limits, vehicle) = (&config.lanes.departure, &config.vehicle);
-                self.departure.step(limits, vehicle, &lane, &output.vehicle, dt_s.unwrap_or(0.0))
-            })
-            .unzip();
-        output.departure = departure;
+        let input =
+            LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
+        let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
         Why {
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
             config: &config.track,
             mount: output.mount.as_ref(),
-            signals: signals.is_some().then_some(&signals_evidence),
-            lane: output.lane.as_ref().zip(lanes),
-            turns_through,
+            signals: signals.is_some().then_some(&ego.signals_evidence),
+            lane: output.lane.as_ref().zip(lanes.evidence),
+            turns_through: lanes.turns_through,
             departure: output.departure.as_ref(),
         }
         .write_to(&mut output.why);
@@ -350,11 +314,11 @@ impl Pipeline {
             surface,
             road,
             centreline: centreline_evidence,
-            motion: motion_evidence,
-            signals: signals.map(|_| signals_evidence),
+            motion: ego.motion_evidence,
+            signals: signals.map(|_| ego.signals_evidence),
             track: track_evidence,
-            lanes,
-            departure: departure_evidence,
+            lanes: lanes.evidence,
+            departure: lanes.departure,
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
         };
         Ok((output, evidence))

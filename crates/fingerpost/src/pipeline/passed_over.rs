@@ -5,7 +5,6 @@ use crate::camera_state::{CameraEvidence, CameraState};
 use crate::motion::Motion;
 use crate::road_surface::RoadEvidence;
 use crate::track::{Decision, TrackEvidence};
-use crate::vehicle_signals::SignalsInput;
 use crate::why::Why;
 
 impl Pipeline {
@@ -17,10 +16,8 @@ impl Pipeline {
         sensors: Sensors,
     ) -> (&FrameOutput, FrameEvidence<'_>) {
         let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
-        let Sensors { signals, dt_s, .. } = sensors;
-        self.unseen_s = Some(self.unseen_s.unwrap_or(0.0) + dt_s.unwrap_or(0.0));
-        let (vehicle, signals_evidence) =
-            self.signals.step(SignalsInput { samples: signals, motion: None, dt_s });
+        let Sensors { signals, .. } = sensors;
+        let (vehicle, signals_evidence) = self.ego.pass_over(sensors);
         let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
         let repeats = camera.state == CameraState::Frozen && stood;
         if !repeats {
