@@ -4,8 +4,8 @@
 //! exit points are set back from the node until the tightest curvature respects the vehicle's turning circle; for a
 //! symmetric curve that turns by theta the set-back d gives the radius d cos^2(theta/2) / sin(theta/2).
 //!
-//! Limits: turns beyond about 150 degrees need more room than [`DrivingLineConfig::max_setback_m`] gives; the line
-//! then says by its curvature that it is too tight.
+//! Limits: the arms' own length is all the room there is. Where it does not do, as in turns beyond about 150 degrees, the line
+//! is as wide as it gets, and [`DrivingLine::within_turning_circle`] and the frame's `why` say that the vehicle cannot drive it.
 
 use fingerpost_geometry::{GeometryError, Polyline};
 use kurbo::{ParamCurve, ParamCurveCurvature, QuadBez};
@@ -23,9 +23,6 @@ pub struct DrivingLineConfig {
     /// Shortest distance of the curve's ends from the node, metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub min_setback_m: f64,
-    /// Longest distance of the curve's ends from the node, metres.
-    #[schemars(range(min = 0.5, max = 40.0))]
-    pub max_setback_m: f64,
     /// Distance between the points that are handed out, metres.
     #[schemars(range(min = 0.1, max = 5.0))]
     pub step_m: f64,
@@ -36,7 +33,7 @@ pub struct DrivingLineConfig {
 
 impl Default for DrivingLineConfig {
     fn default() -> Self {
-        Self { min_setback_m: 3.0, max_setback_m: 12.0, step_m: 0.5, lead_m: 15.0 }
+        Self { min_setback_m: 3.0, step_m: 0.5, lead_m: 15.0 }
     }
 }
 
@@ -53,8 +50,8 @@ pub struct DrivingLine {
     pub curvature_per_m: Vec<f64>,
     /// Radius at the tightest place of the curve, metres (infinite on a straight one).
     pub tightest_radius_m: f64,
-    /// Whether that radius is at least the vehicle's.
-    pub within_turning_circle: bool,
+    /// Radius of the vehicle's turning circle, metres.
+    pub turning_radius_m: f64,
 }
 
 /// Pieces into which the curve is cut; at 25 m of curve a piece is shorter than a pixel of steering.
@@ -81,13 +78,17 @@ impl DrivingLine {
         // The offset lines end and begin beside the node; there the curve's corner lies.
         let mut setback_m = config.min_setback_m;
         let mut curve = bezier(&inbound, &outbound, setback_m);
-        while tightest_radius_m(&curve) < vehicle.turning_radius_m
-            && setback_m + SETBACK_STEP_M <= config.max_setback_m.max(config.min_setback_m)
-        {
+        let (mut best_m, mut best) = (tightest_radius_m(&curve), (curve, setback_m));
+        let room_m = inbound.length_m().min(outbound.length_m());
+        while best_m < vehicle.turning_radius_m && setback_m + SETBACK_STEP_M <= room_m {
             setback_m += SETBACK_STEP_M;
             curve = bezier(&inbound, &outbound, setback_m);
+            let radius_m = tightest_radius_m(&curve);
+            if radius_m > best_m {
+                (best_m, best) = (radius_m, (curve, setback_m));
+            }
         }
-        let tightest_radius_m = tightest_radius_m(&curve);
+        let (curve, setback_m) = best;
         let sampled = Polyline::new(
             (0..=CURVE_PIECES).map(|i| from_kurbo(curve.eval(i as f64 / CURVE_PIECES as f64))),
         )?;
@@ -97,9 +98,14 @@ impl DrivingLine {
             curve: sampled,
             points,
             curvature_per_m,
-            tightest_radius_m,
-            within_turning_circle: tightest_radius_m >= vehicle.turning_radius_m,
+            tightest_radius_m: best_m,
+            turning_radius_m: vehicle.turning_radius_m,
         }))
+    }
+
+    /// Whether the vehicle can drive it.
+    pub const fn within_turning_circle(&self) -> bool {
+        self.tightest_radius_m >= self.turning_radius_m
     }
 
     /// Where the curve begins, feature frame, metres.

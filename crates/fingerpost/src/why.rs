@@ -7,7 +7,9 @@ use std::fmt::{self, Display, Formatter, Write};
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, FollowedWords, Frames, Hundredths, LackWords, LaneWords,
     MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords, Threshold,
+    TooTightWords,
 };
+use crate::driving_line::DrivingLine;
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::mount::MountEstimate;
@@ -150,6 +152,13 @@ impl Why<'_> {
             Decision::Arrived => f.write_str(": the driving line's start reached the bottom of the view"),
             Decision::Passing => f.write_str(": on the driving line through it"),
             _ => write!(f, ": {words}"),
+        }?;
+        let line = self.stops.get(followed.index).and_then(|stop| stop.line.as_ref());
+        match line.filter(|line| !line.within_turning_circle()) {
+            Some(&DrivingLine { tightest_radius_m, turning_radius_m, .. }) => {
+                write!(f, "; {}", TooTightWords { tightest_radius_m, turning_radius_m })
+            }
+            None => Ok(()),
         }
     }
 

@@ -26,11 +26,11 @@ fn centred(turning_radius_m: f64) -> VehicleConfig {
 #[test]
 fn the_set_back_gives_the_turning_circle() {
     // d = R sin(45 deg) / cos^2(45 deg) = 1.414 R for a right angle.
-    for radius in [4.0, 5.0, 7.0] {
+    for radius in [4.0, 5.0, 7.0, 9.0, 25.0] {
         let line = line(&[(0.0, 0.0), (60.0, 0.0)], &centred(radius));
         let setback = -line.start().x;
         assert!((setback - 2_f64.sqrt() * radius).abs() < 0.26, "{setback} for {radius}");
-        assert!(line.within_turning_circle && line.tightest_radius_m >= radius);
+        assert!(line.within_turning_circle() && line.tightest_radius_m >= radius);
         assert!(line.start().y.abs() < 1e-3 && (line.end() - Point2::new(0.0, -setback)).norm() < 1e-3);
     }
 }
@@ -38,7 +38,7 @@ fn the_set_back_gives_the_turning_circle() {
 #[test]
 fn too_sharp_a_turn_says_so() {
     let line = line(&[(0.0, 0.0), (6.0, -60.0)], &centred(6.0));
-    assert!(!line.within_turning_circle && line.tightest_radius_m < 6.0);
+    assert!(!line.within_turning_circle() && line.tightest_radius_m < 6.0);
 }
 
 #[test]

@@ -48,6 +48,12 @@ fn what_does_not_agree_is_said_with_both_values_and_the_bound() {
     said(&pitch, &["pitch", "-11.5 degrees off", "at most 4.6", "anew"]);
 }
 
+#[test]
+fn a_driving_line_that_is_too_tight_is_said_with_both_radii() {
+    let words = TooTightWords { tightest_radius_m: 8.49, turning_radius_m: 9.0 }.to_string();
+    assert_eq!(words, "the driving line turns at 8.49 m, the vehicle at no less than 9.00 m");
+}
+
 fn feature_words(decision: Decision) -> String {
     let (track, config) = (TrackOutput::default(), TrackConfig::default());
     let evidence = TrackEvidence { decision, ..TrackEvidence::default() };

@@ -204,6 +204,22 @@ impl Display for FollowedWords<'_> {
     }
 }
 
+/// A driving line that the vehicle cannot drive: the radius of its tightest place, and that of the vehicle's turning circle.
+pub(super) struct TooTightWords {
+    pub(super) tightest_radius_m: f64,
+    pub(super) turning_radius_m: f64,
+}
+
+impl Display for TooTightWords {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { tightest_radius_m, turning_radius_m } = self;
+        write!(
+            f,
+            "the driving line turns at {tightest_radius_m:.2} m, the vehicle at no less than {turning_radius_m:.2} m"
+        )
+    }
+}
+
 /// The weakest sub-mask against the threshold, and those that took no part.
 pub(super) struct MatchWords<'a>(pub(super) &'a Match, pub(super) Option<f64>);
 
