@@ -11,7 +11,7 @@ use fingerpost::camera_state::{CameraState, CameraWatch};
 use fingerpost::ground_view::{GroundView, GroundViewConfig};
 use fingerpost::road_surface::BackprojectionConfig;
 use fingerpost_format::{FrameRecord, Summary, from_json_lines};
-use fingerpost_geometry::{GroundPixel, View};
+use fingerpost_geometry::{Distortion, GroundPixel, View};
 use fingerpost_io::{FrameSource, SourceOptions, read_camera, read_picture};
 use fingerpost_map::{ArmRole, FeatureKind, read_route};
 use fingerpost_vision::picture::RgbImage;
@@ -276,4 +276,35 @@ fn the_online_classifier_tells_the_road_from_the_pavement() {
     assert!(first_frames > 0.88, "every frame the first {first_frames}");
     let dusk = online_iou("camvid/dusk", "camvid/duskannot", &[]);
     assert!(dusk > 0.77, "at dusk {dusk}");
+}
+
+/// The twenty photographs of a chessboard by the camera of the motorway clips. OpenCV's `findChessboardCorners` finds 17 of the
+/// boards, four corners of one of them 7 to 19 pixels off, and `cornerSubPix` (half window 5) and `calibrateCamera` give the
+/// lens that is compared with here, at an rms of 1.096 pixels.
+#[test]
+fn a_lens_from_chessboards_is_that_of_opencv() {
+    let (folder, boards) = (TempDir::new().unwrap(), data("udacity/camera_cal"));
+    let out = folder.path().join("camera.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
+        .args(["calibrate", "chessboard", text(&boards), "--corners", "9x6", "--height-m", "1.3", "--json"])
+        .args(["--out", text(&out)])
+        .output()
+        .unwrap();
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{messages}");
+    for useless in ["calibration1.jpg", "calibration5.jpg"] {
+        assert!(messages.contains(&format!("left out: {useless}: corners are cut off")), "{messages}");
+    }
+    for larger in ["calibration7.jpg", "calibration15.jpg"] {
+        assert!(messages.contains(&format!("{larger} has 1281 x 721 pixels and is used")), "{messages}");
+    }
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["pictures_used"], 18, "{told}");
+    assert!(told["rms_px"].as_f64().unwrap() <= 1.0, "{told}");
+    let camera = read_camera(&out).unwrap();
+    let View::Calibrated { intrinsics: k, distortion, .. } = camera.view() else { panic!("{camera:?}") };
+    assert!((k.fx / 1157.1 - 1.0).abs() < 0.005 && (k.fy / 1151.3 - 1.0).abs() < 0.005, "{k:?}");
+    assert!((k.cx - 670.4).abs() < 4.0 && (k.cy - 387.9).abs() < 4.0, "{k:?}");
+    let Distortion::BrownConrady { coefficients, .. } = distortion else { panic!("{distortion:?}") };
+    assert!((coefficients[0] + 0.264).abs() < 0.03, "{coefficients:?}");
 }

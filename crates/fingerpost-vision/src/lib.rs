@@ -28,6 +28,7 @@
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
+//! | [`chessboard`] | a chessboard's inner corners | Bennett & Lasenby 2014; Förstner & Gülch 1987 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
 //! "Paper 1" is the method's paper on interpretable single-camera localisation.
@@ -40,6 +41,7 @@ mod bit_plane;
 mod blocks;
 mod border;
 pub mod canny;
+pub mod chessboard;
 pub mod colour;
 pub mod colour_clusters;
 pub mod components;

@@ -10,6 +10,7 @@ mod calibrating;
 mod campaigning;
 mod can;
 mod centreline;
+mod chessboard;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;

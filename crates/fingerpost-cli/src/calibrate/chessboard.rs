@@ -1,0 +1,117 @@
+//! `fingerpost calibrate chessboard`: intrinsics and lens distortion from pictures of a chessboard.
+
+mod pictures;
+mod report;
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use fingerpost_format::camera_to_toml;
+use fingerpost_geometry::{BoardPoint, Camera, Distortion, LensCalibration, Mount, Pixel, calibrate_lens};
+use fingerpost_io::write_file;
+use fingerpost_vision::chessboard::BoardSize;
+use nalgebra::Point2;
+
+use self::pictures::{Looked, common_size, look_at_all, paths_of};
+use self::report::Report;
+use crate::arguments::number;
+use crate::{output, output_path};
+
+/// Find a camera's focal lengths, principal point and lens distortion from pictures of a chessboard, and write its camera.toml.
+///
+/// Print a board, fix it on something flat, and take 10 to 20 pictures: the whole board in each, tilted by 30 to 45 degrees
+/// in different directions, in every part of the picture. Focus and zoom must be those of the drives. Pictures that show no
+/// whole board, or fit far worse than the others, are named and left out; pictures that do not fix the lens are refused and
+/// nothing is written. The mount is written level, at the height given: `calibrate mount` or `calibrate points` finds it.
+#[derive(Debug, Args)]
+pub(crate) struct ChessboardArgs {
+    /// Pictures of the board (.jpg, .png), or folders of them, all of one size.
+    #[arg(value_name = "PICTURES", required = true)]
+    pictures: Vec<PathBuf>,
+    /// Inner corners of the board along either side, where four squares meet: one less than its squares; 3 to 64.
+    #[arg(long, value_name = "COLUMNSxROWS")]
+    corners: Corners,
+    /// Side of a square, metres, 0.001 to 1: with it the boards' distances are told; the lens does not depend on it.
+    #[arg(long, value_name = "S", value_parser = number(0.001, 1.0, "side of a square", "metres"))]
+    square_m: Option<f64>,
+    /// Height of the camera above the road, metres, 0.05 to 20, for the mount that is written; roughly is enough where
+    /// `calibrate mount` follows.
+    #[arg(long, value_name = "H", value_parser = number(0.05, 20.0, "height", "metres"))]
+    height_m: f64,
+    /// Calibration to write, camera.toml.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Print the lens with its standard deviations, and what became of each picture, as JSON on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A board's inner corners given as `COLUMNSxROWS`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Corners(BoardSize);
+
+impl FromStr for Corners {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |side: &str| side.parse().ok();
+        let sides = text.split_once('x').and_then(|(columns, rows)| Some((side(columns)?, side(rows)?)));
+        let (columns, rows) = sides.ok_or_else(|| {
+            format!(
+                "{text:?} is no number of corners; give COLUMNSxROWS, as in 9x6 for a board of 10 x 7 squares"
+            )
+        })?;
+        BoardSize::new(columns, rows).map(Self).map_err(|cause| cause.to_string())
+    }
+}
+
+const NOTHING_WRITTEN: &str = "the lens cannot be trusted and nothing was written";
+
+/// Calibrates the lens.
+pub(crate) fn chessboard(args: &ChessboardArgs) -> Result<()> {
+    output_path::check_file(&args.out, args.pictures.iter().map(PathBuf::as_path))?;
+    let paths = paths_of(&args.pictures)?;
+    output_path::check_file(&args.out, paths.iter().map(PathBuf::as_path))?;
+    let looked = look_at_all(&paths, args.corners.0);
+    report::say_dropped(&looked);
+    let (width, height) = common_size(&looked).context(NOTHING_WRITTEN)?;
+    report::say_other_sizes(&looked, (width, height));
+    let boards: Vec<_> = looked.iter().filter_map(|looked| board(looked, args)).collect();
+    let lens = calibrate_lens(&boards, width, height).context(NOTHING_WRITTEN)?;
+    let camera = camera(&lens, (width, height), args.height_m).context(NOTHING_WRITTEN)?;
+    write_file(&args.out, camera_to_toml(&camera)?)?;
+    let report = Report::new(&lens, &looked, (width, height), args.square_m);
+    report.say();
+    output::message(&format!(
+        "camera in {}, on a level mount {} m high; `fingerpost calibrate mount` finds how it is mounted",
+        args.out.display(),
+        args.height_m
+    ));
+    if args.json { output::print_json(&report) } else { Ok(()) }
+}
+
+/// The board's corners as the picture shows them, in metres, or in squares where their side is not known.
+fn board(looked: &Looked, args: &ChessboardArgs) -> Option<Vec<BoardPoint>> {
+    let columns = args.corners.0.columns();
+    let square = args.square_m.unwrap_or(1.0);
+    let corners = looked.corners.as_ref().ok()?.iter().enumerate();
+    let points = corners.map(|(i, &[u, v])| BoardPoint {
+        p_in_board: Point2::new((i % columns) as f64, (i / columns) as f64) * square,
+        pixel: Pixel::new(u, v),
+    });
+    Some(points.collect())
+}
+
+fn camera(lens: &LensCalibration, (width, height): (usize, usize), height_m: f64) -> Result<Camera> {
+    let distortion = Distortion::brown_conrady(&lens.coefficients)?;
+    Camera::calibrated(width, height, lens.intrinsics, distortion, Mount::level(height_m)).context(
+        "no camera has the lens that was found; take more pictures with the board at the picture's edges and corners",
+    )
+}
+
+/// A picture's name without its folder.
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
