@@ -2,19 +2,25 @@
 //!
 //! Paper 1, section V-B: a quadratic Bezier curve from the approach over the feature to the exit. The approach and
 //! exit points are set back from the node until the tightest curvature respects the vehicle's turning circle; for a
-//! symmetric curve that turns by theta the set-back d gives the radius d cos^2(theta/2) / sin(theta/2).
+//! symmetric curve that turns by theta the set-back d gives the radius d cos^2(theta/2) / sin(theta/2). Where that would
+//! take the curve's ends too far, its corner is given less weight instead: a rational curve of the same three points
+//! grows rounder as the weight falls, until at cos(theta/2) it is the arc of a circle of radius d / tan(theta/2) (Farin:
+//! Curves and surfaces for CAGD, 2002, section 12.5).
 //!
-//! Limits: the arms' own length is all the room there is. Where it does not do, as in turns beyond about 150 degrees, the line
-//! is as wide as it gets, and [`DrivingLine::within_turning_circle`] and the frame's `why` say that the vehicle cannot drive it.
+//! Limits: where even the arc is too tight, as a circle of 25 m at a right angle, a line that the vehicle can drive would leave
+//! the road. The line then stays, and [`DrivingLine::within_turning_circle`] and the frame's `why` say it.
+
+mod conic;
 
 use fingerpost_geometry::{GeometryError, Polyline};
-use kurbo::{ParamCurve, ParamCurveCurvature, QuadBez};
 use nalgebra::{Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
+
+use self::conic::Conic;
 
 /// Settings of the driving line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,6 +29,9 @@ pub struct DrivingLineConfig {
     /// Shortest distance of the curve's ends from the node, metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub min_setback_m: f64,
+    /// Longest distance of the curve's ends from the node, metres: farther away a wide curve leaves the road.
+    #[schemars(range(min = 0.5, max = 40.0))]
+    pub max_setback_m: f64,
     /// Distance between the points that are handed out, metres.
     #[schemars(range(min = 0.1, max = 5.0))]
     pub step_m: f64,
@@ -33,7 +42,7 @@ pub struct DrivingLineConfig {
 
 impl Default for DrivingLineConfig {
     fn default() -> Self {
-        Self { min_setback_m: 3.0, step_m: 0.5, lead_m: 15.0 }
+        Self { min_setback_m: 3.0, max_setback_m: 12.0, step_m: 0.5, lead_m: 15.0 }
     }
 }
 
@@ -77,28 +86,22 @@ impl DrivingLine {
         let outbound = exit.course.offset(share * exit.width_m)?;
         // The offset lines end and begin beside the node; there the curve's corner lies.
         let mut setback_m = config.min_setback_m;
-        let mut curve = bezier(&inbound, &outbound, setback_m);
-        let (mut best_m, mut best) = (tightest_radius_m(&curve), (curve, setback_m));
-        let room_m = inbound.length_m().min(outbound.length_m());
-        while best_m < vehicle.turning_radius_m && setback_m + SETBACK_STEP_M <= room_m {
+        let mut curve = conic(&inbound, &outbound, setback_m);
+        while curve.tightest_radius_m() < vehicle.turning_radius_m
+            && setback_m + SETBACK_STEP_M <= config.max_setback_m.max(config.min_setback_m)
+        {
             setback_m += SETBACK_STEP_M;
-            curve = bezier(&inbound, &outbound, setback_m);
-            let radius_m = tightest_radius_m(&curve);
-            if radius_m > best_m {
-                (best_m, best) = (radius_m, (curve, setback_m));
-            }
+            curve = conic(&inbound, &outbound, setback_m);
         }
-        let (curve, setback_m) = best;
-        let sampled = Polyline::new(
-            (0..=CURVE_PIECES).map(|i| from_kurbo(curve.eval(i as f64 / CURVE_PIECES as f64))),
-        )?;
+        curve.round_up_to(vehicle.turning_radius_m);
+        let sampled = Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))?;
         let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setback_m);
         Ok(Some(Self {
-            control: [curve.p0, curve.p1, curve.p2].map(from_kurbo),
+            control: curve.control,
             curve: sampled,
             points,
             curvature_per_m,
-            tightest_radius_m: best_m,
+            tightest_radius_m: curve.tightest_radius_m(),
             turning_radius_m: vehicle.turning_radius_m,
         }))
     }
@@ -119,14 +122,15 @@ impl DrivingLine {
     }
 }
 
-fn bezier(inbound: &Polyline, outbound: &Polyline, setback_m: f64) -> QuadBez {
+/// The papers' curve with its ends this far from the node.
+fn conic(inbound: &Polyline, outbound: &Polyline, setback_m: f64) -> Conic {
     let (start, inward) = inbound.at(inbound.length_m() - setback_m);
     let (end, outward) = outbound.at(setback_m);
     let corner = crossing(start, inward, end, outward).unwrap_or_else(|| {
         let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
         Point2::from(0.5 * (before.coords + after.coords))
     });
-    QuadBez::new(to_kurbo(start), to_kurbo(corner), to_kurbo(end))
+    Conic::bezier([start, corner, end])
 }
 
 /// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
@@ -147,16 +151,10 @@ fn crossing(
     (along > 0.0 && back < 0.0).then(|| start + inward * along)
 }
 
-fn tightest_radius_m(curve: &QuadBez) -> f64 {
-    let tightest =
-        (0..=CURVE_PIECES).map(|i| curve.curvature(i as f64 / CURVE_PIECES as f64).abs()).fold(0.0, f64::max);
-    if tightest > 0.0 { 1.0 / tightest } else { f64::INFINITY }
-}
-
 fn hand_out(
     config: &DrivingLineConfig,
     inbound: &Polyline,
-    curve: &QuadBez,
+    curve: &Conic,
     sampled: &Polyline,
     outbound: &Polyline,
     setback_m: f64,
@@ -168,13 +166,12 @@ fn hand_out(
     let pieces = (sampled.length_m() / step).ceil().max(1.0) as usize;
     let parameters: Vec<f64> =
         (0..=pieces).map(|i| parameter_at(sampled, sampled.length_m() * i as f64 / pieces as f64)).collect();
-    points.extend(parameters.iter().map(|&t| from_kurbo(curve.eval(t))));
+    points.extend(parameters.iter().map(|&t| curve.at(t)));
     points.extend((1..=lead).map(|i| outbound.at(setback_m + step * i as f64).0));
     let reach = (CORNER_SPREAD_M / step).ceil() as usize;
     let curvature = (0..points.len())
         .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {
-            // kurbo counts a turn from y to x as positive.
-            Some(&t) => -curve.curvature(t),
+            Some(&t) => curve.curvature_per_m(t),
             None => {
                 // The map's corners are spread over the length in which a vehicle steers through them.
                 let (before, after) = (i.saturating_sub(reach), (i + reach).min(points.len() - 1));
@@ -203,12 +200,4 @@ fn parameter_at(sampled: &Polyline, along_m: f64) -> f64 {
         walked += length;
     }
     1.0
-}
-
-fn to_kurbo(p: Point2<f64>) -> kurbo::Point {
-    kurbo::Point::new(p.x, p.y)
-}
-
-fn from_kurbo(p: kurbo::Point) -> Point2<f64> {
-    Point2::new(p.x, p.y)
 }

@@ -77,6 +77,22 @@ fn a_t_junction_to_the_right_is_found_followed_and_arrived_at() {
 }
 
 #[test]
+fn a_vehicle_that_cannot_turn_as_tightly_as_its_line_is_told_so() {
+    let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
+    let kind = FeatureKind::Junction;
+    let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
+    for (turning_radius_m, is_said) in [(9.0, false), (25.0, true)] {
+        let mut config = keeping(Traffic::Centre);
+        config.vehicle.turning_radius_m = turning_radius_m;
+        let drive = drive(&world, &junction, &config, 0.0, 0.6);
+        let followed = drive.outputs.iter().filter(|output| output.track.followed.is_some());
+        let said = followed.map(|output| output.why.contains("the vehicle at no less than 25.00 m"));
+        let said: Vec<bool> = said.collect();
+        assert!(!said.is_empty() && said.iter().all(|said| *said == is_said), "{turning_radius_m}: {said:?}");
+    }
+}
+
+#[test]
 fn the_side_of_the_road_does_not_matter() {
     check_t_junction(WEST, EAST, Traffic::Right, -1.3);
 }
