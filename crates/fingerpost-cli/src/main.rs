@@ -28,6 +28,7 @@ mod road_detector;
 mod route;
 mod run;
 mod schema;
+mod side_by_side;
 mod simulate;
 mod stage_clock;
 mod start_check;
