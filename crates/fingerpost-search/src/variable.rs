@@ -147,27 +147,36 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use super::*;
 
+    fn values(variable: Variable, genes: &[f64]) -> Vec<f64> {
+        genes.iter().map(|&gene| variable.value(gene)).collect()
+    }
+
+    fn genes(variable: Variable, values: &[f64]) -> Vec<f64> {
+        values.iter().map(|&value| variable.gene(value)).collect()
+    }
+
     #[test]
     fn genes_reach_from_limit_to_limit_and_back() {
         let log = Variable::real(0.01, 1.0, Scale::Logarithmic).unwrap();
-        assert_eq!([log.value(0.0), log.value(0.5), log.value(1.0)], [0.01, 0.1, 1.0]);
+        assert_eq!(values(log, &[0.0, 0.5, 1.0]), [0.01, 0.1, 1.0]);
         assert!((log.gene(0.1) - 0.5).abs() < 1e-12);
         let frames = Variable::whole(1, 5, Scale::Linear).unwrap();
-        assert_eq!([frames.value(0.0), frames.value(0.6), frames.value(2.0)], [1.0, 3.0, 5.0]);
-        assert_eq!((frames.gene(3.0), frames.gene(9.0), frames.gene(f64::NAN)), (0.5, 1.0, 0.0));
+        assert_eq!(values(frames, &[0.0, 0.6, 2.0]), [1.0, 3.0, 5.0]);
+        assert_eq!(genes(frames, &[3.0, 9.0, f64::NAN]), [0.5, 1.0, 0.0]);
         let choice = Variable::choice(3).unwrap();
-        assert_eq!([0.0, 0.34, 0.5, 1.0].map(|gene| choice.value(gene)), [0.0, 1.0, 1.0, 2.0]);
-        assert!((0..3).all(|i| choice.value(choice.gene(f64::from(i))) == f64::from(i)));
+        assert_eq!(values(choice, &[0.0, 0.34, 0.5, 1.0]), [0.0, 1.0, 1.0, 2.0]);
+        let all = [0.0, 1.0, 2.0];
+        assert_eq!(values(choice, &genes(choice, &all)), all);
     }
 
     #[test]
     fn values_have_four_digits_and_stay_inside() {
-        let value = |least, most, gene| Variable::real(least, most, Scale::Linear).unwrap().value(gene);
-        assert_eq!(value(0.0, 1.0, 1.0 / 3.0), 0.3333);
-        assert_eq!(value(0.0, 3e6, 1.0 / 7.0), 428_600.0);
-        assert_eq!(value(-1.0, 1.0, 0.5), 0.0);
-        assert_eq!(value(0.123_456, 0.2, 0.0), 0.1235);
-        assert_eq!(value(0.123_44, 0.2, 0.0), 0.123_44);
+        let value = |least, most, gene| values(Variable::real(least, most, Scale::Linear).unwrap(), &[gene]);
+        assert_eq!(value(0.0, 1.0, 1.0 / 3.0), [0.3333]);
+        assert_eq!(value(0.0, 3e6, 1.0 / 7.0), [428_600.0]);
+        assert_eq!(value(-1.0, 1.0, 0.5), [0.0]);
+        assert_eq!(value(0.123_456, 0.2, 0.0), [0.1235]);
+        assert_eq!(value(0.123_44, 0.2, 0.0), [0.123_44]);
     }
 
     #[test]
