@@ -19,7 +19,8 @@ use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
-use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
+pub(crate) use self::drive::{Driven, measure};
+pub(crate) use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
 use crate::arguments::{InputLimit, PictureSize, Threads};
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path, side_by_side};

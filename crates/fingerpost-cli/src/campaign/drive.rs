@@ -20,7 +20,7 @@ use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
 const PICTURE_EVERY_FRAMES: u64 = 10;
 
 /// A drive in numbers, and what it claimed.
-type Driven = (CampaignDrive, DriveClaims);
+pub(crate) type Driven = (CampaignDrive, DriveClaims);
 
 /// The drive of a seed; none when it was interrupted.
 pub(super) fn drive(setting: &Setting<'_>, seed: u64, conditions: &str) -> Option<Driven> {
@@ -112,7 +112,7 @@ impl Run {
 }
 
 /// What became of a drive along `route`.
-fn measure(
+pub(crate) fn measure(
     named: &CampaignDrive,
     records: &[FrameRecord],
     truth: &[TruthRecord],
