@@ -5,30 +5,25 @@
 //! holds it, so that whatever ends the campaign, finished drives stay.
 
 mod drive;
+mod plan;
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use fingerpost::Config;
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{Campaign, CampaignGroup, ErrorQuantiles};
-use fingerpost_geometry::Camera;
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
-use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
+pub(crate) use self::drive::{Driven, measure};
+pub(crate) use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
 use crate::arguments::{InputLimit, PictureSize, Threads};
-use crate::demo::TOWN_OSM;
 use crate::interrupt::Interrupt;
-use crate::simulate::{Lens, default_camera};
-use crate::{inputs, output, output_path};
+use crate::{inputs, output, output_path, side_by_side};
 
 /// Simulate many short drives, run the method on each and count: features found, falsely found and arrived at, errors of
 /// place and of motion, by conditions. The truth is only used to measure the results.
@@ -74,21 +69,10 @@ pub(crate) struct CampaignArgs {
     json: bool,
 }
 
-/// Name of the drives that have a world of their own.
-const WORLD: &str = "world";
-/// Worlds, and the difficult days of one world.
-const DEFAULT_CONDITIONS: [&str; 6] = [WORLD, "shadows", "wet", "mixed", "dusk", "dust"];
-/// Pictures of the one world.
-const SIZE: PictureSize = PictureSize { width: 480, height: 360 };
-const FPS: f64 = 10.0;
-
 /// What all drives share.
 struct Setting<'a> {
     args: &'a CampaignArgs,
-    osm: OsmData,
-    graph: RoadGraph,
-    camera: Camera,
-    config: Config,
+    drawing: Drawing,
     interrupt: Interrupt,
 }
 
@@ -97,16 +81,15 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
     if args.seed.checked_add(args.drives).is_none() {
         bail!("--seed {} leaves no seeds for {} drives; give a smaller one", args.seed, args.drives);
     }
-    let osm = match &args.map {
-        Some(map) => inputs::osm(map, args.limit)?,
-        None => OsmData::from_bytes(TOWN_OSM)?,
-    };
     let setting = Setting {
         args,
-        graph: RoadGraph::from_osm(&osm)?,
-        osm,
-        camera: default_camera(args.size.unwrap_or(SIZE), Lens::None)?,
-        config: inputs::config(args.config.as_deref())?,
+        drawing: Drawing::new(
+            args.map.as_deref(),
+            args.limit,
+            args.size,
+            args.fps,
+            inputs::config(args.config.as_deref())?,
+        )?,
         interrupt: Interrupt::listen()?,
     };
     let inputs = [&args.map, &args.config].into_iter().flatten().map(PathBuf::as_path);
@@ -142,38 +125,20 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
 /// File of the results.
 const RESULT_FILE: &str = "campaign.json";
 
-/// Runs all drives, each thread taking the next one when it has finished one.
+/// Runs all drives side by side.
 fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
     let args = setting.args;
-    let threads = args
-        .threads
-        .map(|Threads(count)| count)
-        .or(thread::available_parallelism().ok())
-        .map_or(1, NonZeroUsize::get);
-    let next = AtomicU64::new(0);
     let tally = Mutex::new(CampaignTally::new(&args.conditions, args.drives));
-    let work = || -> Result<()> {
-        // A drive's own parallel work stays in its thread: another drive must not begin in the middle of one.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        while !setting.interrupt.wanted() {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= args.drives {
-                break;
-            }
-            let conditions = &args.conditions[(number % args.conditions.len() as u64) as usize];
-            let driven = pool.install(|| drive::drive(setting, args.seed + number, conditions));
-            let Some((drive, claims)) = driven else { break };
-            let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-            tally.add(drive, claims);
-            write(args, &tally.campaign())?;
-            bar.set_position(tally.done());
-        }
+    side_by_side::each(args.threads, args.drives, &setting.interrupt, |number| {
+        let conditions = &args.conditions[(number % args.conditions.len() as u64) as usize];
+        let Some((drive, claims)) = drive::drive(setting, args.seed + number, conditions) else {
+            return Ok(());
+        };
+        let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        tally.add(drive, claims);
+        write(args, &tally.campaign())?;
+        bar.set_position(tally.done());
         Ok(())
-    };
-    thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        let mut ends = workers.into_iter().map(|worker| worker.join());
-        ends.try_for_each(|end| end.unwrap_or_else(|fault| std::panic::resume_unwind(fault)))
     })?;
     let tally = tally.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     Ok(tally.campaign())

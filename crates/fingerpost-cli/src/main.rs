@@ -28,11 +28,13 @@ mod road_detector;
 mod route;
 mod run;
 mod schema;
+mod side_by_side;
 mod simulate;
 mod stage_clock;
 mod start_check;
 #[cfg(unix)]
 mod tether;
+mod tune;
 mod version;
 
 use std::process::ExitCode;
@@ -60,6 +62,7 @@ enum Command {
     Run(run::RunArgs),
     Simulate(simulate::SimulateArgs),
     Campaign(campaign::CampaignArgs),
+    Tune(tune::TuneArgs),
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand),
     #[command(subcommand)]
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Campaign(args) => campaign::campaign(&args),
+        Command::Tune(args) => tune::tune(&args),
         Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),

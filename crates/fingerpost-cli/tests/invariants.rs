@@ -7,13 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 8] = [
+const PURE: [&str; 9] = [
     "fingerpost",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
     "fingerpost-map",
     "fingerpost-report",
+    "fingerpost-search",
     "fingerpost-sim",
     "fingerpost-vision",
 ];

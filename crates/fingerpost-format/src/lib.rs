@@ -14,6 +14,7 @@ mod marks;
 mod summary;
 mod times;
 mod truth;
+mod tuning;
 mod tusimple;
 
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
@@ -34,4 +35,7 @@ pub use marks::{
 pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use truth::TruthRecord;
+pub use tuning::{
+    TriedSettings, TuningFront, TuningObjective, TuningPoint, TuningPurpose, TuningScores, TuningTrial,
+};
 pub use tusimple::{TUSIMPLE_NO_POINT, TuSimpleRecord};

@@ -28,6 +28,15 @@ pub(crate) const PICTURES_FOLDER: &str = "pictures";
 /// Folder of a marked video's pictures.
 pub const MARKED_FRAMES_FOLDER: &str = "marked_frames";
 
+/// File of what a search of settings is about.
+pub(crate) const SETUP_FILE: &str = "setup.json";
+/// File of its trials.
+pub(crate) const TRIALS_FILE: &str = "trials.jsonl";
+/// File of its result.
+pub(crate) const FRONT_FILE: &str = "front.json";
+/// Folder of the drives that it simulated.
+pub(crate) const DRIVES_FOLDER: &str = "drives";
+
 /// Digits of a frame's number in a picture's name; longer numbers have more.
 const FRAME_DIGITS: usize = 6;
 
@@ -43,6 +52,8 @@ pub enum FolderKind {
     Drive,
     /// A campaign, with the folders of its runs.
     Campaign,
+    /// A search of settings, with the drives that it simulated.
+    Tuning,
     /// Marks of lane edges, and truth made of them.
     Marks,
 }
@@ -57,6 +68,7 @@ impl fmt::Display for FolderKind {
             Self::CampaignRun => "a run of a campaign",
             Self::Drive => "a simulated drive",
             Self::Campaign => "a campaign",
+            Self::Tuning => "a search of settings",
             Self::Marks => "lane marks",
         })
     }
@@ -83,6 +95,7 @@ impl FolderKind {
                 "can.toml",
             ],
             Self::Campaign => &["campaign.json"],
+            Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
         }
     }
@@ -92,7 +105,7 @@ impl FolderKind {
         match self {
             Self::Run | Self::CampaignRun => &[(PICTURES_FOLDER, is_named_frame)],
             Self::Drive => &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number)],
-            Self::Campaign => &[],
+            Self::Campaign | Self::Tuning => &[],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }
     }
@@ -101,6 +114,9 @@ impl FolderKind {
     pub(crate) fn writes(self, inside: &Path) -> bool {
         let Some(Component::Normal(first)) = inside.components().next() else { return false };
         let is = |name: &str| first == name;
+        if self == Self::Tuning && (is(DRIVES_FOLDER) || first.to_str().is_some_and(is_numbered_config)) {
+            return true;
+        }
         self.files().iter().any(|name| is(name)) || self.picture_folders().iter().any(|(name, _)| is(name))
     }
 
@@ -112,8 +128,10 @@ impl FolderKind {
         for (name, is_ours) in self.picture_folders() {
             remove_pictures(&path.join(name), *is_ours)?;
         }
-        if self == Self::Campaign {
-            remove_campaign_runs(path)?;
+        match self {
+            Self::Campaign => remove_campaign_runs(path)?,
+            Self::Tuning => remove_numbered_configs(path)?,
+            Self::Run | Self::CampaignRun | Self::Drive | Self::Marks => {}
         }
         Ok(())
     }
@@ -127,6 +145,23 @@ fn is_named_frame(stem: &str) -> bool {
 /// A picture of a drive, as in `000150`.
 fn is_number(stem: &str) -> bool {
     stem.len() >= FRAME_DIGITS && stem.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// A configuration of a search's front, as in `07.toml`.
+fn is_numbered_config(name: &str) -> bool {
+    let number = name.strip_suffix(".toml").unwrap_or_default();
+    number.len() >= 2 && number.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Removes the configurations of an earlier front.
+pub(crate) fn remove_numbered_configs(path: &Path) -> Result<(), FileError> {
+    for entry in fs::read_dir(path).map_err(FileError::reading(path))? {
+        let entry = entry.map_err(FileError::reading(path))?;
+        if entry.file_name().to_str().is_some_and(is_numbered_config) {
+            remove_if_there(&entry.path())?;
+        }
+    }
+    Ok(())
 }
 
 /// Removes the pictures that an earlier command wrote, and the folder where nothing else is in it.

@@ -1,7 +1,7 @@
 //! A file of JSON lines that holds whole lines only, whatever happens.
 
 use std::{
-    fs::File,
+    fs::{File, OpenOptions},
     io::{self, Write},
     path::{Path, PathBuf},
     time::Duration,
@@ -11,7 +11,11 @@ use fingerpost_format::{LinesError, to_json_line};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::{file::FileError, periodic_sync::PeriodicSync, whole_file::sync_folder};
+use crate::{
+    file::{FileError, read_bytes},
+    periodic_sync::PeriodicSync,
+    whole_file::sync_folder,
+};
 
 /// Time between two syncs of a file of lines: a machine that loses its power loses no more than a second of them, with
 /// as much again for a slow disk.
@@ -75,9 +79,31 @@ impl JsonLinesFile {
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             sync_folder(folder).map_err(writing())?;
         }
-        let synced = file.try_clone().map_err(writing())?;
-        let sync = PeriodicSync::start(SYNC_INTERVAL, move || synced.sync_data()).map_err(writing())?;
-        Ok(Self { sync: Some(sync), ..Self::over(path, file) })
+        Self::synced(path, file)
+    }
+
+    /// Goes on with a file of an earlier program, or starts one: gives the whole lines that it holds, and cuts off a last one that
+    /// a killed program or a lost machine left without its end.
+    ///
+    /// # Errors
+    /// [`FileError`] when it cannot be read or written.
+    pub fn go_on_with(path: &Path) -> Result<(Self, String), FileError> {
+        if !path.exists() {
+            return Ok((Self::create(path)?, String::new()));
+        }
+        let mut bytes = read_bytes(path)?;
+        bytes.truncate(bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1));
+        let whole_bytes = bytes.len() as u64;
+        let lines = String::from_utf8(bytes).map_err(|_| FileError::NotText { path: path.to_owned() })?;
+        let mut file = OpenOptions::new().write(true).open(path).map_err(FileError::writing(path))?;
+        file.cut_back(whole_bytes).map_err(FileError::writing(path))?;
+        Ok((Self { whole_bytes, ..Self::synced(path, file)? }, lines))
+    }
+
+    fn synced(path: &Path, file: File) -> Result<Self, FileError> {
+        let synced = file.try_clone().map_err(FileError::writing(path))?;
+        let sync = PeriodicSync::start(SYNC_INTERVAL, move || synced.sync_data());
+        Ok(Self { sync: Some(sync.map_err(FileError::writing(path))?), ..Self::over(path, file) })
     }
 }
 

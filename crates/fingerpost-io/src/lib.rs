@@ -20,6 +20,7 @@ mod picture_folder;
 mod run_folder;
 mod source;
 mod tether;
+mod tuning_folder;
 mod video;
 mod video_writer;
 mod waiting;
@@ -50,6 +51,7 @@ pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceErro
 pub use tether::TETHER_ARGUMENT;
 #[cfg(unix)]
 pub use tether::become_tethered;
+pub use tuning_folder::{TuningFolder, TuningFolderError};
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
 pub use whole_file::{remove_abandoned, write_file};

@@ -172,6 +172,22 @@ fn a_line_that_fits_goes_on_after_one_that_did_not() {
     assert_eq!(from_json_lines::<FrameRecord>(&text).unwrap(), [frame(0), frame(1)]);
 }
 
+#[test]
+fn a_file_of_lines_is_gone_on_with_behind_its_last_whole_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.jsonl");
+    let (mut lines, before) = JsonLinesFile::go_on_with(&path).unwrap();
+    assert_eq!(before, "");
+    lines.append(&frame(0)).unwrap();
+    lines.into_inner().write_all(b"{\"frame\": 1, \"t_").unwrap();
+    let (mut lines, before) = JsonLinesFile::go_on_with(&path).unwrap();
+    assert_eq!(from_json_lines::<FrameRecord>(&before).unwrap(), [frame(0)]);
+    lines.append(&frame(1)).unwrap();
+    lines.finish().unwrap();
+    let text = read_text(&path).unwrap();
+    assert_eq!(from_json_lines::<FrameRecord>(&text).unwrap(), [frame(0), frame(1)]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn the_systems_full_device_is_a_full_disk() {

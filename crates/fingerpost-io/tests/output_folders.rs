@@ -16,11 +16,17 @@ use fingerpost_io::{
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-const KINDS: [FolderKind; 5] =
-    [FolderKind::Run, FolderKind::CampaignRun, FolderKind::Drive, FolderKind::Campaign, FolderKind::Marks];
+const KINDS: [FolderKind; 6] = [
+    FolderKind::Run,
+    FolderKind::CampaignRun,
+    FolderKind::Drive,
+    FolderKind::Campaign,
+    FolderKind::Tuning,
+    FolderKind::Marks,
+];
 
 /// Names that the program writes in some folder, and others; "frames/" and the like are in folders.
-const NAMES: [&str; 16] = [
+const NAMES: [&str; 17] = [
     "config.toml",
     "frames.jsonl",
     "report.html",
@@ -28,6 +34,7 @@ const NAMES: [&str; 16] = [
     "campaign.json",
     "camera.toml",
     "tusimple.json",
+    "07.toml",
     "notes.txt",
     ".hidden",
     "frames/000001.jpg",
@@ -48,6 +55,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
         }
         FolderKind::Drive => &["truth.jsonl", "camera.toml", "frames/000001.jpg", "road_masks/000001.png"],
         FolderKind::Campaign => &["campaign.json"],
+        FolderKind::Tuning => &["report.html", "07.toml"],
         FolderKind::Marks => &["truth.jsonl", "tusimple.json", "marked_frames/000001.jpg"],
     };
     results.contains(&name)

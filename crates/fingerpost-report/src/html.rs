@@ -11,7 +11,7 @@ use fingerpost_format::{Summary, TruthRecord};
 use fingerpost_map::Route;
 use maud::{DOCTYPE, PreEscaped, html};
 
-pub(crate) use self::chart::{joined, number, px};
+pub(crate) use self::chart::{joined, number, px, ticks};
 use crate::key_frames::KeyFrames;
 use crate::timeline::Timeline;
 
@@ -46,7 +46,7 @@ pub struct ReportInput<'a> {
 }
 
 /// Look of the page, light and dark.
-const STYLE: &str = include_str!("html/style.css");
+pub(crate) const STYLE: &str = include_str!("html/style.css");
 
 /// The report as one HTML page that needs nothing from outside: no script, no font, pictures inside.
 pub fn report_html(input: &ReportInput<'_>) -> String {

@@ -26,4 +26,5 @@ mod running;
 mod simulated_bus;
 mod simulating;
 mod stalls;
+mod tuning;
 mod video_stub;
