@@ -21,7 +21,7 @@ pub fn one_at_a_time(
         let value = values.get_mut(index)?;
         let before = *value;
         *value = variable.value(variable.gene(before) + step);
-        let differs = *value < before || *value > before;
+        let differs = (*value - before).abs() > 0.0;
         (differs && allowed(&values)).then_some((index, values))
     };
     let both = |(index, variable)| [-STEP, STEP].map(|step| changed(index, variable, step));
