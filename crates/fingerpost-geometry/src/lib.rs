@@ -15,6 +15,7 @@ mod homography;
 mod mount;
 mod mount_from_points;
 mod pchip;
+mod picture_scale;
 mod pixel;
 mod polyline;
 
@@ -27,5 +28,6 @@ pub use homography::Homography;
 pub use mount::Mount;
 pub use mount_from_points::MountFromPoints;
 pub use pchip::Pchip;
+pub use picture_scale::PictureScale;
 pub use pixel::Pixel;
 pub use polyline::{Footpoint, Polyline};
