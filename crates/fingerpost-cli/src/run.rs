@@ -127,7 +127,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     // From here on an end that is wanted is one that leaves results.
     let interrupt = Interrupt::listen()?;
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
-    let options = SourceOptions { fps: args.fps, threads: args.threads(), programs: programs.clone() };
+    let (fps, threads) = (args.fps, args.threads());
+    let options = SourceOptions { fps, threads, programs: programs.clone(), ..SourceOptions::default() };
     let source = FrameSource::open(&args.input, &options)?;
     let setting = RunSetting {
         config: &config,
