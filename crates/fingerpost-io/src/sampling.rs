@@ -2,8 +2,8 @@
 
 use std::num::NonZeroU64;
 
-/// How far before its tick a frame may come, in ticks: times in files are rounded.
-const TICK_TOLERANCE: f64 = 0.01;
+/// How long before its tick a frame may come, seconds: times in files are often cut to milliseconds.
+const TOLERANCE_S: f64 = 0.0015;
 
 /// Which frames of an input are used; the first one always is. Each keeps its index and its time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,7 +29,7 @@ impl Sampling {
             Self::Every(nth) => count.div_ceil(nth.get()),
             Self::Rate { hz } if hz >= fps => count,
             Self::Rate { hz } => match count.checked_sub(1) {
-                Some(last) => (tick_of(last as f64 / fps, hz) as u64).saturating_add(1),
+                Some(last) => ((tick_of(last as f64 / fps, hz) - tick_of(0.0, hz)) as u64).saturating_add(1),
                 None => 0,
             },
         }
@@ -78,7 +78,7 @@ impl Sampler {
 }
 
 fn tick_of(t_s: f64, hz: f64) -> f64 {
-    (t_s * hz + TICK_TOLERANCE).floor()
+    ((t_s + TOLERANCE_S) * hz).floor()
 }
 
 #[cfg(test)]
