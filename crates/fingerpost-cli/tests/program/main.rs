@@ -21,6 +21,7 @@ mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
 mod outputs;
+mod papers;
 mod program;
 mod running;
 mod sampling;
