@@ -73,7 +73,7 @@ pub(crate) struct VideoReader {
 #[derive(Debug)]
 enum Pictures {
     /// All, in their order: ffmpeg waits where they are not taken.
-    All(Decoders<PictureStream>),
+    All(Box<Decoders<PictureStream>>),
     /// The latest: of an input that does not wait.
     Latest(Latest<VideoPicture>),
 }
@@ -196,7 +196,8 @@ impl VideoReader {
             Pace::Waits => {
                 let stream = PictureStream { pipe, format, live: None };
                 let one = threads == Some(NonZeroUsize::MIN);
-                Pictures::All(if one { Decoders::on_demand(stream) } else { Decoders::ahead([stream]) })
+                let pictures = if one { Decoders::on_demand(stream) } else { Decoders::ahead([stream]) };
+                Pictures::All(Box::new(pictures))
             }
         };
         let (input, frames, ended) = (input.to_owned(), 0, false);
