@@ -331,7 +331,7 @@ impl RecordedDrive {
                 "{damaged} of {frames} frames of {} are damaged, and the decoder made up parts of them; copy or record it again",
                 args.input
             ));
-        } else if let Some(complaint) = complaint {
+        } else if let Some(complaint) = complaint.filter(|_| dropped == 0) {
             output::message(&format!("{} has faults, but all its frames came ({complaint})", args.input));
         }
         output::print_summary(&summary, &args.out);
