@@ -14,6 +14,7 @@ use fingerpost_map::Route;
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
+use crate::picture_scaling::PictureScaling;
 use crate::record::{FrameTime, feature_identities, frame_record};
 use crate::recorder::{Pictures, Subject, Wishes};
 use crate::road_detector::road_detector;
@@ -25,7 +26,7 @@ use crate::version::WRITTEN_BY;
 pub(crate) struct RunSetting<'a> {
     /// Configuration in force.
     pub(crate) config: &'a Config,
-    /// The camera.
+    /// The camera, for the pictures as the method gets them.
     pub(crate) camera: &'a Camera,
     /// The route; without one nothing is followed.
     pub(crate) route: Option<&'a Route>,
@@ -79,6 +80,8 @@ pub(crate) struct Seen {
 pub(crate) struct Driver {
     pipeline: Pipeline,
     sequence: Sequence,
+    /// What makes the pictures those of the camera, where they come larger.
+    scaling: Option<PictureScaling>,
     drawing: Setting,
     features: Vec<FeatureIdentity>,
     key_frames: KeyFrameChoice,
@@ -96,6 +99,7 @@ impl Driver {
         Ok(Self {
             drawing: Setting::new(setting.camera, &pipeline),
             sequence: setting.sequence,
+            scaling: None,
             features: feature_identities(pipeline.tracker().stops()),
             pipeline,
             key_frames: KeyFrameChoice::new(frames),
@@ -104,6 +108,17 @@ impl Driver {
             frames_used: 0,
             last_t_s: None,
         })
+    }
+
+    /// Takes pictures that are to be made smaller first; the setting's camera must be that of the smaller ones.
+    pub(crate) fn scaling_with(self, scaling: Option<PictureScaling>) -> Self {
+        Self { scaling, ..self }
+    }
+
+    /// Width and height of the pictures that are taken, pixels.
+    fn input_px(&self) -> (usize, usize) {
+        let camera = &self.drawing.camera;
+        self.scaling.as_ref().map_or((camera.width(), camera.height()), PictureScaling::input_px)
     }
 
     /// What the results say about the run as a whole.
@@ -115,7 +130,8 @@ impl Driver {
             thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),
             features: self.features.clone(),
-            picture_px: [setting.camera.width(), setting.camera.height()].map(|side| side as u32),
+            picture_px: <[usize; 2]>::from(self.input_px()).map(|side| side as u32),
+            sampling: None,
         })
     }
 
@@ -145,19 +161,30 @@ impl Driver {
             self.begin_anew()?;
         }
         let mut clock = FrameClock::start();
+        if let Some(scaling) = &mut self.scaling {
+            if !scaling.shrink(picture) {
+                return self.misfit(time, picture);
+            }
+            clock.finished("scale");
+        }
+        let input = picture;
+        let picture = self.scaling.as_ref().map_or(input, PictureScaling::picture);
         // Times that step back say nothing of how long a frame lasted.
         let dt_s = self.last_t_s.map(|last_s| time.t_s - last_s).filter(|dt_s| *dt_s >= 0.0);
         let sensors = Sensors { dt_s, ..sensors };
         let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
         let (output, evidence) = match done {
             Ok(done) => done,
-            Err(PipelineError::GroundView(GroundViewError::Frame(_))) => return self.misfit(time, picture),
+            Err(PipelineError::GroundView(GroundViewError::Frame(_))) => return self.misfit(time, input),
             Err(cause) => return Ok(pass_over(time, &cause)),
         };
         self.frames_used += 1;
         self.last_t_s = Some(time.t_s);
         let stage_ms = clock.stage_ms;
-        let record = frame_record(time, output, &evidence, &self.features, stage_ms);
+        let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
+        if let Some(scaling) = &self.scaling {
+            scaling.in_input_pixels(&mut record);
+        }
         let mut clock = FrameClock::start();
         let FrameTime { frame, t_s } = time;
         let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
@@ -182,7 +209,7 @@ impl Driver {
     /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no
     /// frame will fit; a later one is a broken frame.
     fn misfit(&self, time: FrameTime, picture: &RgbImage) -> Result<FrameResult> {
-        let (width, height) = (self.drawing.camera.width(), self.drawing.camera.height());
+        let (width, height) = self.input_px();
         let exchanged = if (picture.height(), picture.width()) == (width, height) {
             "; width and height are exchanged"
         } else {

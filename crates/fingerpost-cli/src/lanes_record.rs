@@ -7,7 +7,7 @@ use fingerpost_format::{DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingRec
 use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
 
 /// Digits behind the point of pixels.
-const PIXEL_DIGITS: i32 = 2;
+pub(crate) const PIXEL_DIGITS: i32 = 2;
 /// Digits of curvatures, 1/m: 1 cm at 100 m ahead.
 const CURVATURE_DIGITS: i32 = 6;
 

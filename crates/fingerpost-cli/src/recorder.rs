@@ -7,8 +7,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use fingerpost_eval::{FeatureIdentity, FeatureOutcomes, evaluate_junctions};
 use fingerpost_format::{
-    CameraRecordState, FrameRecord, MountFaultRecord, Summary, TrackState, TruthRecord, TruthSummary,
-    json_lines,
+    CameraRecordState, FrameRecord, MountFaultRecord, SamplingRecord, Summary, TrackState, TruthRecord,
+    TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
@@ -85,8 +85,10 @@ pub(crate) struct Subject {
     pub(crate) route: Option<Route>,
     /// What its features are called.
     pub(crate) features: Vec<FeatureIdentity>,
-    /// Width and height of the camera's pictures.
+    /// Width and height of the input's pictures.
     pub(crate) picture_px: [u32; 2],
+    /// What of the input is used, where that is not all of it.
+    pub(crate) sampling: Option<SamplingRecord>,
 }
 
 /// Writes the results of a run. What it keeps of a frame does not grow with their number.
@@ -107,6 +109,7 @@ pub(crate) struct Recorder {
     frames: u64,
     broken_frames: u64,
     damaged_frames: u64,
+    dropped_frames: u64,
     lost_frames: u64,
     started: Instant,
     bar: ProgressBar,
@@ -141,6 +144,7 @@ impl Recorder {
             frames: 0,
             broken_frames: 0,
             damaged_frames: 0,
+            dropped_frames: 0,
             lost_frames: 0,
             started: Instant::now(),
             bar,
@@ -160,6 +164,11 @@ impl Recorder {
     /// Says how many frames were used although they are damaged.
     pub(crate) fn note_damaged(&mut self, frames: u64) {
         self.damaged_frames = frames;
+    }
+
+    /// Says how many frames of a live input were passed over because they came faster than they could be used.
+    pub(crate) fn note_dropped(&mut self, frames: u64) {
+        self.dropped_frames = frames;
     }
 
     /// Whether no frame could be used.
@@ -244,8 +253,10 @@ impl Recorder {
             written_by: Some(format!("fingerpost {VERSION}")),
             frames: self.frames,
             picture_px: Some(self.subject.picture_px),
+            sampling: self.subject.sampling,
             broken_frames: self.broken_frames,
             damaged_frames: self.damaged_frames,
+            dropped_frames: self.dropped_frames,
             // A tenth of a frame a second is all that repeats.
             fps: (10.0 * self.frames as f64 / elapsed_s.max(1e-9)).round() / 10.0,
             stage_ms: self.times.summary(),

@@ -18,11 +18,13 @@ use fingerpost_vision::simd::{CodePath, InstructionSet};
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Threads, number};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
+use crate::frame_choice::FrameChoice;
 use crate::gps::GpsTrack;
 use crate::interrupt::Interrupt;
 use crate::overlap::{self, Overlap};
+use crate::picture_scaling::PictureScaling;
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, Recorder, RunEnd, VideoWish, Wishes};
+use crate::recorder::{Pictures, Recorder, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
@@ -68,7 +70,9 @@ pub(crate) struct RunArgs {
     /// Truth to compare with, truth.jsonl; the method never sees it.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
-    /// Stop after so many frames.
+    #[command(flatten)]
+    choice: FrameChoice,
+    /// Stop after so many frames that are used.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
     /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate; 0.01 to 1000.
@@ -117,6 +121,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     limit_instruction_set(args.instruction_set)?;
     let config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
+    let scaling = args.choice.width().map(|width| PictureScaling::to_width(&camera, width));
+    let scaling = scaling.transpose()?.flatten();
+    let camera = scaling.as_ref().map_or(&camera, PictureScaling::camera).clone();
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     let gps =
         args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?.unwrap_or_default();
@@ -127,7 +134,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     // From here on an end that is wanted is one that leaves results.
     let interrupt = Interrupt::listen()?;
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
-    let options = SourceOptions { fps: args.fps, threads: args.threads(), programs: programs.clone() };
+    let options = SourceOptions {
+        fps: args.fps,
+        sampling: args.choice.sampling(),
+        live: args.choice.liveness(),
+        threads: args.threads(),
+        programs: programs.clone(),
+    };
     let source = FrameSource::open(&args.input, &options)?;
     let setting = RunSetting {
         config: &config,
@@ -143,12 +156,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
-    let mut driver = Driver::new(setting, &wishes, frames)?;
+    let mut driver = Driver::new(setting, &wishes, frames)?.scaling_with(scaling);
     if let Some(bank) = &args.bank {
         learn_from(&mut driver, bank)?;
     }
     let bar = output::progress(frames, "frames");
-    let subject = driver.subject(setting)?;
+    let used_px = [camera.width(), camera.height()].map(|side| side as u32);
+    let subject = Subject { sampling: args.choice.record(used_px), ..driver.subject(setting)? };
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let drive = RecordedDrive {
         driver,
@@ -270,6 +284,8 @@ impl RecordedDrive {
             self.source.expected_length().map(|length| length.min(args.frames.unwrap_or(u64::MAX)));
         let damaged = self.damaged;
         recorder.note_damaged(damaged);
+        let dropped = self.source.dropped();
+        recorder.note_dropped(dropped);
         let complaint = self.source.complaint().filter(|_| self.broke_off.is_none());
         let bad = recorder.broken_frames().saturating_add(damaged);
         let unusable = Unusable::new(frames, bad, self.broke_off.is_some(), expected);
@@ -281,6 +297,7 @@ impl RecordedDrive {
         if let (true, Err(error)) = (stopped || unused || too_many, &summary) {
             output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
         }
+        say_what_was_dropped(&args.input, dropped);
         if let Some(failure) = failure {
             return Err(failure.context(format!(
                 "the run ended after {frames} frames; results so far are in {}",
@@ -314,7 +331,7 @@ impl RecordedDrive {
                 "{damaged} of {frames} frames of {} are damaged, and the decoder made up parts of them; copy or record it again",
                 args.input
             ));
-        } else if let Some(complaint) = complaint {
+        } else if let Some(complaint) = complaint.filter(|_| dropped == 0) {
             output::message(&format!("{} has faults, but all its frames came ({complaint})", args.input));
         }
         output::print_summary(&summary, &args.out);
@@ -363,6 +380,16 @@ impl Iterator for RecordedDrive {
             return None;
         }
         Some(self.result(frame))
+    }
+}
+
+/// Says how many frames of a live input were passed over.
+fn say_what_was_dropped(input: &str, frames: u64) {
+    if frames > 0 {
+        output::message(&format!(
+            "{frames} frames of {input} came faster than they could be used and were passed over for later ones; fewer pixels \
+             (--width) and no --video take less time, and --rate says how many frames are wanted"
+        ));
     }
 }
 

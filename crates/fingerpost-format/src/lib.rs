@@ -32,7 +32,7 @@ pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };
-pub use summary::{ErrorQuantiles, FeatureSummary, StageTime, Summary, TruthSummary};
+pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use truth::TruthRecord;
 pub use tuning::{

@@ -14,15 +14,21 @@ pub struct Summary {
     pub written_by: Option<String>,
     /// Frames processed.
     pub frames: u64,
-    /// Width and height of the camera's pictures; none in results of a program that did not say yet.
+    /// Width and height of the input's pictures; none in results of a program that did not say yet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture_px: Option<[u32; 2]>,
+    /// What of the input was used, where that was not all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<SamplingRecord>,
     /// Frames that could not be read and were passed over.
     #[serde(default)]
     pub broken_frames: u64,
     /// Frames that were used although they are damaged and the decoder made up parts of them.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub damaged_frames: u64,
+    /// Frames of a live input that came faster than they could be used, and were passed over for later ones.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub dropped_frames: u64,
     /// Frames a second of the whole run, decoding and writing included.
     pub fps: f64,
     /// Wall time of every stage.
@@ -51,6 +57,19 @@ pub struct Summary {
 
 fn is_zero(count: &u64) -> bool {
     *count == 0
+}
+
+/// What of an input was used.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SamplingRecord {
+    /// Width and height of the pictures as they were used.
+    pub picture_px: [u32; 2],
+    /// Every n-th frame, where so many were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every: Option<u64>,
+    /// Frames a second, where so many were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_hz: Option<f64>,
 }
 
 /// Wall time of a stage over a run, milliseconds.

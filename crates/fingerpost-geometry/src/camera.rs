@@ -6,7 +6,7 @@
 use nalgebra::{Isometry3, Point2, Point3, Unit, Vector3};
 
 use crate::error::check_range;
-use crate::{Distortion, GeometryError, Homography, Mount, Pixel};
+use crate::{Distortion, GeometryError, Homography, Mount, PictureScale, Pixel};
 
 /// Pinhole parameters, pixels; the principal point is counted from the centre of the top-left pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +130,37 @@ impl Camera {
                 Self::calibrated(self.width, self.height, *intrinsics, *distortion, mount)
             }
             View::RoadPlane(_) => Ok(self.clone()),
+        }
+    }
+
+    /// The same camera for its pictures at `width` x `height` pixels, outer edges kept; lens and mount stay as they are.
+    ///
+    /// # Errors
+    /// [`GeometryError::OutOfRange`] for a size that no picture has.
+    ///
+    /// ```
+    /// use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+    /// use nalgebra::Point2;
+    /// let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 319.5, cy: 239.5 };
+    /// let camera = Camera::calibrated(640, 480, intrinsics, Distortion::None, Mount::level(1.5)).unwrap();
+    /// let half = camera.scaled_to(320, 240).unwrap();
+    /// // Pixel 219.5 of the columns is half of 109 and half of 110.
+    /// assert!((half.pixel_of_ground(Point2::new(10.0, 2.0)).unwrap().u - 109.5).abs() < 1e-9);
+    /// ```
+    pub fn scaled_to(&self, width: usize, height: usize) -> Result<Self, GeometryError> {
+        check_size(width, height)?;
+        let scale = PictureScale::between((self.width, self.height), (width, height));
+        match &self.view {
+            View::Calibrated { intrinsics, distortion, mount, .. } => {
+                let middle = scale.scaled(Pixel::new(intrinsics.cx, intrinsics.cy));
+                let (along_u, along_v) = scale.factors();
+                let (fx, fy) = (intrinsics.fx * along_u, intrinsics.fy * along_v);
+                let intrinsics = Intrinsics { fx, fy, cx: middle.u, cy: middle.v };
+                Self::calibrated(width, height, intrinsics, *distortion, *mount)
+            }
+            View::RoadPlane(homography) => {
+                Ok(Self { width, height, view: View::RoadPlane(homography.scaled(scale)) })
+            }
         }
     }
 

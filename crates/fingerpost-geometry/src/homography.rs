@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Point2, SMatrix, SVector, Vector2, Vector3};
 
-use crate::{GeometryError, Pixel};
+use crate::{GeometryError, PictureScale, Pixel};
 
 /// A projective map from the road plane (vehicle frame, metres) to the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +83,20 @@ impl Homography {
     /// The map as a matrix, with a positive third coordinate in front of the camera.
     pub(crate) const fn image_from_road(&self) -> &Matrix3<f64> {
         &self.image_from_road
+    }
+
+    /// The same map to the picture at another size.
+    pub(crate) fn scaled(&self, scale: PictureScale) -> Self {
+        let (along_u, along_v) = scale.factors();
+        let corner = scale.scaled(Pixel::new(0.0, 0.0));
+        let scaled_from_image = Matrix3::new(along_u, 0.0, corner.u, 0.0, along_v, corner.v, 0.0, 0.0, 1.0);
+        let middle = scale.unscaled(Pixel::new(0.0, 0.0));
+        let image_from_scaled =
+            Matrix3::new(1.0 / along_u, 0.0, middle.u, 0.0, 1.0 / along_v, middle.v, 0.0, 0.0, 1.0);
+        Self {
+            image_from_road: scaled_from_image * self.image_from_road,
+            road_from_image: self.road_from_image * image_from_scaled,
+        }
     }
 
     /// Where a place on the road is in the picture; none behind the camera.

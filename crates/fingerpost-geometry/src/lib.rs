@@ -16,6 +16,7 @@ mod lens_calibration;
 mod mount;
 mod mount_from_points;
 mod pchip;
+mod picture_scale;
 mod pixel;
 mod polyline;
 
@@ -29,5 +30,6 @@ pub use lens_calibration::{BoardOutcome, BoardPoint, LensCalibration, LensCalibr
 pub use mount::Mount;
 pub use mount_from_points::MountFromPoints;
 pub use pchip::Pchip;
+pub use picture_scale::PictureScale;
 pub use pixel::Pixel;
 pub use polyline::{Footpoint, Polyline};

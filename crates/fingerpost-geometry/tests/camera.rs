@@ -97,6 +97,32 @@ fn four_points_work_for_a_level_camera_above_the_origin() {
 }
 
 #[test]
+fn a_picture_at_another_size_shows_the_same_places() {
+    let mount = Mount { pitch_rad: 0.04, yaw_rad: 0.02, ..Mount::level(1.5) };
+    let calibrated = camera(lens(), mount);
+    let places = [(5.0, 1.5), (5.0, -1.5), (10.0, -2.0), (10.0, 2.0)].map(|(x, y)| Point2::new(x, y));
+    let level = camera(Distortion::None, Mount::level(1.5));
+    let pixels = places.map(|place| level.pixel_of_ground(place).unwrap());
+    let by_points = Camera::from_points(640, 480, pixels, places).unwrap();
+    for full in [calibrated, by_points] {
+        for (width, height) in [(320, 240), (150, 113), (512, 384)] {
+            let small = full.scaled_to(width, height).unwrap();
+            assert_eq!((small.width(), small.height()), (width, height));
+            let (along_u, along_v) = (width as f64 / 640.0, height as f64 / 480.0);
+            for place in [(6.0, -1.0), (12.0, 2.0), (20.0, 0.0)].map(|(x, y)| Point2::new(x, y)) {
+                let (seen, kept) =
+                    (small.pixel_of_ground(place).unwrap(), full.pixel_of_ground(place).unwrap());
+                // Edges coincide, not the centres of the corner pixels.
+                assert!((seen.u + 0.5 - (kept.u + 0.5) * along_u).abs() < 1e-9, "{width} {place:?}");
+                assert!((seen.v + 0.5 - (kept.v + 0.5) * along_v).abs() < 1e-9, "{width} {place:?}");
+                assert!((small.ground_of_pixel(seen).unwrap() - place).norm() < 1e-3, "{width} {place:?}");
+            }
+        }
+        assert!(full.scaled_to(15, 240).is_err());
+    }
+}
+
+#[test]
 fn absurd_calibrations_are_refused_by_name() {
     let refused = |width, height, intrinsics: Intrinsics| {
         Camera::calibrated(width, height, intrinsics, Distortion::None, Mount::level(1.5))

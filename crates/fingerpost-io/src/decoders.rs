@@ -147,7 +147,8 @@ fn work<D: Decode>(decoder: &mut D, buffers: &Receiver<Vec<u8>>, sender: &SyncSe
     }
 }
 
-fn timed<D: Decode>(decoder: &mut D, buffer: Vec<u8>) -> Option<Decoded<D::Picture>> {
+/// The next picture with the time that it took.
+pub(crate) fn timed<D: Decode>(decoder: &mut D, buffer: Vec<u8>) -> Option<Decoded<D::Picture>> {
     let began = Instant::now();
     let picture = decoder.decode(buffer)?;
     Some(Decoded { picture, decoding: began.elapsed() })

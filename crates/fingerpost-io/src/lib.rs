@@ -13,11 +13,13 @@ mod folder_kind;
 mod folder_lock;
 mod json_lines;
 mod kept_inputs;
+mod latest;
 mod output_folder;
 mod periodic_sync;
 mod picture_file;
 mod picture_folder;
 mod run_folder;
+mod sampling;
 mod source;
 mod tether;
 mod tuning_folder;
@@ -47,11 +49,13 @@ pub use picture_file::{
 };
 pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};
+pub use sampling::Sampling;
 pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
 pub use tether::TETHER_ARGUMENT;
 #[cfg(unix)]
 pub use tether::become_tethered;
 pub use tuning_folder::{TuningFolder, TuningFolderError};
+pub use video::Liveness;
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
 pub use whole_file::{remove_abandoned, write_file};

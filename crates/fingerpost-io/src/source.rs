@@ -14,7 +14,8 @@ use crate::{
     ffmpeg::{FfmpegPrograms, VideoError},
     picture_file::{PictureFileError, read_picture_into},
     picture_folder::{PictureFolder, PictureFolderError},
-    video::VideoReader,
+    sampling::{Sampler, Sampling},
+    video::{Liveness, Pace, VideoPicture, VideoReader},
 };
 
 /// Frame rate of a folder of pictures without times, where none is given: that of many recorded drives.
@@ -25,6 +26,11 @@ pub const DEFAULT_PICTURE_FPS: f64 = 10.0;
 pub struct SourceOptions {
     /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`] or the video's own rate; a `times.txt` goes before it.
     pub fps: Option<f64>,
+    /// Which frames are used. Pictures of a folder that are not are never opened.
+    pub sampling: Sampling,
+    /// Whether the input is under way. Of one that is, the latest frame is given, with the time at which it was taken, and those
+    /// that came before anybody asked are passed over ([`FrameSource::dropped`]).
+    pub live: Liveness,
     /// Threads that decode, ffmpeg's with them. With one, pictures are decoded when they are asked for; with more, ahead.
     /// None: as many as the machine runs at once. Pictures do not depend on it.
     pub threads: Option<NonZeroUsize>,
@@ -43,7 +49,7 @@ pub enum SourceError {
         /// The input as it was given.
         input: String,
     },
-    /// The frame rate cannot be right.
+    /// The frame rate, or that of the frames to use, cannot be right.
     #[error("a frame rate of {fps} a second cannot be right; give 0.01 to 1000")]
     FrameRate {
         /// The rate given, 1/s.
@@ -71,7 +77,7 @@ pub enum FrameError {
 /// One frame of a drive.
 #[derive(Debug)]
 pub struct Frame {
-    /// Index in the input, from zero; broken frames count.
+    /// Index in the input, from zero; broken frames and frames that are not used count.
     pub index: u64,
     /// Seconds since the first frame.
     pub t_s: f64,
@@ -91,13 +97,23 @@ pub struct Frame {
 pub struct FrameSource {
     input: Input,
     fps: f64,
-    next_index: u64,
+    sampling: Sampling,
 }
 
 #[derive(Debug)]
 enum Input {
-    Pictures { pictures: Decoders<PictureFiles>, count: u64, times_s: Option<Vec<f64>> },
-    Video(Box<VideoReader>),
+    Pictures(PictureFrames),
+    Video { video: Box<VideoReader>, next_index: u64, sampler: Sampler },
+}
+
+/// The pictures of a folder.
+#[derive(Debug)]
+struct PictureFrames {
+    pictures: Decoders<PictureFiles>,
+    /// Indices of those that are used, and how many of them have been taken.
+    used: Vec<u64>,
+    taken: usize,
+    times_s: Option<Vec<f64>>,
 }
 
 /// Some of the pictures of a folder.
@@ -119,72 +135,109 @@ impl FrameSource {
     /// # Errors
     /// [`SourceError`] when there is no such input, it holds no frames, its times do not fit, or a video cannot be read.
     pub fn open(input: &str, options: &SourceOptions) -> Result<Self, SourceError> {
-        if let Some(fps) = options.fps.filter(|fps| !(0.01..=1000.0).contains(fps)) {
-            return Err(SourceError::FrameRate { fps });
+        let sampling = options.sampling;
+        let wanted = if let Sampling::Rate { hz } = sampling { Some(hz) } else { None };
+        for fps in [options.fps, wanted].into_iter().flatten() {
+            if !(0.01..=1000.0).contains(&fps) {
+                return Err(SourceError::FrameRate { fps });
+            }
         }
         let path = Path::new(input);
         if path.is_dir() {
-            let PictureFolder { paths, times_s } = PictureFolder::open(path)?;
-            let fps = times_s.as_deref().and_then(mean_rate).or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
-            let count = paths.len() as u64;
-            let pictures = decoders(&paths, options.threads.unwrap_or_else(threads_of_machine));
-            Ok(Self { input: Input::Pictures { pictures, count, times_s }, fps, next_index: 0 })
+            let folder = PictureFolder::open(path)?;
+            let mean_fps = folder.times_s.as_deref().and_then(mean_rate);
+            let fps = mean_fps.or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
+            let threads = options.threads.unwrap_or_else(threads_of_machine);
+            let input = Input::Pictures(PictureFrames::new(folder, fps, sampling, threads));
+            Ok(Self { input, fps, sampling })
         } else if path.exists() || input.contains("://") {
-            let video = VideoReader::open(input, &options.programs, options.threads)?;
+            let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
+            let video = VideoReader::open(input, &options.programs, options.threads, pace)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
-            Ok(Self { input: Input::Video(Box::new(video)), fps, next_index: 0 })
+            // What comes of a live input has been chosen already.
+            let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
+            Ok(Self { input: Input::Video { video: Box::new(video), next_index: 0, sampler }, fps, sampling })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }
     }
 
-    /// Number of frames; none for live inputs and videos that do not say. A video may turn out to hold fewer.
+    /// Number of frames that are used; none for live inputs and videos that do not say. A video may turn out to hold fewer.
     pub fn length(&self) -> Option<u64> {
         match &self.input {
-            Input::Pictures { count, .. } => Some(*count),
-            Input::Video(video) => video.length(),
+            Input::Pictures(frames) => Some(frames.used.len() as u64),
+            Input::Video { video, .. } => Some(self.sampling.count(video.length()?, self.fps)),
         }
     }
 
-    /// Number of frames that there should be: like [`FrameSource::length`], or as many as fill the duration that a video states
-    /// where they are fewer or nothing else is known.
+    /// Number of frames that there should be to use: like [`FrameSource::length`], or as many as fill the duration that a video
+    /// states where they are fewer or nothing else is known.
     pub fn expected_length(&self) -> Option<u64> {
         match &self.input {
-            Input::Pictures { count, .. } => Some(*count),
-            Input::Video(video) => video.expected_length(),
+            Input::Pictures(frames) => Some(frames.used.len() as u64),
+            Input::Video { video, .. } => Some(self.sampling.count(video.expected_length()?, self.fps)),
         }
     }
 
     /// What the video's decoder complained about last, if it did; frames may be whole all the same.
     pub fn complaint(&self) -> Option<String> {
         match &self.input {
-            Input::Pictures { .. } => None,
-            Input::Video(video) => video.complaint(),
+            Input::Pictures(_) => None,
+            Input::Video { video, .. } => video.complaint(),
         }
     }
 
-    /// Frames a second; the mean where every frame has its own time.
+    /// Frames of a live input that came faster than they were taken, so far. They count in the index.
+    pub fn dropped(&self) -> u64 {
+        match &self.input {
+            Input::Pictures(_) => 0,
+            Input::Video { video, .. } => video.dropped(),
+        }
+    }
+
+    /// Frames a second that are used; the mean where every frame has its own time.
     pub fn fps(&self) -> f64 {
-        self.fps
+        self.sampling.rate(self.fps)
     }
 
     /// Time of the frame with that index, seconds since the first.
     pub fn time_s(&self, index: u64) -> f64 {
         let listed = match &self.input {
-            Input::Pictures { times_s: Some(times_s), .. } => {
-                usize::try_from(index).ok().and_then(|index| times_s.get(index))
-            }
-            _ => None,
+            Input::Pictures(frames) => frames.listed_time_s(index),
+            Input::Video { .. } => None,
         };
-        listed.copied().unwrap_or(index as f64 / self.fps)
+        listed.unwrap_or(index as f64 / self.fps)
     }
 
     /// Takes back a picture that is no longer needed; its memory serves a later frame.
     pub fn recycle(&mut self, picture: RgbImage) {
         match &mut self.input {
-            Input::Pictures { pictures, .. } => pictures.recycle(picture.into_vec()),
-            Input::Video(video) => video.recycle(picture.into_vec()),
+            Input::Pictures(frames) => frames.pictures.recycle(picture.into_vec()),
+            Input::Video { video, .. } => video.recycle(picture.into_vec()),
         }
+    }
+}
+
+impl PictureFrames {
+    /// Begins to decode the pictures of a folder that are used; `fps` for those that have no times.
+    fn new(folder: PictureFolder, fps: f64, sampling: Sampling, threads: NonZeroUsize) -> Self {
+        let PictureFolder { paths, times_s } = folder;
+        let mut sampler = Sampler::new(sampling);
+        let time_s = |index: usize| {
+            times_s.as_ref().and_then(|times_s| times_s.get(index)).copied().unwrap_or(index as f64 / fps)
+        };
+        let (mut used, mut used_paths) = (Vec::new(), Vec::new());
+        for (index, path) in paths.into_iter().enumerate() {
+            if sampler.wants(index as u64, time_s(index)) {
+                used.push(index as u64);
+                used_paths.push(path);
+            }
+        }
+        Self { pictures: decoders(&used_paths, threads), used, taken: 0, times_s }
+    }
+
+    fn listed_time_s(&self, index: u64) -> Option<f64> {
+        self.times_s.as_ref()?.get(usize::try_from(index).ok()?).copied()
     }
 }
 
@@ -192,21 +245,43 @@ impl Iterator for FrameSource {
     type Item = Frame;
 
     fn next(&mut self) -> Option<Frame> {
-        let index = self.next_index;
-        let t_s = self.time_s(index);
-        let (decoding, damaged, picture) = match &mut self.input {
-            Input::Pictures { pictures, .. } => {
-                let Decoded { picture, decoding } = pictures.next()?;
-                (decoding, false, picture.map_err(FrameError::from))
+        let fps = self.fps;
+        match &mut self.input {
+            Input::Pictures(frames) => {
+                let Decoded { picture, decoding } = frames.pictures.next()?;
+                let index = *frames.used.get(frames.taken)?;
+                frames.taken += 1;
+                let t_s = frames.listed_time_s(index).unwrap_or(index as f64 / fps);
+                Some(Frame {
+                    index,
+                    t_s,
+                    decoding,
+                    damaged: false,
+                    picture: picture.map_err(FrameError::from),
+                })
             }
-            Input::Video(video) => {
-                let Decoded { picture, decoding } = video.next_picture()?;
-                let damaged = picture.as_ref().is_ok_and(|picture| picture.damaged);
-                (decoding, damaged, picture.map(|picture| picture.picture).map_err(FrameError::from))
+            Input::Video { video, next_index, sampler } => {
+                let mut all_decoding = Duration::ZERO;
+                loop {
+                    let Decoded { picture, decoding } = video.next_picture()?;
+                    all_decoding += decoding;
+                    let index = picture.as_ref().map_or(*next_index, |picture| picture.index);
+                    let taken_s = picture.as_ref().ok().and_then(|picture| picture.taken_s);
+                    let t_s = taken_s.unwrap_or(index as f64 / fps);
+                    *next_index = index + 1;
+                    match picture {
+                        Ok(VideoPicture { picture, .. }) if !sampler.wants(index, t_s) => {
+                            video.recycle(picture.into_vec());
+                        }
+                        picture => {
+                            let damaged = picture.as_ref().is_ok_and(|picture| picture.damaged);
+                            let picture = picture.map(|picture| picture.picture).map_err(FrameError::from);
+                            return Some(Frame { index, t_s, decoding: all_decoding, damaged, picture });
+                        }
+                    }
+                }
             }
-        };
-        self.next_index += 1;
-        Some(Frame { index, t_s, decoding, damaged, picture })
+        }
     }
 }
 

@@ -9,10 +9,14 @@
 //! counts, or when it complained and delivered fewer than fill the duration that the container states; where that states
 //! nothing, any complaint counts. Where size or pixels change half-way the video ends; what comes before is read.
 //!
-//! Limits: a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
+//! Cameras and streams are under way whether anybody takes their pictures or not: the latest one is given, with the time at which
+//! it was taken, and those that came in between are counted.
+//!
+//! Limits: of a recording, a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
 //! varying rate (some telephones) are timed as if theirs were constant.
 
 mod decode_log;
+mod live;
 mod pipe;
 mod ppm;
 mod probe;
@@ -29,7 +33,8 @@ use std::{
 use fingerpost_vision::picture::RgbImage;
 
 use self::{
-    decode_log::{DecodeLog, FRAME_LINES, FormChange, LOG_ARGUMENTS},
+    decode_log::{DecodeLog, FRAME_LINES, FormChange, FrameNotes, LOG_ARGUMENTS},
+    live::LiveFrames,
     pipe::PicturePipe,
     ppm::read_ppm,
     probe::{Expected, Rate, Stream},
@@ -38,8 +43,12 @@ use self::{
 use crate::{
     decoders::{Decode, Decoded, Decoders},
     ffmpeg::{FfmpegPrograms, RunningProgram, VideoError, start_error},
+    latest::{Latest, Reusable},
+    sampling::{Sampler, Sampling},
     waiting::Patience,
 };
+
+pub use self::live::Liveness;
 
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
@@ -57,7 +66,25 @@ pub(crate) struct VideoReader {
     log: DecodeLog,
     frames: u64,
     ended: bool,
-    pictures: Decoders<PictureStream>,
+    pictures: Pictures,
+}
+
+/// How pictures are taken from ffmpeg.
+#[derive(Debug)]
+enum Pictures {
+    /// All, in their order: ffmpeg waits where they are not taken.
+    All(Box<Decoders<PictureStream>>),
+    /// The latest: of an input that does not wait.
+    Latest(Latest<VideoPicture>),
+}
+
+/// Whether an input waits for who takes its pictures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Pace {
+    /// It does.
+    Waits,
+    /// It does not; of its pictures these are used.
+    Live(Sampling),
 }
 
 /// The pictures that ffmpeg writes.
@@ -65,6 +92,8 @@ pub(crate) struct VideoReader {
 pub(crate) struct PictureStream {
     pipe: BufReader<PicturePipe>,
     format: Format,
+    /// Of an input that is under way.
+    live: Option<LiveFrames>,
 }
 
 /// A picture of a video.
@@ -72,8 +101,18 @@ pub(crate) struct PictureStream {
 pub(crate) struct VideoPicture {
     /// It.
     pub(crate) picture: RgbImage,
+    /// Its index among all that ffmpeg gives.
+    pub(crate) index: u64,
     /// Whether ffmpeg had to make up parts of it.
     pub(crate) damaged: bool,
+    /// When it was taken, seconds since the first one; known of live inputs.
+    pub(crate) taken_s: Option<f64>,
+}
+
+impl Reusable for VideoPicture {
+    fn into_buffer(self) -> Vec<u8> {
+        self.picture.into_vec()
+    }
 }
 
 /// How ffmpeg writes them.
@@ -86,33 +125,49 @@ enum Format {
 impl Decode for PictureStream {
     type Picture = io::Result<VideoPicture>;
 
-    fn decode(&mut self, buffer: Vec<u8>) -> Option<Self::Picture> {
-        let picture = match &mut self.format {
-            Format::Ppm => read_ppm(&mut self.pipe, buffer),
-            Format::Y4m(reader) => reader.read(&mut self.pipe, buffer),
-        };
-        let picture = picture.transpose()?;
-        Some(
-            picture.and_then(|picture| {
-                Ok(VideoPicture { picture, damaged: self.pipe.get_mut().end_picture()? })
-            }),
-        )
+    fn decode(&mut self, mut buffer: Vec<u8>) -> Option<Self::Picture> {
+        loop {
+            let picture = match &mut self.format {
+                Format::Ppm => read_ppm(&mut self.pipe, buffer),
+                Format::Y4m(reader) => reader.read(&mut self.pipe, buffer),
+            };
+            let (picture, notes) = match picture {
+                Ok(picture) => match (picture?, self.pipe.get_mut().end_picture()) {
+                    (picture, Ok(notes)) => (picture, notes),
+                    (_, Err(cause)) => return Some(Err(cause)),
+                },
+                Err(cause) => return Some(Err(cause)),
+            };
+            let FrameNotes { frame: index, damaged, stamp_s } = notes;
+            let taken_s = self.live.as_mut().map(|live| live.used_at_s(index, stamp_s));
+            if taken_s == Some(None) {
+                buffer = picture.into_vec();
+                continue;
+            }
+            return Some(Ok(VideoPicture { picture, index, damaged, taken_s: taken_s.flatten() }));
+        }
     }
 }
 
 impl VideoReader {
     /// Starts to read `input`: a file, an address such as `rtsp://...`, or a device. With one of `threads` ffmpeg gets one
-    /// too, and pictures are taken from it when they are asked for; else they are taken ahead. None: as ffmpeg likes.
+    /// too, and pictures are taken from it when they are asked for; else they are taken ahead. None: as ffmpeg likes. Of an
+    /// input that does not wait they are taken as they come, in a thread of their own.
     pub(crate) fn open(
         input: &str,
         programs: &FfmpegPrograms,
         threads: Option<NonZeroUsize>,
+        pace: Pace,
     ) -> Result<Self, VideoError> {
         let argument = ffmpeg_argument(input);
         let stream = Stream::probe(input, &argument, programs)?;
-        let (rate, length, expected) = (stream.rate(), stream.length(), stream.expected_length());
+        let rate = stream.rate();
+        let (length, expected) = match pace {
+            Pace::Waits => (stream.length(), stream.expected_length()),
+            Pace::Live(_) => (None, Expected::Unknown),
+        };
         let coding = stream.yuv420_coding();
-        let mut arguments = decode_arguments(&argument, rate, threads);
+        let mut arguments = decode_arguments(&argument, rate, threads, pace);
         let format = match coding {
             Some((pixels, coding)) => {
                 arguments.extend(["-pix_fmt", pixels, "-f", "yuv4mpegpipe", "-"].map(str::to_owned));
@@ -133,11 +188,17 @@ impl VideoReader {
         let log = DecodeLog::listen(stderr).map_err(|cause| start_error(&programs.ffmpeg, cause))?;
         let pipe = PicturePipe::new(stdout, log.clone(), patience.clone());
         let pipe = BufReader::with_capacity(LINE_BUFFER_BYTES, pipe);
-        let stream = PictureStream { pipe, format };
-        let pictures = if threads == Some(NonZeroUsize::MIN) {
-            Decoders::on_demand(stream)
-        } else {
-            Decoders::ahead([stream])
+        let pictures = match pace {
+            Pace::Live(sampling) => {
+                let live = Some(LiveFrames::new(Sampler::new(sampling)));
+                Pictures::Latest(Latest::start(PictureStream { pipe, format, live }))
+            }
+            Pace::Waits => {
+                let stream = PictureStream { pipe, format, live: None };
+                let one = threads == Some(NonZeroUsize::MIN);
+                let pictures = if one { Decoders::on_demand(stream) } else { Decoders::ahead([stream]) };
+                Pictures::All(Box::new(pictures))
+            }
         };
         let (input, frames, ended) = (input.to_owned(), 0, false);
         Ok(Self { input, ffmpeg, patience, rate, length, expected, log, frames, ended, pictures })
@@ -171,13 +232,17 @@ impl VideoReader {
         if self.ended {
             return None;
         }
-        let Some(Decoded { picture, decoding }) = self.pictures.next() else {
+        let next = match &mut self.pictures {
+            Pictures::All(pictures) => pictures.next(),
+            Pictures::Latest(pictures) => pictures.next(),
+        };
+        let Some(Decoded { picture, decoding }) = next else {
             let error = self.end(None)?;
             return Some(Decoded { picture: Err(error), decoding: Duration::ZERO });
         };
         let picture = match picture {
             Ok(picture) => {
-                self.frames += 1;
+                self.frames = picture.index + 1;
                 Ok(picture)
             }
             Err(cause) => Err(self.end(Some(cause))?),
@@ -187,7 +252,18 @@ impl VideoReader {
 
     /// Takes a buffer back for a later picture.
     pub(crate) fn recycle(&mut self, buffer: Vec<u8>) {
-        self.pictures.recycle(buffer);
+        match &mut self.pictures {
+            Pictures::All(pictures) => pictures.recycle(buffer),
+            Pictures::Latest(pictures) => pictures.recycle(buffer),
+        }
+    }
+
+    /// Pictures that came faster than they were taken, and gave way to later ones.
+    pub(crate) fn dropped(&self) -> u64 {
+        match &self.pictures {
+            Pictures::All(_) => 0,
+            Pictures::Latest(pictures) => pictures.dropped(),
+        }
     }
 
     /// What was wrong with the way the video ended.
@@ -244,7 +320,7 @@ fn ffmpeg_argument(input: &str) -> String {
 }
 
 /// What makes ffmpeg decode `argument`, without the format of the pictures.
-fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>) -> Vec<String> {
+fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>, pace: Pace) -> Vec<String> {
     let Rate { frames, seconds } = rate;
     let mut arguments = LOG_ARGUMENTS.into_iter().chain(["-nostdin"]).map(str::to_owned).collect::<Vec<_>>();
     if let Some(threads) = threads {
@@ -253,8 +329,13 @@ fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>) -
     arguments.extend(["-i", argument, "-map", "0:v:0"].map(str::to_owned));
     // Each decoded frame gets the time of its index, so that none is dropped or doubled to make the rate constant; the
     // option that says so directly has different names in different releases.
-    let times = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB,{FRAME_LINES}");
-    let constant_rate = ["-vf".to_owned(), times, "-r".to_owned(), format!("{frames}/{seconds}")];
+    let indexed = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB");
+    let filters = match pace {
+        Pace::Waits => format!("{indexed},{FRAME_LINES}"),
+        // The lines tell the times that the frames came with.
+        Pace::Live(_) => format!("{FRAME_LINES},{indexed}"),
+    };
+    let constant_rate = ["-vf".to_owned(), filters, "-r".to_owned(), format!("{frames}/{seconds}")];
     arguments.extend(constant_rate);
     arguments
 }

@@ -3,11 +3,15 @@
 // A helper that fails has failed the test that calls it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    num::{NonZeroU64, NonZeroUsize},
+    path::Path,
+};
 
 use fingerpost_io::{
-    DEFAULT_PICTURE_FPS, FrameError, FrameSource, PictureFolderError, SourceError, SourceOptions, write_jpeg,
-    write_png,
+    DEFAULT_PICTURE_FPS, FrameError, FrameSource, PictureFolderError, Sampling, SourceError, SourceOptions,
+    write_jpeg, write_png,
 };
 use fingerpost_vision::picture::RgbImage;
 
@@ -95,6 +99,38 @@ fn a_given_rate_replaces_the_default_and_must_be_possible() {
     assert!((frames(at(4.0).unwrap())[1].1 - 0.25).abs() < 1e-12);
     for fps in [0.0, -5.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(at(fps), Err(SourceError::FrameRate { .. })), "{fps}");
+    }
+}
+
+#[test]
+fn frames_that_are_used_keep_their_numbers_and_times() {
+    let folder = tempfile::tempdir().unwrap();
+    for number in 0..9 {
+        write_png(&folder.path().join(format!("{number}.png")), &picture(number)).unwrap();
+    }
+    fs::write(folder.path().join("times.txt"), "0\n0.1\n0.2\n0.3\n0.4\n2\n2.1\n2.2\n2.3\n").unwrap();
+    // What is not used is not even opened.
+    fs::write(folder.path().join("1.png"), "no picture").unwrap();
+    let input = folder.path().to_str().unwrap();
+    let used = |sampling, threads| {
+        let threads = NonZeroUsize::new(threads);
+        let source =
+            FrameSource::open(input, &SourceOptions { sampling, threads, ..SourceOptions::default() });
+        let source = source.unwrap();
+        (source.length(), frames(source))
+    };
+    let every = Sampling::Every(NonZeroU64::new(3).unwrap());
+    for threads in [1, 2, 5] {
+        let expected = vec![(0, 0.0, Some(0)), (3, 0.3, Some(3)), (6, 2.1, Some(6))];
+        assert_eq!(used(every, threads), (Some(3), expected));
+        let expected = [(0, 0.0, Some(0)), (2, 0.2, Some(2)), (4, 0.4, Some(4)), (5, 2.0, Some(5))];
+        let expected = expected.into_iter().chain([(7, 2.2, Some(7))]).collect();
+        assert_eq!(used(Sampling::Rate { hz: 5.0 }, threads), (Some(5), expected));
+    }
+    for hz in [0.0, f64::NAN, 1e9] {
+        let sampling = Sampling::Rate { hz };
+        let refused = FrameSource::open(input, &SourceOptions { sampling, ..SourceOptions::default() });
+        assert!(matches!(refused, Err(SourceError::FrameRate { .. })), "{hz}");
     }
 }
 

@@ -17,12 +17,15 @@ mod evaluating_lanes;
 mod evaluating_road;
 mod interrupts;
 mod lanes;
+mod live;
 mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
 mod outputs;
+mod papers;
 mod program;
 mod running;
+mod sampling;
 mod simulated_bus;
 mod simulating;
 mod stalls;

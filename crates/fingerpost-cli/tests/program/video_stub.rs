@@ -66,10 +66,15 @@ impl VideoStub {
 
     /// `run` on that video, ready to be started.
     pub(crate) fn run(&self, out: &Path) -> Command {
+        self.run_on(&self.video(), out)
+    }
+
+    /// `run` on an input that the stand-ins play, whatever it is called.
+    pub(crate) fn run_on(&self, input: &Path, out: &Path) -> Command {
         let mut command = command();
         let path =
             std::env::join_paths([self.folder.path(), Path::new("/usr/bin"), Path::new("/bin")]).unwrap();
-        command.args(Drive::get().run_line(&self.video(), out).split_whitespace()).env("PATH", path);
+        command.args(Drive::get().run_line(input, out).split_whitespace()).env("PATH", path);
         command
     }
 }

@@ -39,6 +39,17 @@ struct Shared {
     lines: Lines,
 }
 
+/// What ffmpeg says of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FrameNotes {
+    /// Its index.
+    pub(super) frame: u64,
+    /// Whether parts of it had to be made up.
+    pub(super) damaged: bool,
+    /// The time that it had where it was looked at, seconds; of a live input, when it was taken.
+    pub(super) stamp_s: Option<f64>,
+}
+
 /// The form of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Form {
@@ -71,6 +82,8 @@ struct Lines {
     change: Option<FormChange>,
     /// Damaged frames that nobody has asked for yet.
     damaged: VecDeque<u64>,
+    /// Times stamped on frames that nobody has asked for yet.
+    stamps: VecDeque<(u64, f64)>,
     complaint: Option<String>,
 }
 
@@ -125,14 +138,18 @@ impl DecodeLog {
         change.as_ref().filter(|change| frame >= change.frame).map_or(Ok(()), |change| Err(change.clone()))
     }
 
-    /// Whether ffmpeg had to make up parts of the frame with that index. To be asked for one frame after the other.
-    pub(super) fn take_damage(&self, frame: u64) -> bool {
-        let damaged = &mut self.taken_in().lines.damaged;
-        let mut found = false;
-        while damaged.front().is_some_and(|damaged| *damaged <= frame) {
-            found |= damaged.pop_front() == Some(frame);
+    /// What was said of the frame with that index. To be asked for one frame after the other.
+    pub(super) fn take_notes(&self, frame: u64) -> FrameNotes {
+        let lines = &mut self.taken_in().lines;
+        let mut notes = FrameNotes { frame, damaged: false, stamp_s: None };
+        while lines.damaged.front().is_some_and(|damaged| *damaged <= frame) {
+            notes.damaged |= lines.damaged.pop_front() == Some(frame);
         }
-        found
+        while lines.stamps.front().is_some_and(|(stamped, _)| *stamped <= frame) {
+            let of_frame = lines.stamps.pop_front().filter(|(stamped, _)| *stamped == frame);
+            notes.stamp_s = of_frame.map(|(_, stamp_s)| stamp_s);
+        }
+        notes
     }
 
     /// The last complaint.
@@ -200,6 +217,10 @@ impl Lines {
         if self.change.is_none() && (!goes_on || *first != form) {
             self.change = Some(FormChange { frame: self.frames, from: first.clone(), to: form });
         }
+        // Frames without a time read NOPTS.
+        if let Some(stamp_s) = value(" pts_time:").and_then(|text| text.parse().ok()).filter(finite) {
+            self.stamps.push_back((self.frames, stamp_s));
+        }
         self.frames += 1;
     }
 
@@ -211,6 +232,10 @@ impl Lines {
         last.or_else(|| self.complaint.clone())
             .map(|line| line.replacen("[error] ", "", 1).replacen("[fatal] ", "", 1))
     }
+}
+
+fn finite(number: &f64) -> bool {
+    number.is_finite()
 }
 
 /// How much a line matters.
@@ -272,6 +297,15 @@ mod tests {
     }
 
     #[test]
+    fn times_belong_to_their_frames() {
+        let stamped = |number: u64, time: &str| {
+            frame(number, "gray", "2x2").replace("pts:  0", &format!("pts:  0 pts_time:{time}"))
+        };
+        let text = [stamped(0, "3.5"), stamped(1, "NOPTS"), stamped(2, "3.633"), stamped(3, "inf")];
+        assert_eq!(lines(&text.concat(), 9).stamps, [(0, 3.5), (2, 3.633)]);
+    }
+
+    #[test]
     fn damage_belongs_to_the_frame_behind_it_and_complaints_are_kept() {
         let corrupt = "[warning] a.ts: corrupt decoded frame in stream 0\n";
         let text = [
@@ -285,6 +319,7 @@ mod tests {
         let lines = lines(&text.concat(), 5);
         assert_eq!(lines.damaged, [1, 2]);
         assert_eq!(lines.last_complaint().as_deref(), Some("[h264 @ 0x5] MB 3"));
+        assert!(lines.stamps.is_empty());
         let noise = "x".repeat(1_000_000);
         let lines = self::lines(&format!("{noise}\nno level\n"), 999);
         assert_eq!(lines.last_complaint().as_deref(), Some("no level"));

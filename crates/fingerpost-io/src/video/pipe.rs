@@ -9,7 +9,7 @@ use std::{
     process::ChildStdout,
 };
 
-use super::decode_log::DecodeLog;
+use super::decode_log::{DecodeLog, FrameNotes};
 use crate::waiting::Patience;
 
 /// Reads from a child's standard output, large pieces in one go.
@@ -70,15 +70,15 @@ impl PicturePipe {
         Self { stdout, patience, log, frame: 0, capacity }
     }
 
-    /// Ends a picture that has come whole, and says whether it is damaged.
+    /// Ends a picture that has come whole, and says what was said of it.
     ///
     /// # Errors
     /// As [`DecodeLog::check_form`].
-    pub(crate) fn end_picture(&mut self) -> io::Result<bool> {
+    pub(crate) fn end_picture(&mut self) -> io::Result<FrameNotes> {
         self.log.check_form(self.frame).map_err(io::Error::other)?;
-        let damaged = self.log.take_damage(self.frame);
+        let notes = self.log.take_notes(self.frame);
         self.frame += 1;
-        Ok(damaged)
+        Ok(notes)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A run in numbers: summary, features, stage times, losses.
 
-use fingerpost_format::{ErrorQuantiles, Summary};
+use fingerpost_format::{ErrorQuantiles, SamplingRecord, Summary};
 use maud::{Markup, html};
 
 use super::chart::{number, px};
@@ -16,11 +16,19 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
         ("features arrived at", of(summary.features.iter().filter(|f| f.arrived_frame.is_some()).count())),
         ("frames lost", summary.lost_frames.to_string()),
     ];
+    if let Some(SamplingRecord { picture_px: [width, height], every, rate_hz }) = summary.sampling {
+        facts.push(("pictures used at", format!("{width} x {height} px")));
+        facts.extend(every.map(|nth| ("frames used", format!("one of {nth}"))));
+        facts.extend(rate_hz.map(|hz| ("frames used", format!("{hz} a second at the most"))));
+    }
     if summary.broken_frames > 0 {
         facts.push(("broken frames passed over", summary.broken_frames.to_string()));
     }
     if summary.damaged_frames > 0 {
         facts.push(("damaged frames used", summary.damaged_frames.to_string()));
+    }
+    if summary.dropped_frames > 0 {
+        facts.push(("frames passed over for later ones", summary.dropped_frames.to_string()));
     }
     if let Some(truth) = &summary.truth {
         facts.push((

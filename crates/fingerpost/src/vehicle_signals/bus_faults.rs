@@ -80,6 +80,28 @@ struct Found {
 fn found(seed: u64, metres: f64, bus: Bus, camera_scale: f64) -> Found {
     let mut numbers = Numbers(seed);
     let rows = drive(&mut numbers, metres);
+    found_on(&rows, &mut numbers, bus, camera_scale)
+}
+
+/// A road that winds: bends of 120 to 600 m radius to either side in turns, ten seconds and less long.
+fn winding(numbers: &mut Numbers, metres: f64) -> Vec<[f64; 2]> {
+    let (mut rows, mut driven_m, mut side) = (Vec::new(), 0.0, 1.0);
+    while driven_m < metres {
+        let (speed, seconds) = (numbers.between(15.0, 22.0), numbers.between(4.0, 10.0));
+        let curvature = side / numbers.between(120.0, 600.0);
+        let frames = (seconds / DT_S) as usize;
+        for frame in 0..frames {
+            // As a road's bends are laid out: in and out without a step.
+            let into = (PI * frame as f64 / frames as f64).sin();
+            rows.push([speed, speed * curvature * into]);
+            driven_m += speed * DT_S;
+        }
+        side = -side;
+    }
+    rows
+}
+
+fn found_on(rows: &[[f64; 2]], numbers: &mut Numbers, bus: Bus, camera_scale: f64) -> Found {
     let mut signals = VehicleSignals::new(&CanConfig::default());
     let mut found = Found {
         driven_m: 0.0,
@@ -194,6 +216,28 @@ fn a_wrong_yaw_rate_is_found_within_a_few_turns_and_not_used() {
         }
         let stuck = found(seed, 40_000.0, Bus { stuck: [None, Some(0.1)], ..SOUND }, 1.0);
         assert!(stuck.yaw_rate_after_deg.is_some_and(|after_deg| after_deg < 300.0), "{seed}: stuck");
+    }
+}
+
+#[test]
+fn a_wrong_sign_is_found_within_90_degrees_of_a_winding_road_and_a_sound_bus_never() {
+    let mut numbers = Numbers(7);
+    for seed in 0..20 {
+        let rows = winding(&mut Numbers(seed), 40_000.0);
+        let sound = Bus {
+            yaw_scale: numbers.between(0.95, 1.05),
+            yaw_bias_rps: numbers.between(-0.5, 0.5).to_radians(),
+            late_frames: numbers.next() as usize % 4,
+            ..SOUND
+        };
+        let of = |bus: Bus| found_on(&rows, &mut Numbers(seed + 100), bus, 1.0);
+        assert_eq!(of(sound).yaw_rate_after_deg, None, "{seed}: {sound:?}");
+        let wrong = of(Bus { yaw_scale: -sound.yaw_scale, ..sound });
+        let after_deg = wrong.yaw_rate_after_deg.unwrap_or(f64::INFINITY);
+        assert!(after_deg < 90.0, "{seed}: after {after_deg} degrees");
+        assert_eq!(wrong.used_after, 0);
+        let Disagreement { bus, camera, .. } = wrong.last.yaw_rate_disagreement.unwrap();
+        assert!(bus * camera < 0.0, "{bus} against {camera}");
     }
 }
 

@@ -1,0 +1,67 @@
+//! Cameras and streams, which do not wait: a stand-in for ffmpeg gives pictures faster than any run uses them.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::program::{Called, frames, summary};
+use crate::video_stub::VideoStub;
+
+/// Pictures that the stand-in gives.
+const PICTURES: u64 = 400;
+
+/// Gives the pictures as fast as it can, fifty of them for a second of the camera's clock, which does not begin at zero.
+fn camera() -> VideoStub {
+    let line = |number: u64| {
+        let stamp_s = 7.0 + 0.02 * number as f64;
+        format!(
+            "echo '[Parsed_showinfo_0 @ 0x5] [info] n:{number:4} pts:1 pts_time:{stamp_s:.2} fmt:rgb24 s:320x240' >&2\ncat $PICTURE"
+        )
+    };
+    VideoStub::new(&(0..PICTURES).map(line).collect::<Vec<_>>().join("\n"))
+}
+
+#[test]
+fn a_camera_that_is_faster_than_the_method_loses_frames_that_are_counted() {
+    for threads in [&["--threads", "1"][..], &[]] {
+        let (stub, out) = (camera(), TempDir::new().unwrap());
+        let called = stub.run_on(Path::new("rtsp://camera/1"), out.path()).args(threads).output().unwrap();
+        let called = Called::from(called).done();
+        let (records, summary) = (frames(out.path()), summary(out.path()));
+        assert!(summary.dropped_frames > 0, "{}", called.stderr);
+        assert_eq!(records.len() as u64 + summary.dropped_frames, PICTURES);
+        let said = format!("{} frames of rtsp://camera/1 came faster", summary.dropped_frames);
+        assert!(called.stderr.contains(&said), "{}", called.stderr);
+        // The latest is used, however late the method is.
+        assert_eq!(records.last().unwrap().frame, PICTURES - 1);
+        assert!(records.windows(2).all(|pair| pair[0].frame < pair[1].frame));
+        for record in &records {
+            let taken_s = 0.02 * record.frame as f64;
+            assert!((record.t_s - taken_s).abs() < 1e-6, "frame {} at {} s", record.frame, record.t_s);
+        }
+    }
+}
+
+#[test]
+fn frames_that_nobody_wants_are_not_counted_as_lost() {
+    let (stub, out) = (camera(), TempDir::new().unwrap());
+    let mut run = stub.run_on(Path::new("rtsp://camera/1"), out.path());
+    Called::from(run.args(["--rate", "2"]).output().unwrap()).done();
+    let (records, dropped) = (frames(out.path()), summary(out.path()).dropped_frames);
+    // Two a second of eight seconds.
+    assert_eq!(records.len() as u64 + dropped, 16);
+    assert!(records.iter().all(|record| record.frame % 25 == 0));
+}
+
+#[test]
+fn a_recording_loses_nothing() {
+    let (stub, out) = (camera(), TempDir::new().unwrap());
+    Called::from(stub.run(out.path()).output().unwrap()).done();
+    assert_eq!(frames(out.path()).len() as u64, PICTURES);
+    assert_eq!(summary(out.path()).dropped_frames, 0);
+    // Unless it is said to be none.
+    let (stub, out) = (camera(), TempDir::new().unwrap());
+    Called::from(stub.run(out.path()).arg("--live").output().unwrap()).done();
+    let (records, dropped) = (frames(out.path()), summary(out.path()).dropped_frames);
+    assert!(dropped > 0 && records.len() as u64 + dropped == PICTURES, "{dropped}");
+}
