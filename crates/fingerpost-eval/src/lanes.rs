@@ -15,7 +15,8 @@
 //! - The threshold is compared with the deviation itself, in squared pixels, as the paper's text says, though its authors
 //!   may have thought of pixels: 10 allows an edge 3.2 pixels beside the truth, not 10.
 //! - An edge that is found where the truth has none is neither a true nor a false positive of equation 2; such edges are
-//!   counted by themselves.
+//!   counted by themselves, and so are frames that show an edge where the truth has none on either side: false lanes. A
+//!   truth that has no edge at all is of an unmarked road, and false lanes are all that there is to count.
 
 mod deviation;
 mod edge;
@@ -81,23 +82,31 @@ pub struct LaneEvaluation {
     pub frames: u64,
     /// Frames of the truth that the run has no record of; their edges count as false.
     pub frames_without_record: u64,
-    /// Mean of the accuracies of all cells, percent.
-    pub mean_accuracy_pct: f64,
-    /// Every region of interest with every threshold; thresholds change first.
+    /// Mean of the accuracies of all cells, percent; none where the truth has no edge.
+    pub mean_accuracy_pct: Option<f64>,
+    /// Every region of interest with every threshold; thresholds change first. Empty where the truth has no edge.
     pub cells: Vec<LaneCell>,
-    /// Every region of interest.
+    /// Every region of interest; empty where the truth has no edge.
     pub deviations: Vec<LaneDeviation>,
     /// Edges that the truth does not have, by frame and side.
     pub edges_not_in_truth: u64,
     /// Of those, edges that the run has all the same.
     pub false_edges: u64,
+    /// Frames of the run where there are no markings: the truth has no edge on either side.
+    pub unmarked_frames: u64,
+    /// Of those, frames with a false lane: the run has an edge.
+    pub false_lane_frames: u64,
+    /// Share of frames with a false lane, percent; none without unmarked frames.
+    pub false_lanes_pct: Option<f64>,
     /// The scores of the TuSimple benchmark; none where no sampled row shows an edge.
     pub tusimple: Option<TuSimpleScores>,
 }
 
-/// Several evaluations together, each counting the same.
+/// Evaluations of several marked clips together, each counting the same.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LaneMean {
+    /// Clips whose truth has edges; the others say nothing about accuracy.
+    pub clips: u64,
     /// Mean of all cells' accuracies, percent.
     pub mean_accuracy_pct: f64,
     /// Mean accuracy of every cell; its counts are summed.
@@ -114,7 +123,7 @@ type EdgePair<'a> = (&'a [[f64; 2]], &'a [[f64; 2]]);
 /// `picture_px` is the size of the pictures ([`lane_picture_px`]).
 ///
 /// # Errors
-/// [`LaneError`] when frames do not ascend, a frame of the run has no truth, or the truth has no edge to compare with.
+/// [`LaneError`] when frames do not ascend, a frame of the run has no truth, or all of the truth's edges lie above a region.
 pub fn evaluate_lanes(
     records: &[FrameRecord],
     truth: &[TruthRecord],
@@ -130,8 +139,9 @@ pub fn evaluate_lanes(
             [(&truth.lane_left_px[..], left), (&truth.lane_right_px[..], right)]
         })
         .collect();
+    let is_marked = pairs.iter().any(|pair| !pair.0.is_empty());
     let (mut cells, mut deviations) = (Vec::new(), Vec::new());
-    for roi_rows in LANE_ROI_ROWS {
+    for roi_rows in LANE_ROI_ROWS.into_iter().filter(|_| is_marked) {
         let found: Vec<Deviation> =
             pairs.iter().filter_map(|(truth, run)| deviation(truth, run, picture_px[1], roi_rows)).collect();
         if found.is_empty() {
@@ -141,28 +151,44 @@ pub fn evaluate_lanes(
         deviations.push(deviations_of(roi_rows, &found));
     }
     let unseen = |pair: &&EdgePair<'_>| pair.0.is_empty();
+    let [unmarked_frames, false_lane_frames] = false_lanes(&by_frame, truth);
     Ok(LaneEvaluation {
         picture_px,
         frames: truth.len() as u64,
         frames_without_record: truth.iter().filter(|t| !by_frame.contains_key(&t.frame)).count() as u64,
-        mean_accuracy_pct: mean(cells.iter().map(|cell: &LaneCell| cell.accuracy_pct)).unwrap_or_default(),
+        mean_accuracy_pct: mean(cells.iter().map(|cell: &LaneCell| cell.accuracy_pct)),
         cells,
         deviations,
         edges_not_in_truth: pairs.iter().filter(unseen).count() as u64,
         false_edges: pairs.iter().filter(unseen).filter(|pair| !pair.1.is_empty()).count() as u64,
+        unmarked_frames,
+        false_lane_frames,
+        false_lanes_pct: (unmarked_frames > 0)
+            .then(|| 100.0 * false_lane_frames as f64 / unmarked_frames as f64),
         tusimple: scores_of_truth(&by_frame, truth, picture_px),
     })
 }
 
-/// The mean of several clips' evaluations, as the paper's figure 21 shows it; none of none.
+/// Frames of the run whose truth has no edge on either side, and those of them in which the run has one.
+fn false_lanes(by_frame: &BTreeMap<u64, &FrameRecord>, truth: &[TruthRecord]) -> [u64; 2] {
+    let unmarked = truth.iter().filter(|t| t.lane_left_px.is_empty() && t.lane_right_px.is_empty());
+    unmarked.filter_map(|truth| by_frame.get(&truth.frame)).fold([0, 0], |[frames, falsely], record| {
+        let is_false =
+            record.lanes.as_ref().is_some_and(|l| !(l.left_px.is_empty() && l.right_px.is_empty()));
+        [frames + 1, falsely + u64::from(is_false)]
+    })
+}
+
+/// The mean of several clips' evaluations, as the paper's figure 21 shows it, over those whose truth has edges; none of none.
 pub fn mean_of_lanes(clips: &[LaneEvaluation]) -> Option<LaneMean> {
-    let first = clips.first()?;
+    let marked = || clips.iter().filter(|clip| !clip.cells.is_empty());
+    let first = marked().next()?;
     let cells: Vec<LaneCell> = first
         .cells
         .iter()
         .enumerate()
         .map(|(index, cell)| {
-            let all = || clips.iter().filter_map(move |clip| clip.cells.get(index));
+            let all = || marked().filter_map(move |clip| clip.cells.get(index));
             LaneCell {
                 true_positives: all().map(|cell| cell.true_positives).sum(),
                 false_positives: all().map(|cell| cell.false_positives).sum(),
@@ -171,8 +197,9 @@ pub fn mean_of_lanes(clips: &[LaneEvaluation]) -> Option<LaneMean> {
             }
         })
         .collect();
-    let rmsd = |index: usize| mean(clips.iter().filter_map(|clip| clip.deviations.get(index)?.rmsd_mean_px));
+    let rmsd = |index: usize| mean(marked().filter_map(|clip| clip.deviations.get(index)?.rmsd_mean_px));
     Some(LaneMean {
+        clips: marked().count() as u64,
         mean_accuracy_pct: mean(cells.iter().map(|cell| cell.accuracy_pct))?,
         rmsd_mean_px: (0..first.deviations.len()).map(rmsd).collect(),
         cells,

@@ -25,7 +25,9 @@ use crate::{output, output_path};
 ///
 /// An edge is true in a frame when the mean squared distance from its truth, along the region's rows that the truth
 /// reaches, is at most the threshold; it is false otherwise, and where the run has no edge in any of those rows, or no
-/// such frame. Edges found where the truth has none are counted by themselves.
+/// such frame. Edges found where the truth has none are counted by themselves, and so are false lanes: frames in which an edge
+/// is found although the truth has none on either side. Of a truth without any edge, of an unmarked road, they are all that
+/// there is to say.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("reference").required(true)))]
 pub(crate) struct LanesArgs {
@@ -68,7 +70,8 @@ struct Clip {
 #[derive(Debug, Serialize)]
 struct LaneNumbers {
     clips: Vec<Clip>,
-    mean: LaneMean,
+    /// None where no truth has edges.
+    mean: Option<LaneMean>,
 }
 
 /// The numbers of a run against labels of the benchmark.
@@ -102,19 +105,22 @@ pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
         .map(|(run, truth)| clip(run, truth, given))
         .collect::<Result<_>>()?;
     let evaluations: Vec<LaneEvaluation> = clips.iter().map(|clip| clip.evaluation.clone()).collect();
-    let mean = mean_of_lanes(&evaluations).context("there is no run to compare; name one")?;
+    let mean = mean_of_lanes(&evaluations);
     let mut text: String = clips
         .iter()
         .map(|clip| clip_table(&clip.run.display().to_string(), &clip.evaluation))
         .collect::<Vec<_>>()
         .join("\n");
-    if clips.len() > 1 {
+    if let Some(mean) = mean.as_ref().filter(|mean| mean.clips > 1) {
         text.push('\n');
-        text.push_str(&mean_table(&mean, clips.len()));
+        text.push_str(&mean_table(mean));
     }
     say(args, text.trim_end())?;
     if let Some(path) = &args.plot {
-        fingerpost_io::write_file(path, surface_svg(&surface(&mean, clips.len())))?;
+        let mean = mean.as_ref().context(
+            "no truth has lane edges, so that there is no accuracy to plot; leave out --plot or name a marked drive",
+        )?;
+        fingerpost_io::write_file(path, surface_svg(&surface(mean)))?;
         output::message(&format!("the surface is {}", path.display()));
     }
     if args.json { output::print_json(&LaneNumbers { clips, mean }) } else { Ok(()) }
@@ -164,9 +170,9 @@ fn say(args: &LanesArgs, text: &str) -> Result<()> {
 }
 
 /// Figure 21 of paper 3.
-fn surface(mean: &LaneMean, clips: usize) -> SurfacePlot {
+fn surface(mean: &LaneMean) -> SurfacePlot {
     let accuracies: Vec<f64> = mean.cells.iter().map(|cell| cell.accuracy_pct).collect();
-    let of = if clips == 1 { "one clip".to_owned() } else { format!("{clips} clips") };
+    let of = if mean.clips == 1 { "one clip".to_owned() } else { format!("{} clips", mean.clips) };
     SurfacePlot {
         title: format!("Accuracy of the lane edges, mean of {of}"),
         x_label: "deviation threshold, px²".to_owned(),

@@ -98,6 +98,37 @@ fn labels_of_the_benchmark() {
 }
 
 #[test]
+fn false_lanes_on_an_unmarked_road() {
+    let folder = TempDir::new().unwrap();
+    let (run, truth) = made(folder.path(), "run", 0.0);
+    let unmarked = folder.path().join("unmarked.jsonl");
+    let none: Vec<TruthRecord> =
+        (0..4).map(|frame| TruthRecord { frame, ..TruthRecord::default() }).collect();
+    write_lines(&unmarked, &none);
+    let line = format!("evaluate lanes {run} --truth {}", unmarked.display());
+    let called = call_line(&line).done();
+    for words in ["no lane edges in the truth", "false lanes: 4 of 4 frames without markings, 100.00 %"] {
+        assert!(called.stdout.contains(words), "{words:?} is not in: {}", called.stdout);
+    }
+    let called = call_line(&format!("{line} --json")).done();
+    let numbers: Value = serde_json::from_str(&called.stdout).unwrap();
+    let clip = &numbers["clips"][0];
+    assert_eq!((&clip["false_lane_frames"], &clip["unmarked_frames"]), (&Value::from(4), &Value::from(4)));
+    assert_eq!((&clip["false_lanes_pct"], &clip["mean_accuracy_pct"]), (&Value::from(100.0), &Value::Null));
+    assert_eq!(numbers["mean"], Value::Null);
+    let plot = folder.path().join("plot.svg");
+    call_line(&format!("{line} --plot {}", plot.display())).refused(1, &["no accuracy to plot", "--plot"]);
+
+    // Beside a marked drive the mean is that drive's.
+    let line = format!("evaluate lanes {run} {run} --truth {truth} --truth {}", unmarked.display());
+    let numbers: Value = serde_json::from_str(&call_line(&format!("{line} --json")).done().stdout).unwrap();
+    assert_eq!(
+        (&numbers["mean"]["clips"], &numbers["mean"]["mean_accuracy_pct"]),
+        (&1.into(), &100.0.into())
+    );
+}
+
+#[test]
 fn what_does_not_match_is_refused() {
     let folder = TempDir::new().unwrap();
     let (run, truth) = made(folder.path(), "run", 0.0);

@@ -151,7 +151,8 @@ fn the_shipped_marks_evaluate() {
                 .map(|t| FrameRecord { frame: t.frame, lanes: Some(lanes(t)), ..bare.clone() })
                 .collect()
         };
-        let accuracy = |off| evaluate_lanes(&run(off), &truth, file.picture_px).unwrap().mean_accuracy_pct;
+        let accuracy =
+            |off| evaluate_lanes(&run(off), &truth, file.picture_px).unwrap().mean_accuracy_pct.unwrap();
         assert!((accuracy(3.0) - 100.0).abs() < 1e-9, "{name}");
         // 16 squared pixels: true at the threshold of 20 alone.
         assert!((accuracy(4.0) - 100.0 / 3.0).abs() < 1e-9, "{name}");

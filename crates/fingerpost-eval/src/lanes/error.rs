@@ -53,10 +53,10 @@ pub enum LaneError {
         /// Rows of the pictures.
         height: u32,
     },
-    /// Nothing to compare with.
+    /// Edges that a region of interest does not reach.
     #[error(
-        "the truth has no lane edge in the lowest {roi_rows} rows of the picture; give a truth with lane_left_px and \
-         lane_right_px, as `fingerpost mark` exports it"
+        "the truth has lane edges, but none in the lowest {roi_rows} rows of the picture; give a truth whose edges go on down \
+         to the picture's base, as `fingerpost mark` exports it"
     )]
     NoEdges {
         /// Rows of the region of interest.

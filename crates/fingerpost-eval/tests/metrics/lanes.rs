@@ -47,7 +47,7 @@ fn accuracy_and_deviation_by_hand() {
     let counts: Vec<_> = found.cells.iter().map(|cell| (cell.true_positives, cell.false_positives)).collect();
     assert_eq!(counts, [[(2, 5), (2, 5), (3, 4)]; 4].concat());
     close(found.cells[2].accuracy_pct, 300.0 / 7.0);
-    close(found.mean_accuracy_pct, 100.0 * (2.0 + 2.0 + 3.0) / 21.0);
+    close(found.mean_accuracy_pct.unwrap(), 100.0 * (2.0 + 2.0 + 3.0) / 21.0);
     // Roots 3, 4, 0 and 4.5: mean 2.875, squares 9, 16, 0 and 20.25.
     let of_100 = found.deviations[0];
     assert_eq!((of_100.roi_rows, of_100.edges, of_100.edges_without_output), (100, 7, 3));
@@ -74,6 +74,32 @@ fn a_larger_region_sees_more_of_an_edge_that_leaves_its_truth() {
 }
 
 #[test]
+fn lanes_where_there_are_no_markings_are_false() {
+    let unmarked: Vec<_> = (0..5).map(|frame| truth(frame, Vec::new(), Vec::new())).collect();
+    let run = [
+        seen(0, edge(200.0, 1.0), edge(800.0, -1.0)),
+        seen(1, Vec::new(), Vec::new()),
+        seen(2, Vec::new(), edge(800.0, -1.0)),
+        record(3, TrackState::NoRoute),
+        // Frame 4 has no record: nothing is claimed there, and nothing is right.
+    ];
+    let found = evaluate_lanes(&run, &unmarked, PICTURE_PX).unwrap();
+    assert_eq!((found.unmarked_frames, found.false_lane_frames), (4, 2));
+    close(found.false_lanes_pct.unwrap(), 50.0);
+    assert_eq!((found.edges_not_in_truth, found.false_edges), (10, 3));
+    assert_eq!((found.mean_accuracy_pct, found.cells.len(), found.deviations.len()), (None, 0, 0));
+
+    // A frame with a marking on one side is marked, and the mean is that of marked clips.
+    let half = [truth(0, edge(200.0, 1.0), Vec::new()), truth(1, Vec::new(), Vec::new())];
+    let marked = evaluate_lanes(&run[..2], &half, PICTURE_PX).unwrap();
+    assert_eq!((marked.unmarked_frames, marked.false_lane_frames, marked.false_edges), (1, 0, 1));
+    close(marked.mean_accuracy_pct.unwrap(), 100.0);
+    assert_eq!(mean_of_lanes(std::slice::from_ref(&found)), None);
+    let mean = mean_of_lanes(&[found, marked]).unwrap();
+    assert_eq!((mean.clips, mean.mean_accuracy_pct), (1, 100.0));
+}
+
+#[test]
 fn the_mean_counts_every_clip_the_same() {
     let good = [truth(0, edge(200.0, 1.0), edge(800.0, -1.0))];
     let all = evaluate_lanes(&[seen(0, edge(200.0, 1.0), edge(800.0, -1.0))], &good, PICTURE_PX).unwrap();
@@ -95,8 +121,8 @@ fn truth_of_other_frames_or_pictures_is_refused() {
     let no_truth = EvalError::NoTruth { frame: 2, truths: 2, first: 0, last: 1 };
     assert_eq!(evaluate_lanes(&run, &drive, PICTURE_PX), Err(LaneError::Frames(no_truth)));
     assert_eq!(evaluate_lanes(&[], &drive, PICTURE_PX), Err(LaneError::Frames(EvalError::NoFrames)));
-    let empty = [truth(2, Vec::new(), Vec::new())];
-    assert_eq!(evaluate_lanes(&run, &empty, PICTURE_PX), Err(LaneError::NoEdges { roi_rows: 100 }));
+    let far = [truth(2, vec![[200.0, 400.0], [210.0, 390.0]], Vec::new())];
+    assert_eq!(evaluate_lanes(&run, &far, PICTURE_PX), Err(LaneError::NoEdges { roi_rows: 100 }));
 
     let other = Some([640, 480]);
     assert_eq!(lane_picture_px(None, &drive, None), Err(LaneError::NoPictureSize));

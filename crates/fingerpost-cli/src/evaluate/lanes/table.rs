@@ -8,24 +8,25 @@ use fingerpost_eval::{
 
 /// One clip.
 pub(super) fn clip_table(name: &str, evaluation: &LaneEvaluation) -> String {
-    let LaneEvaluation { picture_px: [width, height], frames, deviations, .. } = evaluation;
-    let mut text = format!("{name}: {frames} frames of {width} x {height} pixels\n{}", head());
-    text.push_str("    RMSD px    s.d. px    no output\n");
-    for (cells, deviation) in evaluation.cells.chunks(LANE_THRESHOLDS_PX2.len()).zip(deviations) {
-        let LaneDeviation { edges, edges_without_output, .. } = deviation;
-        let mean = number(deviation.rmsd_mean_px);
-        let spread = number(deviation.rmsd_standard_deviation_px);
-        // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "{}    {mean:>7}    {spread:>7}    {edges_without_output} of {edges}", row(cells));
+    let LaneEvaluation { picture_px: [width, height], frames, .. } = evaluation;
+    let mut text = format!("{name}: {frames} frames of {width} x {height} pixels\n");
+    // Writing to a string cannot fail.
+    if let Some(accuracy_pct) = evaluation.mean_accuracy_pct {
+        text.push_str(&deviation_rows(evaluation));
+        let _ = writeln!(text, "mean accuracy {accuracy_pct:.2} %");
+    } else {
+        text.push_str("no lane edges in the truth\n");
     }
-    let _ = writeln!(text, "mean accuracy {:.2} %", evaluation.mean_accuracy_pct);
     if evaluation.frames_without_record > 0 {
         let _ = writeln!(
             text,
             "{} frames of the truth are not in the run; their edges count as false",
             evaluation.frames_without_record
         );
+    }
+    if let Some(share_pct) = evaluation.false_lanes_pct {
+        let (falsely, all) = (evaluation.false_lane_frames, evaluation.unmarked_frames);
+        let _ = writeln!(text, "false lanes: {falsely} of {all} frames without markings, {share_pct:.2} %");
     }
     if evaluation.edges_not_in_truth > 0 {
         let (false_edges, all) = (evaluation.false_edges, evaluation.edges_not_in_truth);
@@ -37,9 +38,23 @@ pub(super) fn clip_table(name: &str, evaluation: &LaneEvaluation) -> String {
     text
 }
 
+/// A row for every region of interest.
+fn deviation_rows(evaluation: &LaneEvaluation) -> String {
+    let mut text = format!("{}    RMSD px    s.d. px    no output\n", head());
+    for (cells, deviation) in evaluation.cells.chunks(LANE_THRESHOLDS_PX2.len()).zip(&evaluation.deviations) {
+        let LaneDeviation { edges, edges_without_output, .. } = deviation;
+        let mean = number(deviation.rmsd_mean_px);
+        let spread = number(deviation.rmsd_standard_deviation_px);
+        // Writing to a string cannot fail.
+        let _ =
+            writeln!(text, "{}    {mean:>7}    {spread:>7}    {edges_without_output} of {edges}", row(cells));
+    }
+    text
+}
+
 /// The mean of several clips.
-pub(super) fn mean_table(mean: &LaneMean, clips: usize) -> String {
-    let mut text = format!("mean of {clips} clips\n{}    RMSD px\n", head());
+pub(super) fn mean_table(mean: &LaneMean) -> String {
+    let mut text = format!("mean of {} clips\n{}    RMSD px\n", mean.clips, head());
     for (cells, rmsd_px) in mean.cells.chunks(LANE_THRESHOLDS_PX2.len()).zip(&mean.rmsd_mean_px) {
         let _ = writeln!(text, "{}    {:>7}", row(cells), number(*rmsd_px));
     }
