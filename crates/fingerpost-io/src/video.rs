@@ -332,8 +332,8 @@ fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>, p
     let indexed = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB");
     let filters = match pace {
         Pace::Waits => format!("{indexed},{FRAME_LINES}"),
-        // The lines tell the times that the frames came with.
-        Pace::Live(_) => format!("{FRAME_LINES},{indexed}"),
+        // The lines tell the times that the frames came with, in microseconds.
+        Pace::Live(_) => format!("settb=AVTB,{FRAME_LINES},{indexed}"),
     };
     let constant_rate = ["-vf".to_owned(), filters, "-r".to_owned(), format!("{frames}/{seconds}")];
     arguments.extend(constant_rate);

@@ -13,9 +13,9 @@ const PICTURES: u64 = 400;
 /// Gives the pictures as fast as it can, fifty of them for a second of the camera's clock, which does not begin at zero.
 fn camera() -> VideoStub {
     let line = |number: u64| {
-        let stamp_s = 7.0 + 0.02 * number as f64;
+        let stamp_us = 7_000_000 + 20_000 * number;
         format!(
-            "echo '[Parsed_showinfo_0 @ 0x5] [info] n:{number:4} pts:1 pts_time:{stamp_s:.2} fmt:rgb24 s:320x240' >&2\ncat $PICTURE"
+            "echo '[Parsed_showinfo_0 @ 0x5] [info] n:{number:4} pts:{stamp_us} pts_time:7 fmt:rgb24 s:320x240' >&2\ncat $PICTURE"
         )
     };
     VideoStub::new(&(0..PICTURES).map(line).collect::<Vec<_>>().join("\n"))

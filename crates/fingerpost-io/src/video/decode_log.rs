@@ -217,9 +217,9 @@ impl Lines {
         if self.change.is_none() && (!goes_on || *first != form) {
             self.change = Some(FormChange { frame: self.frames, from: first.clone(), to: form });
         }
-        // Frames without a time read NOPTS.
-        if let Some(stamp_s) = value(" pts_time:").and_then(|text| text.parse().ok()).filter(finite) {
-            self.stamps.push_back((self.frames, stamp_s));
+        // Whole microseconds: what ffmpeg writes as seconds has six digits in all. Frames without a time read NOPTS.
+        if let Some(stamp_us) = value(" pts:").and_then(|text| text.parse::<i64>().ok()) {
+            self.stamps.push_back((self.frames, stamp_us as f64 * 1e-6));
         }
         self.frames += 1;
     }
@@ -232,10 +232,6 @@ impl Lines {
         last.or_else(|| self.complaint.clone())
             .map(|line| line.replacen("[error] ", "", 1).replacen("[fatal] ", "", 1))
     }
-}
-
-fn finite(number: &f64) -> bool {
-    number.is_finite()
 }
 
 /// How much a line matters.
@@ -268,7 +264,7 @@ mod tests {
 
     fn frame(number: u64, pixels: &str, size: &str) -> String {
         format!(
-            "[Parsed_showinfo_2 @ 0x56] [info] n:{number:4} pts:  0 pos: 12 fmt:{pixels} sar:1/1 s:{size} i:P iskey:1\n"
+            "[Parsed_showinfo_2 @ 0x56] [info] n:{number:4} pts:  NOPTS pos: 12 fmt:{pixels} sar:1/1 s:{size} i:P iskey:1\n"
         )
     }
 
@@ -298,11 +294,19 @@ mod tests {
 
     #[test]
     fn times_belong_to_their_frames() {
-        let stamped = |number: u64, time: &str| {
-            frame(number, "gray", "2x2").replace("pts:  0", &format!("pts:  0 pts_time:{time}"))
-        };
-        let text = [stamped(0, "3.5"), stamped(1, "NOPTS"), stamped(2, "3.633"), stamped(3, "inf")];
-        assert_eq!(lines(&text.concat(), 9).stamps, [(0, 3.5), (2, 3.633)]);
+        let stamped = |number: u64, time: &str| frame(number, "gray", "2x2").replace("NOPTS", time);
+        // In seconds ffmpeg writes the third as 20000.
+        let text = [
+            stamped(0, "3500000"),
+            stamped(1, "NOPTS"),
+            stamped(2, "20000033333 pts_time:20000"),
+            stamped(3, "inf"),
+        ];
+        let stamps = lines(&text.concat(), 9).stamps;
+        assert_eq!(stamps.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [0, 2]);
+        for ((_, stamp_s), expected_s) in stamps.iter().zip([3.5, 20_000.033_333]) {
+            assert!((stamp_s - expected_s).abs() < 1e-9, "{stamp_s}");
+        }
     }
 
     #[test]
