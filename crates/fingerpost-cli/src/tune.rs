@@ -114,6 +114,22 @@ impl TuneArgs {
             .collect()
     }
 
+    /// Whether these arguments search for anything.
+    fn check(&self) -> Result<()> {
+        if self.population > self.trials {
+            bail!(
+                "--population {} is more than --trials {}, so that no generation would follow the first; give more trials or a \
+                 smaller population",
+                self.population,
+                self.trials
+            );
+        }
+        if !self.objectives().contains(&TuningObjective::Missed) {
+            bail!("--objectives needs missed: without it settings that find nothing are the best; add it");
+        }
+        Ok(())
+    }
+
     /// How many of so many drives are held back; one at the least is searched with.
     fn held_back(&self, drives: usize) -> usize {
         ((self.held_out * drives as f64).round() as usize).min(drives.saturating_sub(1))
@@ -137,6 +153,7 @@ impl TuneArgs {
 
 /// Searches.
 pub(crate) fn tune(args: &TuneArgs) -> Result<()> {
+    args.check()?;
     let base = inputs::config(args.config.as_deref())?;
     let named = match args.screen {
         Some(_) => searched(&screening::CANDIDATES, &base)?,

@@ -32,8 +32,15 @@ pub(super) struct TuneDrive {
     pub(super) truth: Vec<TruthRecord>,
 }
 
+/// The vehicle that a file of settings describes; none where it says nothing of it.
+fn vehicle_of(settings: &Path) -> Result<Option<VehicleConfig>> {
+    let config = inputs::config(Some(settings))?;
+    let named: toml::Table = toml::from_str(&fingerpost_io::read_text(settings)?)?;
+    Ok(named.contains_key("vehicle").then_some(config.vehicle))
+}
+
 impl TuneDrive {
-    /// A drive folder, such as `simulate` writes; the vehicle is that of its `can.toml` where there is one, else `vehicle`.
+    /// A drive folder, such as `simulate` writes; the vehicle is that of its `can.toml` where that names one, else `vehicle`.
     pub(super) fn open(
         folder: &Path,
         number: u64,
@@ -48,8 +55,8 @@ impl TuneDrive {
             );
         }
         let settings = folder.join("can.toml");
-        let vehicle =
-            if settings.is_file() { inputs::config(Some(&settings))?.vehicle } else { vehicle.clone() };
+        let own_vehicle = if settings.is_file() { vehicle_of(&settings)? } else { None };
+        let vehicle = own_vehicle.unwrap_or_else(|| vehicle.clone());
         let conditions = folder.display().to_string();
         Ok(Self {
             folder: folder.to_owned(),

@@ -43,6 +43,9 @@ pub(crate) enum KeyError {
     /// It is named twice.
     #[error("{key} is named twice; name each key once")]
     Twice { key: String },
+    /// It says what the vehicle is like, which the drives say.
+    #[error("{key} is known of the vehicle of each drive, not searched; leave it out")]
+    Vehicle { key: String },
     /// Nothing in its range can be searched.
     #[error("{key}: {cause}")]
     Variable { key: String, cause: VariableError },
@@ -164,6 +167,9 @@ impl Key {
         let key = wanted.name.clone();
         let unknown = || KeyError::Unknown { key: key.clone(), near: near(&key).join(", ") };
         let declared = declaration(&key).ok_or_else(unknown)?;
+        if key.starts_with("vehicle.") {
+            return Err(KeyError::Vehicle { key });
+        }
         let value = base.pointer(&pointer(&key)).ok_or_else(unknown)?;
         let choices = choices(declared);
         if let Some(start) = choices.iter().position(|choice| choice == value) {

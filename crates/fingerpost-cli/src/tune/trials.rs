@@ -113,7 +113,7 @@ impl Bench<'_> {
         };
         // Other threads are busy with other drives.
         let threads = Some(std::num::NonZeroUsize::MIN);
-        let options = SourceOptions { threads, fps: None, programs: inputs::ffmpeg() };
+        let options = SourceOptions { threads, programs: inputs::ffmpeg(), ..SourceOptions::default() };
         let source = FrameSource::open(&drive.folder.to_string_lossy(), &options)?;
         let wishes = Wishes { title: String::new(), pictures: Pictures::None, video: None };
         let mut driver = Driver::new(setting, &wishes, source.length())?;

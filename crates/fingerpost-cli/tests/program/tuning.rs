@@ -65,8 +65,10 @@ fn a_search_that_was_killed_ends_with_the_same_front() {
     assert!((1..5).contains(&before) && !killed.path().join("front.json").exists(), "{before} trials");
     // As if the program had been killed in the middle of a line.
     let path = killed.path().join("trials.jsonl");
-    fs::write(&path, format!("{}{{\"trial\":", fs::read_to_string(&path).unwrap())).unwrap();
-    call_line(&line(half.path(), killed.path())).done();
+    let recorded = fs::read_to_string(&path).unwrap();
+    fs::write(&path, format!("{recorded}{{\"trial\":")).unwrap();
+    call_line(&line(half.path(), killed.path()).replace("--threads 1", "--threads 2")).done();
+    assert!(fs::read_to_string(&path).unwrap().starts_with(&recorded), "what was recorded is not done again");
     assert_eq!(read(whole.path()), read(killed.path()));
 
     let config = whole.path().join(front.front[0].config.as_ref().unwrap());
@@ -85,6 +87,10 @@ fn what_cannot_be_searched_is_refused_before_any_work() {
     call_line(&with("track.detect_frame"))
         .refused(1, &["track.detect_frame;", "track.detect_frames", "schema"]);
     call_line(&with("track.lost_frames=0..5")).refused(1, &["track.lost_frames", "0..5", "1 to 1000"]);
+    call_line(&with("vehicle.width_m")).refused(1, &["vehicle.width_m", "each drive"]);
+    call_line(&with("track.detect_frames").replace("--population 2", "--population 4"))
+        .refused(1, &["--population 4", "--trials 3"]);
+    call_line(&format!("{} --objectives false", with("track.detect_frames"))).refused(1, &["missed"]);
     fs::remove_file(half.path().join("truth.jsonl")).unwrap();
     call_line(&line(half.path(), &out)).refused(1, &["truth.jsonl", "simulate"]);
     assert!(!out.exists());
