@@ -126,6 +126,26 @@ fn errors_are_what_the_standard_deviations_say() {
 }
 
 #[test]
+fn the_start_does_not_depend_on_the_unit_of_the_board() {
+    let mut shaken = boards(LENS, BARREL, &poses());
+    shake(&mut shaken, 0.5);
+    let start = |square: f64| {
+        let mut boards = shaken.clone();
+        for point in boards.iter_mut().flatten() {
+            point.p_in_board *= square / 0.025;
+        }
+        let views: Vec<_> = boards.iter().map(Vec::as_slice).collect();
+        closed_form::start(&views, SIZE.0, SIZE.1).unwrap().intrinsics
+    };
+    let (small, large) = (start(0.001), start(1000.0));
+    for (small, large) in
+        [(small.fx, large.fx), (small.fy, large.fy), (small.cx, large.cx), (small.cy, large.cy)]
+    {
+        assert!((small / large - 1.0).abs() < 1e-6, "{small} {large}");
+    }
+}
+
+#[test]
 fn a_board_that_fits_far_worse_is_left_out() {
     let mut shaken = boards(LENS, BARREL, &poses());
     shake(&mut shaken, 0.3);
