@@ -78,8 +78,8 @@ fn intrinsics(maps: &[Matrix3<f64>], unknown: Unknown) -> Option<Intrinsics> {
     };
     let mut information = DMatrix::<f64>::zeros(count, count);
     for map in maps {
-        // A map has any scale; each is to count alike.
-        let map = map / map.norm();
+        // A map has any scale; each is to count alike, whatever the unit and the place of its board, which the third column has.
+        let map = map / map.fixed_columns::<2>(0).norm();
         for equation in [constraint(&map, 0, 1), constraint(&map, 0, 0) - constraint(&map, 1, 1)] {
             let row = equation.rows(0, count);
             information += row * row.transpose();
