@@ -10,8 +10,10 @@ const LIVE_PROTOCOLS: [&str; 8] = ["rtsp", "rtsps", "rtmp", "rtmps", "rtp", "srt
 /// Whether an input is taken for one that is under way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Liveness {
-    /// Devices are, and addresses of protocols that stream: rtsp, rtmp, rtp, udp, srt.
+    /// It is not: every picture is given, however late.
     #[default]
+    Waits,
+    /// Devices are, and addresses of protocols that stream: rtsp, rtmp, rtp, udp, srt.
     ByKind,
     /// It is, whatever its name says: a camera that is asked over http.
     Live,
@@ -24,7 +26,11 @@ impl Liveness {
             let protocol = input.split_once("://").map(|(protocol, _)| protocol.to_ascii_lowercase());
             protocol.is_some_and(|protocol| LIVE_PROTOCOLS.contains(&protocol.as_str()))
         };
-        self == Self::Live || streams() || is_device(Path::new(input))
+        match self {
+            Self::Waits => false,
+            Self::ByKind => streams() || is_device(Path::new(input)),
+            Self::Live => true,
+        }
     }
 }
 
@@ -79,6 +85,7 @@ mod tests {
         #[cfg(unix)]
         assert!(live("/dev/null"));
         assert!(Liveness::Live.holds("http://camera/mjpeg"));
+        assert!(!Liveness::Waits.holds("rtsp://camera/1"));
     }
 
     #[test]
