@@ -3,7 +3,7 @@
 mod pictures;
 mod report;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{Context, Result};
@@ -109,9 +109,4 @@ fn camera(lens: &LensCalibration, (width, height): (usize, usize), height_m: f64
     Camera::calibrated(width, height, lens.intrinsics, distortion, Mount::level(height_m)).context(
         "no camera has the lens that was found; take more pictures with the board at the picture's edges and corners",
     )
-}
-
-/// A picture's name without its folder.
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -1,5 +1,6 @@
 //! The pictures of a board: which there are, their size, and the corners in each.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -9,7 +10,6 @@ use fingerpost_vision::colour;
 use fingerpost_vision::picture::Plane;
 use rayon::prelude::*;
 
-use super::name_of;
 use crate::output;
 
 /// A picture that was looked at.
@@ -28,7 +28,7 @@ pub(super) struct Looked {
 /// than a hundredth of its standard deviation.
 const MOST_OTHER_PX: usize = 1;
 
-/// The pictures that are meant, folders replaced by what they hold.
+/// The pictures that are meant, folders replaced by what they hold, each file once: twice it would count as two views.
 pub(super) fn paths_of(given: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for path in given {
@@ -40,7 +40,15 @@ pub(super) fn paths_of(given: &[PathBuf]) -> Result<Vec<PathBuf>> {
             bail!("{} does not exist; check the path", path.display());
         }
     }
-    Ok(paths)
+    let mut known = BTreeSet::new();
+    let mut once = Vec::new();
+    for path in paths {
+        let file = path.canonicalize().with_context(|| path.display().to_string())?;
+        if known.insert(file) {
+            once.push(path);
+        }
+    }
+    Ok(once)
 }
 
 /// Looks for the board in every picture, in their order.
@@ -57,7 +65,7 @@ pub(super) fn look_at_all(paths: &[PathBuf], board: BoardSize) -> Vec<Looked> {
 }
 
 fn look_at(path: &Path, board: BoardSize) -> Looked {
-    let name = name_of(path);
+    let name = path.display().to_string();
     let picture = match read_picture(path) {
         Ok(picture) => picture,
         Err(cause) => return Looked { name, size: None, corners: Err(cause.to_string()) },

@@ -67,7 +67,7 @@ pub(super) fn say_dropped(looked: &[Looked]) {
 
 /// Names the pictures with a row or column more or less than most.
 pub(super) fn say_other_sizes(looked: &[Looked], (width, height): (usize, usize)) {
-    for Looked { name, size, .. } in looked {
+    for Looked { name, size, .. } in looked.iter().filter(|looked| looked.corners.is_ok()) {
         if let Some((w, h)) = size.filter(|&size| size != (width, height)) {
             output::message(&format!("{name} has {w} x {h} pixels and is used as one of {width} x {height}"));
         }
