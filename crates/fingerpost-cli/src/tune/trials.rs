@@ -76,7 +76,7 @@ impl Bench<'_> {
         let pieces = (left.len() * drives.len()) as u64;
         side_by_side::each(self.threads, pieces, self.interrupt, |number| {
             let (index, drive) = (number as usize / drives.len(), &drives[number as usize % drives.len()]);
-            let Some(outcome) = self.on_drive(&left[index].settings, drive) else { return Ok(()) };
+            let Some(outcome) = self.on_drive(&left[index].settings, drive)? else { return Ok(()) };
             let mut trial = trials[index].lock().unwrap_or_else(|poisoned| poisoned.into_inner());
             trial.done += 1;
             match outcome {
@@ -95,15 +95,18 @@ impl Bench<'_> {
         })
     }
 
-    /// The method with these settings on a drive; none when an end is wanted.
-    fn on_drive(&self, settings: &TriedSettings, drive: &TuneDrive) -> Option<Result<TimedDrive>> {
+    /// The method with these settings on a drive, or why it refuses them; none when an end is wanted.
+    ///
+    /// # Errors
+    /// When the drive cannot be read: that says nothing of the settings, and is not recorded as theirs.
+    fn on_drive(&self, settings: &TriedSettings, drive: &TuneDrive) -> Result<Option<Result<TimedDrive>>> {
         let Some(config) = self.settings.config(settings) else {
-            return Some(Err(Error::msg("the settings contradict each other")));
+            return Ok(Some(Err(Error::msg("the settings contradict each other"))));
         };
-        self.run(&Config { vehicle: drive.vehicle.clone(), ..config }, drive).transpose()
+        self.run(&Config { vehicle: drive.vehicle.clone(), ..config }, drive)
     }
 
-    fn run(&self, config: &Config, drive: &TuneDrive) -> Result<Option<TimedDrive>> {
+    fn run(&self, config: &Config, drive: &TuneDrive) -> Result<Option<Result<TimedDrive>>> {
         let setting = RunSetting {
             config,
             camera: &drive.camera,
@@ -116,7 +119,10 @@ impl Bench<'_> {
         let options = SourceOptions { threads, programs: inputs::ffmpeg(), ..SourceOptions::default() };
         let source = FrameSource::open(&drive.folder.to_string_lossy(), &options)?;
         let wishes = Wishes { title: String::new(), pictures: Pictures::None, video: None };
-        let mut driver = Driver::new(setting, &wishes, source.length())?;
+        let mut driver = match Driver::new(setting, &wishes, source.length()) {
+            Ok(driver) => driver,
+            Err(refused) => return Ok(Some(Err(refused))),
+        };
         let mut records: Vec<FrameRecord> = Vec::with_capacity(drive.truth.len());
         for frame in source {
             if self.interrupt.wanted() {
@@ -135,7 +141,7 @@ impl Bench<'_> {
         }
         let ms: f64 = records.iter().flat_map(|record| record.stage_ms.values()).sum();
         let driven = measure(&drive.named, &records, &drive.truth, &drive.route, &driver)?;
-        Ok(Some((driven, ms / records.len().max(1) as f64)))
+        Ok(Some(Ok((driven, ms / records.len().max(1) as f64))))
     }
 }
 
