@@ -77,14 +77,14 @@ pub(crate) struct TuneArgs {
     /// more; CANDIDATES in the source is the list.
     #[arg(long, value_name = "N", conflicts_with = "keys", value_parser = clap::value_parser!(u64).range(1..=screening::CANDIDATES.len() as u64))]
     screen: Option<u64>,
-    /// What is to be small. `ms` is wall time: with it among them two searches give two fronts.
+    /// What is to be small, `missed` among it. `ms` is wall time: with it among them two searches give two fronts.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_values_t = DEFAULT_OBJECTIVES.map(|o| o.name().to_owned()),
           value_parser = PossibleValuesParser::new(TuningObjective::ALL.map(TuningObjective::name)))]
     objectives: Vec<String>,
     /// Settings to try, the first of them those of today, 1 to 100000.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     trials: u64,
-    /// Trials of a generation, 2 to 1000.
+    /// Trials of a generation, 2 to 1000, at most --trials.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(2..=1000))]
     population: u64,
     /// Share of the drives, the last of them, that the search never sees, 0 to 0.9: the front is tried on them at the end.
