@@ -14,6 +14,7 @@ mod setup;
 mod table;
 mod trials;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use anyhow::{Error, Result, bail};
@@ -162,9 +163,16 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<()> {
     let files = [&args.map, &args.config].into_iter().flatten().chain(&args.drives).map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Tuning, files)?;
     let given = opened(args, &base)?;
+    let drawing = args
+        .campaign
+        .map(|_| Drawing::new(args.map.as_deref(), args.limit, args.size, args.fps, base.clone()));
+    let drawing = drawing.transpose()?;
     let interrupt = Interrupt::listen()?;
     let (mut folder, mut done) = TuningFolder::go_on_with(&args.out, &setup::setup(args, &named)?)?;
-    let mut drives = if given.is_empty() { simulated(args, &base, &folder, &interrupt)? } else { given };
+    let mut drives = match drawing {
+        Some(drawing) => simulated(args, &drawing, &folder, &interrupt)?,
+        None => given,
+    };
     let held_back = drives.split_off(drives.len() - args.held_back(drives.len()));
     let bar = output::progress(Some(args.trials), "trials");
     let bench = |settings| Bench { settings, threads: args.threads, interrupt: &interrupt, bar: &bar };
@@ -196,6 +204,15 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<()> {
 
 /// The drive folders that are given.
 fn opened(args: &TuneArgs, base: &Config) -> Result<Vec<TuneDrive>> {
+    let mut folders = BTreeSet::new();
+    for folder in &args.drives {
+        if folder.canonicalize().is_ok_and(|whole| !folders.insert(whole)) {
+            bail!(
+                "--drives names {} twice, and a drive that is searched with cannot be one that is held back; name each once",
+                folder.display()
+            );
+        }
+    }
     let given = args.drives.iter().zip(0..);
     given.map(|(folder, number)| TuneDrive::open(folder, number, args.start_m, &base.vehicle)).collect()
 }
@@ -203,14 +220,13 @@ fn opened(args: &TuneArgs, base: &Config) -> Result<Vec<TuneDrive>> {
 /// The drives that are drawn from seeds, each simulated when it is first asked for.
 fn simulated(
     args: &TuneArgs,
-    base: &Config,
+    drawing: &Drawing,
     folder: &TuningFolder,
     interrupt: &Interrupt,
 ) -> Result<Vec<TuneDrive>> {
-    let drawing = Drawing::new(args.map.as_deref(), args.limit, args.size, args.fps, base.clone())?;
     let drives = args.campaign_drives()?;
     let bar = output::progress(Some(drives.len() as u64), "drives");
-    let simulated = drives::simulate_all(&drawing, &drives, folder, interrupt, &bar)?;
+    let simulated = drives::simulate_all(drawing, &drives, folder, interrupt, &bar)?;
     bar.finish_and_clear();
     Ok(simulated)
 }

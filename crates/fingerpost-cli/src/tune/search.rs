@@ -35,10 +35,13 @@ pub(super) fn search(
             .collect();
         generation.truncate((args.trials - begun) as usize);
         begun += generation.len() as u64;
-        bench.trials(&generation, TuningPurpose::Search, drives, done, folder)?;
+        // The settings that the search begins with come first, by themselves: where they fail nothing else is worth its time.
+        let (first, others) = generation.split_at(usize::from(generation[0].trial == 0));
+        bench.trials(first, TuningPurpose::Search, drives, done, folder)?;
         if let Some(cause) = trial(done, 0, TuningPurpose::Search).and_then(|first| first.error.as_ref()) {
             bail!("the settings that the search begins with fail on a drive: {cause}");
         }
+        bench.trials(others, TuningPurpose::Search, drives, done, folder)?;
         let told: Vec<Vec<f64>> = generation
             .iter()
             .filter_map(|wanted| trial(done, wanted.trial, TuningPurpose::Search))

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use fingerpost_io::{drive_digest, file_digest};
 use serde_json::{Value, json};
 
 use super::TuneArgs;
@@ -18,10 +19,13 @@ pub(super) fn setup(args: &TuneArgs, settings: &SearchedSettings) -> Result<Valu
             "size": args.size.map(|size| [size.width, size.height]),
             "fps": args.fps,
             "map": args.map.as_deref().map(absolute),
+            "map_digest": args.map.as_deref().map(file_digest).transpose()?,
         })
     } else {
         let folders: Vec<_> = args.drives.iter().map(|folder| absolute(folder)).collect();
-        json!({ "folders": folders, "start_m": args.start_m })
+        let digests: Vec<u32> =
+            folders.iter().map(|folder| drive_digest(folder)).collect::<Result<_, _>>()?;
+        json!({ "folders": folders, "digests": digests, "start_m": args.start_m })
     };
     Ok(json!({
         "program": VERSION,

@@ -17,6 +17,11 @@ pub(super) fn print(front: &TuningFront, done: &[TuningTrial]) {
     for (name, point) in rows {
         output::message(&row(name, point, done));
     }
+    for trial in done.iter().filter(|trial| trial.purpose == TuningPurpose::HeldBack) {
+        if let Some(cause) = &trial.error {
+            output::message(&format!("trial {} failed on a drive that is held back: {cause}", trial.trial));
+        }
+    }
 }
 
 /// Drives in words.

@@ -77,6 +77,9 @@ fn a_search_that_was_killed_ends_with_the_same_front() {
     call_line(&format!("{run_line} --frames 2 --config {}", config.display())).done();
     call_line(&line(half.path(), whole.path()).replace("--population 2", "--population 3"))
         .refused(1, &["another search", "population", "another folder"]);
+    let truth = half.path().join("truth.jsonl");
+    fs::write(&truth, format!("{}\n", fs::read_to_string(&truth).unwrap())).unwrap();
+    call_line(&line(half.path(), whole.path())).refused(1, &["another search", "drives", "another folder"]);
 }
 
 #[test]
@@ -91,6 +94,7 @@ fn what_cannot_be_searched_is_refused_before_any_work() {
     call_line(&with("track.detect_frames").replace("--population 2", "--population 4"))
         .refused(1, &["--population 4", "--trials 3"]);
     call_line(&format!("{} --objectives false", with("track.detect_frames"))).refused(1, &["missed"]);
+    call_line(&line(&Drive::get().path(), &out)).refused(1, &["twice", "held back"]);
     fs::remove_file(half.path().join("truth.jsonl")).unwrap();
     call_line(&line(half.path(), &out)).refused(1, &["truth.jsonl", "simulate"]);
     assert!(!out.exists());
