@@ -23,6 +23,7 @@ fn crossroads() -> FeatureModel {
         course: Polyline::new([Point2::origin(), Point2::new(60.0 * forward, 60.0 * left)]).unwrap(),
         width_m: WIDTH_M,
         mouth_m: 0.5 * WIDTH_M,
+        leaves_after_m: None,
     };
     FeatureModel {
         id: 7,
