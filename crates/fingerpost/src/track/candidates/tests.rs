@@ -131,9 +131,11 @@ fn rows_at_a_time_find_what_one_by_one_finds() {
         for threshold in [0.5, 0.75, 0.85, 0.95] {
             let predicted = Isometry2::new(Vector2::new(12.3 + 0.5 * off, 0.0), 0.0);
             let predicted = PoseFilter::new(predicted, [1.2, 0.8, 0.1]);
-            let by_rows = search.about(&config, &laid, &mut masks, threshold, &predicted).unwrap();
+            let by_rows = search
+                .about(&config, &laid, &mut masks, threshold, (&predicted, Reach::of(&config)))
+                .unwrap();
             let seen = (&laid, Expectation::About(&predicted));
-            let poses = poses_about(&config, predicted.pose());
+            let poses = poses_about(&config, predicted.pose(), Reach::of(&config));
             assert_eq!(by_rows, plain(seen, &mut masks, threshold, poses));
             found += usize::from(by_rows.best.is_some());
 
