@@ -21,6 +21,11 @@ impl<'a> Courses<'a> {
         Self { graph, plane, options }
     }
 
+    /// The route's map frame.
+    pub(crate) const fn plane(&self) -> &TangentPlane {
+        &self.plane
+    }
+
     /// Where a node is, metres in the route's map frame.
     pub(crate) fn place(&self, node: usize) -> Point2<f64> {
         self.plane.map_from_wgs84(self.graph.nodes()[node].at)

@@ -1,7 +1,8 @@
 //! Cutting a path into route features (paper 1, section V; paper 2, section 5).
 //!
 //! A node is a feature for the roads that leave it: four and more, or three of which the route takes one that turns,
-//! are a junction; three with the route going about straight are a side road; two with a sharp turn are a bend.
+//! are a junction; three with the route going about straight are a side road; two with a sharp turn are a bend,
+//! where the one that leaves is soon off the road that would go straight on (`leaving.rs`): a match could not tell it else.
 //! Limits: a crossing of divided roads is as many features as it has nodes, a roundabout as many as it has arms.
 
 use std::f64::consts::{PI, TAU};
@@ -10,8 +11,13 @@ use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::Vector2;
 
 use crate::course::Courses;
+use crate::leaving::leaves_after_m;
 use crate::path::Path;
-use crate::{Arm, ArmRole, FeatureKind, FeatureOptions, RoadGraph, Route, RouteError, RouteFeature};
+use crate::{Arm, ArmRole, FeatureKind, FeatureOptions, LatLon, RoadGraph, Route, RouteError, RouteFeature};
+
+/// What a node of a bend loses in sharpness for each metre farther along, radians: 2 degrees. The turn about a node grows by that
+/// and more from where a bend begins, and by less than the 4 degrees by which nodes 3 m apart make it uneven behind.
+const LATER_RAD_PER_M: f64 = 0.035;
 
 /// The route along a path, with its features.
 pub(crate) fn cut(graph: &RoadGraph, path: &Path, options: &FeatureOptions) -> Result<Route, RouteError> {
@@ -35,8 +41,10 @@ pub(crate) fn cut(graph: &RoadGraph, path: &Path, options: &FeatureOptions) -> R
             route.features.push(feature);
         }
     }
-    // The sharpest place of a bend first, so that its other nodes find it taken; stable, so that the first of equals wins.
-    bends.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // The sharpest place of a bend first, so that its other nodes find it taken; of about equals the first, at which the
+    // straight road before the bend can still be seen: an arc alone looks the same from wherever one is on it.
+    let worth = |(sharpness_rad, bend): &(f64, RouteFeature)| sharpness_rad - LATER_RAD_PER_M * bend.route_m;
+    bends.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     for (_, bend) in bends {
         let is_near = |other: &RouteFeature| (other.route_m - bend.route_m).abs() < options.bend_clearance_m;
         if !route.features.iter().any(is_near) {
@@ -56,7 +64,8 @@ struct Cutter<'a> {
 }
 
 impl Cutter<'_> {
-    /// The feature at an inner point of the path by its arms; a bend for any node with two arms, however straight.
+    /// The feature at an inner point of the path by its arms; a bend for any node with two arms of which one leaves the
+    /// line of the other.
     fn feature(&self, index: usize, route_m: f64) -> Option<RouteFeature> {
         let node = self.path.points[index].node?;
         let (came_by, leaves_by) = (self.path.segments[index - 1], self.path.segments[index]);
@@ -80,6 +89,9 @@ impl Cutter<'_> {
         sides.sort_by(|(a, _), (b, _)| from_exit(a).total_cmp(&from_exit(b)));
 
         let turn_rad = wrap_angle(exit.bearing_rad - approach.bearing_rad - PI);
+        if sides.is_empty() && !self.leaves_straight_on([&approach, &exit]) {
+            return None;
+        }
         let kind = match sides.len() {
             0 => FeatureKind::Bend,
             1 if turn_rad.abs() <= self.options.junction_turn_rad => FeatureKind::SideRoad,
@@ -102,6 +114,16 @@ impl Cutter<'_> {
             points: course.iter().map(|&node| self.graph.nodes()[node].at).collect(),
             width_m: attributes.width_m,
             surface: attributes.surface.clone(),
+        })
+    }
+
+    /// Whether the exit leaves the road that would go straight on from the approach near enough for a picture to tell.
+    fn leaves_straight_on(&self, [approach, exit]: [&Arm; 2]) -> bool {
+        let place = |at: &LatLon| self.courses.plane().map_from_wgs84(*at);
+        let (sine, cosine) = approach.bearing_rad.sin_cos();
+        let course = Polyline::new(exit.points.iter().map(place));
+        course.is_ok_and(|course| {
+            leaves_after_m(&course, -Vector2::new(cosine, sine), 0.5 * approach.width_m).is_some()
         })
     }
 

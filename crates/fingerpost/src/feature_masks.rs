@@ -154,7 +154,7 @@ impl MaskCache {
                 kind: SubMaskKind::Arm { role: arm.role, index },
                 label: arm.label.clone(),
                 course: drawn_course(&arm.course, reach_m),
-                mouth_m: arm.mouth_m,
+                mouth_m: arm.leaves_after_m.map_or(arm.mouth_m, |on_line_m| arm.mouth_m.max(on_line_m)),
                 leaves_the_line: arm.leaves_the_line(),
                 verges: verge::courses(config, kerb_radius_m, feature, arm),
             })

@@ -4,11 +4,12 @@
 //! approach there, so that a vehicle that drives straight towards the feature sees it at heading zero (paper 2,
 //! section 4: the mask is rotated so that the approach is upright).
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use fingerpost_geometry::{GeometryError, Polyline, heading_of, wrap_angle};
-use fingerpost_map::{ArmRole, FeatureKind, RouteFeature, TangentPlane};
-use nalgebra::{Isometry2, Point2};
+use fingerpost_map::{ArmRole, FeatureKind, RouteFeature, TangentPlane, leaves_after_m};
+use nalgebra::{Isometry2, Point2, Vector2};
 
 /// One arm of a feature.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,8 @@ pub struct ArmModel {
     pub width_m: f64,
     /// Length from the node that lies on the crossing roads rather than on the arm itself, metres.
     pub mouth_m: f64,
+    /// Of a bend's exit, the length from the node that lies on the road that would go straight on, metres; none of other arms.
+    pub leaves_after_m: Option<f64>,
 }
 
 /// A route feature in its own frame.
@@ -73,6 +76,7 @@ impl FeatureModel {
             let base = DIRECTION_BASE_M.min(course.length_m());
             heading_of(node - course.at(base).0)
         });
+        let approach_width_m = approach.map(|(.., width_m)| *width_m);
         let map_from_feature = Isometry2::new(node.coords, approach_direction);
         let feature_from_map = map_from_feature.inverse();
         let mut sides = 0;
@@ -91,11 +95,19 @@ impl FeatureModel {
                 course: course.transformed(&feature_from_map),
                 width_m,
                 mouth_m: 0.0,
+                leaves_after_m: None,
             })
             .collect();
         let directions: Vec<(f64, f64)> = arms.iter().map(|arm| (arm.direction_rad(), arm.width_m)).collect();
         for arm in &mut arms {
             arm.mouth_m = mouth_m(arm.direction_rad(), &directions);
+        }
+        // The very test by which the route was cut, so that a bend that is listed can be told.
+        if feature.kind == FeatureKind::Bend {
+            let half_width_m = approach_width_m.map_or(0.0, |width_m| 0.5 * width_m);
+            for exit in arms.iter_mut().filter(|arm| arm.role == ArmRole::Exit) {
+                exit.leaves_after_m = leaves_after_m(&exit.course, Vector2::x(), half_width_m);
+            }
         }
         Ok(Self {
             id: feature.id,
@@ -115,6 +127,16 @@ impl FeatureModel {
     /// The arm by which the vehicle leaves.
     pub fn exit(&self) -> Option<&ArmModel> {
         self.arms.iter().find(|arm| arm.role == ArmRole::Exit)
+    }
+
+    /// Whether it is a bend without a corner at its node. It looks much the same from a place farther along, so that its
+    /// distance is never known as well as a junction's.
+    pub fn is_curve(&self) -> bool {
+        let at_node = |arm: &ArmModel| heading_of(arm.course.at(0.0).1);
+        let corner_rad =
+            |(approach, exit): (&ArmModel, &ArmModel)| wrap_angle(at_node(exit) - at_node(approach) - PI);
+        self.kind == FeatureKind::Bend
+            && self.approach().zip(self.exit()).is_some_and(|arms| corner_rad(arms).abs() <= LEAVING_RAD)
     }
 
     /// The pose of the feature for a vehicle on the approach, `before_m` metres before the node along its course,
@@ -173,7 +195,8 @@ impl FeatureModel {
 impl ArmModel {
     /// Whether the arm leaves the line of the approach: without such an arm a plain road would match.
     pub fn leaves_the_line(&self) -> bool {
-        self.role != ArmRole::Approach && self.direction_rad().abs() > LEAVING_RAD
+        let leaves_soon = self.direction_rad().abs() > LEAVING_RAD || self.leaves_after_m.is_some();
+        self.role != ArmRole::Approach && leaves_soon
     }
 
     /// Direction of the arm leaving the node, feature frame, radians.

@@ -1,13 +1,15 @@
 //! Ego-motion: how the vehicle moved since the frame before, from the ground view.
 //!
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
-//! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way.
+//! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way; [`SteadyMotion`] is
+//! bracketing in its place (paper 2, section 7.2).
 
 mod camera_turn;
 mod coarse;
 mod direct;
 mod farneback;
 mod rigid_fit;
+mod steady;
 mod sway;
 
 use fingerpost_vision::error::PictureError;
@@ -21,9 +23,11 @@ use thiserror::Error;
 use camera_turn::TurnFilter;
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
+pub use steady::SteadyMotion;
 
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
 use crate::mount::AttitudeObservation;
+use crate::track::FeatureStep;
 
 /// Settings of the ego-motion.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -46,6 +50,8 @@ pub enum MotionMethod {
     Direct,
     /// Dense flow, as in the papers ([`FarnebackMotion`]).
     Farneback,
+    /// Not at all: the vehicle goes on as the features that are found again show it ([`SteadyMotion`]; paper 2, 7.2).
+    Bracketing,
 }
 
 impl MotionConfig {
@@ -57,6 +63,7 @@ impl MotionConfig {
         Ok(match self.estimator {
             MotionMethod::Direct => Box::new(DirectMotion::new(&self.direct)),
             MotionMethod::Farneback => Box::new(FarnebackMotion::new(&self.farneback)?),
+            MotionMethod::Bracketing => Box::new(SteadyMotion::default()),
         })
     }
 }
@@ -176,6 +183,9 @@ pub trait MotionEstimator: Send {
         picture: &GroundPicture,
         attitude: &AttitudeObservation,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError>;
+
+    /// Takes in how the vehicle moved to the frame given last by a feature that is followed; one that measures passes it by.
+    fn learn(&mut self, _step: &FeatureStep) {}
 
     /// Forgets the last frame, as at the start of a drive.
     fn reset(&mut self);

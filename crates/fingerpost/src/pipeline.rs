@@ -263,6 +263,9 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
+        if let Some(step) = &self.track_evidence.step {
+            self.ego.learn(step);
+        }
         let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;

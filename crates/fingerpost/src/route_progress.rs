@@ -84,13 +84,14 @@ impl RouteProgress {
             .unwrap_or((1.0 - 3.0 * self.config.drift_share) * self.driven_m)
     }
 
-    /// The vehicle moved on by `forward_m`.
-    pub fn advance(&mut self, forward_m: f64) {
+    /// The vehicle moved on by `forward_m`, known to the standard deviation `sigma_m`, metres.
+    pub fn advance(&mut self, forward_m: f64, sigma_m: f64) {
         self.driven_m += forward_m;
         for known in self.known.iter_mut().chain(&mut self.doubted) {
             known.mean_m += forward_m;
             // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
-            let sigma = known.variance.sqrt() + self.config.drift_share * forward_m.abs();
+            let drift_m = (self.config.drift_share * forward_m.abs()).max(sigma_m);
+            let sigma = known.variance.sqrt() + drift_m;
             known.variance = sigma * sigma;
         }
     }
@@ -164,7 +165,7 @@ mod tests {
     fn dead_reckoning_grows_unsure_and_a_feature_ends_it() {
         let mut progress = RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
         for _ in 0..100 {
-            progress.advance(1.0);
+            progress.advance(1.0, 0.0);
         }
         let (mean, sigma) = progress.belief_m().unwrap();
         assert!((mean - 110.0).abs() < 1e-9 && (sigma - 6.0).abs() < 1e-6, "{mean} {sigma}");
@@ -185,7 +186,7 @@ mod tests {
             let mut progress = start();
             progress.observe_found(30.0, 18.0, sigma_m);
             progress.observe(18.1, sigma_m);
-            progress.advance(20.0);
+            progress.advance(20.0, 0.0);
             progress
         };
         assert_eq!(means(&surprised()), [38.1, 30.0]);
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn without_a_start_the_distance_driven_is_the_least() {
         let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
-        progress.advance(40.0);
+        progress.advance(40.0, 0.0);
         assert!((progress.at_least_m() - 36.4).abs() < 1e-9);
     }
 }

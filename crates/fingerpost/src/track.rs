@@ -14,6 +14,7 @@ mod decision;
 mod expectation;
 mod pitch_doubt;
 mod pose_filter;
+mod reach;
 mod route_stop;
 mod shown;
 mod tracker;
@@ -38,6 +39,7 @@ pub use config::{BeliefConfig, TrackConfig, TrackMethod};
 pub use decision::{Decision, Lack, Missing};
 pub use expectation::{Expectation, ExpectedAhead};
 pub use pose_filter::PoseFilter;
+pub use reach::Reach;
 pub use route_stop::{RouteStop, TrackerSetting};
 pub use tracker::Tracker;
 
@@ -121,6 +123,15 @@ pub struct PossiblePlace {
     pub weight: f64,
 }
 
+/// How the vehicle moved since the frame before by a feature that was seen in both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureStep {
+    /// The vehicle's new pose in its old frame: metres forward and left, radians to the left.
+    pub previous_from_current: Isometry2<f64>,
+    /// Variances of the way forward (m2) and of the turn (rad2).
+    pub variances: [f64; 2],
+}
+
 /// How the tracker came to its output.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackEvidence {
@@ -144,6 +155,8 @@ pub struct TrackEvidence {
     pub edges: Vec<[Point2<f64>; 2]>,
     /// What became of the GPS position, where there was one.
     pub gps: Option<GpsUse>,
+    /// How the vehicle moved by the feature at hand, where edges of it were seen; none by the belief.
+    pub step: Option<FeatureStep>,
 }
 
 impl TrackEvidence {

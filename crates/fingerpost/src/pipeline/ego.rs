@@ -8,6 +8,7 @@ use crate::config::Config;
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::{CameraAttitude, Motion, MotionEstimator, MotionEvidence};
 use crate::mount::{AttitudeWatch, MountEstimate, MountFilter, ObservedAngle};
+use crate::track::FeatureStep;
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSignals, VehicleState};
 
 /// After a longer time two pictures show other road, seconds: at 50 km/h 14 m of the default view's 16 lie behind.
@@ -51,6 +52,11 @@ impl Ego {
             signals: VehicleSignals::new(&config.can),
             unseen_s: None,
         })
+    }
+
+    /// Takes in how the vehicle moved to the last frame by a feature that is followed.
+    pub(super) fn learn(&mut self, step: &FeatureStep) {
+        self.motion.learn(step);
     }
 
     /// Takes one frame in.

@@ -19,15 +19,15 @@ mod section;
 mod slide;
 
 use fingerpost_vision::span::SpanError;
-use nalgebra::Isometry2;
+use nalgebra::{Isometry2, Point2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::pitch_doubt::PitchDoubt;
-use super::pose_filter::{LineMeasurement, PoseFilter, Update};
+use super::pose_filter::{LineMeasurement, PoseFilter, SlopeMeasurement, Update};
 use crate::ground_view::Viewpoint;
 use crate::matching::LaidSurface;
-use measured::{Edge, Measured, heading, leave_out_beside_lines, measured_width_m};
+use measured::{Edge, Measured, heading, leave_out_beside_lines, measured_width_m, slope_by_pose};
 use slide::Slide;
 
 pub(super) use pieces::ArmPieces;
@@ -105,7 +105,7 @@ pub(super) struct Aligner {
     arm: Vec<Measured>,
     sections: Vec<CrossSection>,
     lines: Vec<Option<LineMeasurement>>,
-    headings: Vec<(f64, f64)>,
+    slopes: Vec<SlopeMeasurement>,
     /// How much wider than on the map the arms are of which both edges are seen.
     wider: Vec<f64>,
 }
@@ -120,7 +120,7 @@ impl Aligner {
             arm: Vec::new(),
             sections: Vec::new(),
             lines: Vec::new(),
-            headings: Vec::new(),
+            slopes: Vec::new(),
             wider: Vec::new(),
         }
     }
@@ -143,11 +143,16 @@ impl Aligner {
         let believed = *filter.pose();
         self.sections.clear();
         self.lines.clear();
-        self.headings.clear();
+        self.slopes.clear();
         self.wider.clear();
         for arm in arms {
             self.measure(laid, arm, &believed)?;
-            self.headings.extend(heading(&self.arm));
+            let node = Point2::from(believed.translation.vector);
+            self.slopes.extend(heading(&self.arm).map(|(innovation_rad, sigma_rad)| SlopeMeasurement {
+                by_pose: slope_by_pose(&self.arm, node),
+                innovation_rad,
+                sigma_rad,
+            }));
             let first = self.lines.len();
             let measured = measured_width_m(&self.arm);
             self.wider.extend(measured.map(|width_m| width_m / arm.width_m));
@@ -163,9 +168,8 @@ impl Aligner {
             lines.iter_mut().flatten().for_each(|line| line.sigma_m *= used.sqrt());
             self.sections.extend(self.arm.drain(..).map(|piece| piece.section));
         }
-        for &(innovation_rad, sigma_rad) in &self.headings {
-            let turned = believed.rotation.angle_to(&filter.pose().rotation);
-            filter.update_heading(innovation_rad - turned, sigma_rad);
+        for slope in &self.slopes {
+            filter.update_slope(slope, &believed);
         }
         for (section, line) in self.sections.iter_mut().zip(&self.lines) {
             let Some(line) = line else { continue };

@@ -76,7 +76,7 @@ const STEERED_RAD: f64 = 0.052;
 /// A tracked feature is lost when its place is less sure than the bound for tracking by this factor, so that it does not come and go.
 const LOST_SIGMA_FACTOR: f64 = 1.6;
 /// A motion less sure than this leaves the ground behind, metres: edges of the road are no longer where they are remembered.
-const LEFT_BEHIND_M: f64 = 2.0;
+pub(super) const LEFT_BEHIND_M: f64 = 2.0;
 /// Seconds from frame to frame where no times are known: ten frames a second.
 const FRAME_S: f64 = 0.1;
 /// Standard deviation of a speed that is not the camera's, share of it: wheels wear and slip.

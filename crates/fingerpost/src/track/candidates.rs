@@ -13,6 +13,7 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Vector2};
 
 use super::expectation::Expectation;
+use super::reach::Reach;
 use super::{PoseFilter, TrackConfig};
 use crate::feature_masks::{MaskCache, node_pixel};
 use crate::feature_model::FeatureModel;
@@ -35,7 +36,7 @@ const AS_GOOD: f64 = 0.03;
 const SAME_PLACE_M: f64 = 1.5;
 
 /// Least reach of the search across the road, metres: maps lie up to this far beside the road and make it too narrow.
-const MIN_LEFT_REACH_M: f64 = 2.0;
+pub(super) const MIN_LEFT_REACH_M: f64 = 2.0;
 /// Weight of P(F) against the contrast with the verge in the ranking of candidates that reach the threshold: on real
 /// streets P(F) falls with the distance by more than it differs between road and forecourt; the contrast does not.
 const P_WEIGHT: f64 = 0.25;
@@ -101,10 +102,10 @@ impl CandidateSearch {
         laid: &LaidSurface<'_>,
         masks: &mut MaskCache,
         threshold: f64,
-        predicted: &PoseFilter,
+        (predicted, reach): (&PoseFilter, Reach),
     ) -> Result<Tried, SpanError> {
         let expectation = Expectation::About(predicted);
-        self.best_of((laid, expectation), masks, threshold, poses_about(config, predicted.pose()))
+        self.best_of((laid, expectation), masks, threshold, poses_about(config, predicted.pose(), reach))
     }
 
     fn best_of(
@@ -250,19 +251,21 @@ fn poses_along_approach(
 }
 
 /// Poses about a prediction.
-fn poses_about(config: &TrackConfig, predicted: &Isometry2<f64>) -> impl Iterator<Item = Isometry2<f64>> {
-    let (reach_m, step_m) = (config.bracket_forward_m, 0.5 * config.search_forward_step_m);
-    let (left_reach_m, left_step_m) = (config.bracket_left_m, 0.5 * config.search_left_step_m);
+fn poses_about(
+    config: &TrackConfig,
+    predicted: &Isometry2<f64>,
+    reach: Reach,
+) -> impl Iterator<Item = Isometry2<f64>> {
+    let (reach_m, step_m) = (reach.forward_m, 0.5 * config.search_forward_step_m);
+    let (left_reach_m, left_step_m) = (reach.left_m, 0.5 * config.search_left_step_m);
     let (predicted_place, predicted_heading) = (predicted.translation.vector, predicted.rotation.angle());
-    spread(config.bracket_heading_deg.to_radians(), config.search_heading_step_deg.to_radians()).flat_map(
-        move |heading| {
-            spread(reach_m, step_m).flat_map(move |forward| {
-                spread(left_reach_m, left_step_m).map(move |left| {
-                    Isometry2::new(predicted_place + Vector2::new(forward, left), predicted_heading + heading)
-                })
+    spread(reach.heading_rad, config.search_heading_step_deg.to_radians()).flat_map(move |heading| {
+        spread(reach_m, step_m).flat_map(move |forward| {
+            spread(left_reach_m, left_step_m).map(move |left| {
+                Isometry2::new(predicted_place + Vector2::new(forward, left), predicted_heading + heading)
             })
-        },
-    )
+        })
+    })
 }
 
 /// Values from `-reach` to `reach`, at most `step` apart, zero among them.

@@ -30,6 +30,10 @@ pub struct TrackConfig {
     /// Frames in a row in which a feature must be seen to be tracked.
     #[schemars(range(min = 1, max = 100))]
     pub detect_frames: usize,
+    /// Standard deviation of its distance up to which a feature is tracked, metres, in a ground view to 20 m. Pitch moves a place by
+    /// the square of its distance, so a view that reaches farther asks for more by that square.
+    #[schemars(range(min = 0.1, max = 100.0))]
+    pub detect_sigma_m: f64,
     /// Frames in a row without confirmation after which a tracked feature is lost.
     #[schemars(range(min = 1, max = 1000))]
     pub lost_frames: usize,
@@ -119,6 +123,7 @@ impl Default for TrackConfig {
             detect_contrast: 0.12,
             confirm_threshold: 0.65,
             detect_frames: 3,
+            detect_sigma_m: 0.45,
             lost_frames: 10,
             search_forward_step_m: 0.5,
             search_left_step_m: 0.4,

@@ -32,6 +32,17 @@ pub(crate) struct LineMeasurement {
     pub(crate) by_pitch_m: f64,
 }
 
+/// A measurement of how far an arm's edges are from running along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlopeMeasurement {
+    /// How the slope changes with the feature's forward, left (metres) and heading.
+    pub(crate) by_pose: RowVector3<f64>,
+    /// Slope of the edges against the arm, radians.
+    pub(crate) innovation_rad: f64,
+    /// Its standard deviation, radians.
+    pub(crate) sigma_rad: f64,
+}
+
 /// What a measurement did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Update {
@@ -97,6 +108,14 @@ impl PoseFilter {
         let n = measurement.normal;
         let h = RowVector3::new(n.x, n.y, n.y * turned.x - n.x * turned.y);
         self.take(h, measurement.innovation_m, (measurement.sigma_m, measurement.by_pitch_m))
+    }
+
+    /// Takes in the slope of an arm that was measured with the feature at `believed`, unless it is too far off.
+    pub(crate) fn update_slope(&mut self, slope: &SlopeMeasurement, believed: &Isometry2<f64>) -> Update {
+        let moved = self.vehicle_from_feature.translation.vector - believed.translation.vector;
+        let turned = believed.rotation.angle_to(&self.vehicle_from_feature.rotation);
+        let already = (slope.by_pose * Vector3::new(moved.x, moved.y, turned))[0];
+        self.take(slope.by_pose, slope.innovation_rad - already, (slope.sigma_rad, 0.0))
     }
 
     /// Takes in how far the feature must turn, radians, unless that is too far off.

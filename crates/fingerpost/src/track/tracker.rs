@@ -8,15 +8,17 @@ mod weighing;
 use fingerpost_geometry::{GeometryError, Polyline};
 use fingerpost_map::Route;
 use fingerpost_vision::span::SpanError;
-use nalgebra::Point2;
+use nalgebra::{Isometry2, Point2};
 
+use self::searching::edges_by_which_it_is_told;
 use super::alignment::Aligner;
+use super::belief::LEFT_BEHIND_M;
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
-    Decision, ExpectedAhead, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State, TrackConfig,
-    TrackEvidence, TrackOutput,
+    Decision, ExpectedAhead, FeatureStep, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State,
+    TrackConfig, TrackEvidence, TrackOutput,
 };
 use crate::driving_line::DrivingLine;
 use crate::ground_view::{CameraTurn, Viewpoint};
@@ -35,6 +37,14 @@ struct Candidate {
     frames: usize,
     /// What its frames say for it so far.
     weight: f64,
+}
+
+/// Where a feature is, and the variances of its distance (m2) and its heading (rad2).
+#[derive(Debug, Clone, Copy)]
+struct AtHand {
+    index: usize,
+    vehicle_from_feature: Isometry2<f64>,
+    variances: [f64; 2],
 }
 
 #[derive(Debug)]
@@ -61,11 +71,19 @@ pub struct Tracker {
     spare: Vec<Match>,
     nearest_seen_m: f64,
     farthest_m: f64,
+    /// Length of the view ahead, metres.
+    view_m: f64,
+    /// Standard deviation of its distance up to which a feature is tracked, metres.
+    known_sigma_m: f64,
     viewpoint: Viewpoint,
     /// Where the last frame shows the road. Poses of the filters are where features are shown.
     shown: ShownRoad,
 }
 
+/// Reach of the view for which `track.detect_sigma_m` is given, metres (paper 2, section 6: 15 to 20).
+const USUAL_FAR_M: f64 = 20.0;
+/// Alignments before the one that counts, of a place that a search found: it is coarse.
+const SETTLING_ROUNDS: usize = 3;
 /// Standard deviations of a place found by a search: metres, metres, radians.
 const FOUND_SIGMAS: [f64; 3] = [1.6, 0.8, 0.1];
 /// A node at least this far behind by all that is known has been passed, metres.
@@ -98,6 +116,9 @@ impl Tracker {
             spare: Vec::new(),
             nearest_seen_m: setting.nearest_seen_m,
             farthest_m: setting.grid.far_m() - EDGE_ROOM_M,
+            view_m: setting.grid.far_m() - setting.grid.near_m(),
+            known_sigma_m: setting.track.detect_sigma_m
+                * (setting.grid.far_m() / USUAL_FAR_M).max(1.0).powi(2),
             viewpoint: setting.viewpoint,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
         })
@@ -114,7 +135,9 @@ impl Tracker {
             filter.place(now.shown_from_road(filter.pose()));
         };
         if let Some(motion) = moved.motion {
-            self.progress.advance(motion.previous_from_current.translation.x);
+            // Of a gap in the pictures the progress knows nothing better than that the vehicle stood.
+            let sigma_m = Some(motion.covariance[(0, 0)].sqrt()).filter(|sigma_m| *sigma_m < LEFT_BEHIND_M);
+            self.progress.advance(motion.previous_from_current.translation.x, sigma_m.unwrap_or(0.0));
         }
         if let Some(passing) = &mut self.passing {
             predict(&mut passing.filter);
@@ -125,6 +148,23 @@ impl Tracker {
             Mode::Searching { candidate: None, .. } => {}
         }
         self.shown = now;
+    }
+
+    /// The feature by which the vehicle's motion shows: the one that is followed, sought or passed, where it is on the road.
+    fn at_hand(&self) -> Option<AtHand> {
+        let of = |index: usize, filter: &PoseFilter| AtHand {
+            index,
+            vehicle_from_feature: self.shown.road_from_shown(filter.pose()),
+            variances: [filter.covariance()[(0, 0)], filter.covariance()[(2, 2)]],
+        };
+        match (&self.mode, &self.passing) {
+            (Mode::Tracking { filter, .. }, _) => Some(of(self.next, filter)),
+            (Mode::Searching { candidate: Some(Candidate { filter, .. }), .. }, None) => {
+                Some(of(self.next, filter))
+            }
+            (Mode::Searching { .. }, Some(passing)) => Some(of(passing.index, &passing.filter)),
+            (Mode::Searching { candidate: None, .. }, None) => None,
+        }
     }
 
     /// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
@@ -171,6 +211,15 @@ impl Tracker {
     }
 }
 
+/// How the vehicle moved between two frames that both know where the same feature is.
+fn step_by(before: Option<AtHand>, now: Option<AtHand>) -> Option<FeatureStep> {
+    let (before, now) = before.zip(now).filter(|(before, now)| before.index == now.index)?;
+    Some(FeatureStep {
+        previous_from_current: before.vehicle_from_feature * now.vehicle_from_feature.inverse(),
+        variances: [0, 1].map(|i| before.variances[i] + now.variances[i]),
+    })
+}
+
 impl FeatureTracker for Tracker {
     fn stops(&self) -> &[RouteStop] {
         &self.stops
@@ -188,6 +237,7 @@ impl FeatureTracker for Tracker {
         self.spare.extend(output.followed.take().map(|followed| followed.matched));
         self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
         evidence.clear();
+        let before = self.at_hand();
         self.predict(&moved);
         if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
             evidence.gps = Some(self.progress.observe_gps(route, p_in_map));
@@ -200,6 +250,9 @@ impl FeatureTracker for Tracker {
             Mode::Tracking { .. } => self.arrive(laid, evidence),
             Mode::Searching { .. } => self.pass(laid, evidence)?,
         };
+        if edges_by_which_it_is_told(&evidence.sections) > 0 {
+            evidence.step = step_by(before, self.at_hand());
+        }
         output.followed = self.followed(output.state, laid)?;
         if let Some(followed) = &output.followed {
             let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);

@@ -1,5 +1,7 @@
 //! What was measured on the pieces of an arm, and what they say together.
 
+use nalgebra::{Point2, RowVector3, Vector2};
+
 use super::mean;
 use super::section::{CrossSection, CrossSectionUse};
 use super::slide::Slid;
@@ -89,6 +91,27 @@ pub(super) fn heading(pieces: &[Measured]) -> Option<(f64, f64)> {
     }
 }
 
+/// How an arm's curve turns with its course: what its slope says of the feature's heading and of its place.
+///
+/// A straight arm shows its slope however far the feature is moved. A bend may be slid along its own arc, turning with it, and fits
+/// as before: with curvature c, direction t and place p from the node, a move d and a turn a change the slope by
+/// a - c t (d + a J p), J the quarter turn.
+pub(super) fn slope_by_pose(pieces: &[Measured], node: Point2<f64>) -> RowVector3<f64> {
+    let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
+        return RowVector3::new(0.0, 0.0, 1.0);
+    };
+    let (left, far_left) = (first.section.left, last.section.left);
+    let turned_rad = left.perp(&far_left).atan2(left.dot(&far_left));
+    let apart_m = last.along_m - first.along_m;
+    let curvature_per_m = if apart_m > 0.0 { turned_rad / apart_m } else { 0.0 };
+    let middle = &pieces[pieces.len() / 2].section;
+    let along = Vector2::new(middle.left.y, -middle.left.x);
+    let from_node = middle.p_in_vehicle - node;
+    let by_turn = along.dot(&Vector2::new(-from_node.y, from_node.x));
+    let by_move = -curvature_per_m * along;
+    RowVector3::new(by_move.x, by_move.y, 1.0 - curvature_per_m * by_turn)
+}
+
 /// Slope of the line through an edge's places, and its standard deviation, radians: that of the edges, or more where they
 /// scatter more, as beside parked cars.
 fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
@@ -107,8 +130,6 @@ fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
-
-    use nalgebra::{Point2, Vector2};
 
     use super::*;
 

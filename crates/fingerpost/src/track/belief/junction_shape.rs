@@ -354,6 +354,7 @@ pub(super) mod tests {
             course: Polyline::new([Point2::origin(), Point2::new(x, y)]).unwrap(),
             width_m: 6.0,
             mouth_m: 3.0,
+            leaves_after_m: None,
         };
         let model = FeatureModel {
             id: 1,

@@ -23,6 +23,7 @@ fn crossroads() -> FeatureModel {
         course: Polyline::new([Point2::origin(), Point2::new(60.0 * forward, 60.0 * left)]).unwrap(),
         width_m: WIDTH_M,
         mouth_m: 0.5 * WIDTH_M,
+        leaves_after_m: None,
     };
     FeatureModel {
         id: 7,
@@ -130,9 +131,11 @@ fn rows_at_a_time_find_what_one_by_one_finds() {
         for threshold in [0.5, 0.75, 0.85, 0.95] {
             let predicted = Isometry2::new(Vector2::new(12.3 + 0.5 * off, 0.0), 0.0);
             let predicted = PoseFilter::new(predicted, [1.2, 0.8, 0.1]);
-            let by_rows = search.about(&config, &laid, &mut masks, threshold, &predicted).unwrap();
+            let by_rows = search
+                .about(&config, &laid, &mut masks, threshold, (&predicted, Reach::of(&config)))
+                .unwrap();
             let seen = (&laid, Expectation::About(&predicted));
-            let poses = poses_about(&config, predicted.pose());
+            let poses = poses_about(&config, predicted.pose(), Reach::of(&config));
             assert_eq!(by_rows, plain(seen, &mut masks, threshold, poses));
             found += usize::from(by_rows.best.is_some());
 

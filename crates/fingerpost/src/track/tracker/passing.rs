@@ -3,6 +3,8 @@
 use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 
+use super::confirming::Bracketing;
+use super::searching::edges_elsewhere;
 use super::{Mode, PASSED_M, Passing, Tracker};
 use crate::driving_line::DrivingLine;
 use crate::matching::LaidSurface;
@@ -26,9 +28,17 @@ impl Tracker {
             let threshold = config.detect_threshold_at_verge.min(config.confirm_threshold);
             let contrast = laid.contrast(&mut stop.masks, pose)?;
             if laid.score(&mut stop.masks, pose, threshold)?.is_some_and(|p| config.confirms(p, contrast)) {
+                let predicted = passing.filter.clone();
                 let sections = self.aligner.align(laid, &stop.arms, &mut passing.filter)?;
+                let is_elsewhere = edges_elsewhere(sections).is_some();
                 if evidence.sections.is_empty() {
                     evidence.sections.extend_from_slice(sections);
+                    let Self { config, search, aligner, view_m, .. } = self;
+                    let mut bracketing = Bracketing { config, search, aligner, laid, view_m: *view_m };
+                    if is_elsewhere && let Some(found) = bracketing.find(stop, &predicted, evidence)? {
+                        passing.filter = found;
+                        evidence.decision = Decision::FoundByBracketing;
+                    }
                 }
             }
             if matches!(

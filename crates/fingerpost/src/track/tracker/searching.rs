@@ -5,15 +5,14 @@ use std::ops::RangeInclusive;
 use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Point2};
 
-use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, Tracker};
+use super::{Candidate, FOUND_SIGMAS, Mode, PASSED_M, SETTLING_ROUNDS, Tracker};
 use crate::feature_masks::MaskCache;
 use crate::feature_model::FeatureModel;
 use crate::matching::{LaidSurface, Match};
+use crate::track::Reach;
 use crate::track::alignment::{CrossSection, CrossSectionUse};
 use crate::track::{Decision, Expectation, ExpectedAhead, PoseFilter, RouteStop, TrackEvidence};
 
-/// Alignments before the one that counts, in the first frame of a candidate.
-const SETTLING_ROUNDS: usize = 3;
 /// Standard deviations of the place at which a feature stands out most from its verges, against those of the frames before:
 /// metres, metres, radians.
 const STANDS_OUT_SIGMAS: [f64; 3] = [0.9, 0.9, 0.1];
@@ -80,7 +79,8 @@ impl Tracker {
         let (config, index, shown) = (&self.config, self.next, self.shown);
         let Some(RouteStop { masks, .. }) = self.stops.get_mut(index) else { return Ok(None) };
         let threshold = config.detect_threshold_at_verge;
-        let tried = self.search.about(config, laid, masks, threshold, &candidate.filter)?;
+        let tried =
+            self.search.about(config, laid, masks, threshold, (&candidate.filter, Reach::of(config)))?;
         evidence.needed_p = Some(threshold);
         evidence.tried = tried.count;
         let Some((pose, p)) = tried.best else {
@@ -275,13 +275,17 @@ fn stay_on_the_road(model: &FeatureModel, filter: &mut PoseFilter) {
 
 /// How many edges of the arms that tell the feature lie too far from where it would be; none unless they are more than lie
 /// where it would be.
-fn edges_elsewhere(sections: &[CrossSection]) -> Option<usize> {
-    let telling = |is: fn(&CrossSectionUse) -> bool| {
-        sections.iter().filter(|section| section.leaves_the_line && is(&section.section_use)).count()
-    };
-    let gated = telling(|section_use| matches!(section_use, CrossSectionUse::Gated { .. }));
-    let accepted = telling(|section_use| *section_use == CrossSectionUse::Accepted);
-    (gated > accepted).then_some(gated)
+pub(super) fn edges_elsewhere(sections: &[CrossSection]) -> Option<usize> {
+    let is_gated = |section: &&CrossSection| matches!(section.section_use, CrossSectionUse::Gated { .. });
+    let gated = sections.iter().filter(|section| section.leaves_the_line).filter(is_gated).count();
+    (gated > edges_by_which_it_is_told(sections)).then_some(gated)
+}
+
+/// How many edges of the arms that tell the feature lie where it would be.
+pub(super) fn edges_by_which_it_is_told(sections: &[CrossSection]) -> usize {
+    let tells =
+        |section: &&CrossSection| section.leaves_the_line && section.section_use == CrossSectionUse::Accepted;
+    sections.iter().filter(tells).count()
 }
 
 /// Whether a cross-section shows an edge of an arm that tells the feature from a plain road.

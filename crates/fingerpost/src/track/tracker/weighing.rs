@@ -6,8 +6,6 @@ use super::searching::Found;
 use super::{Candidate, Mode, Tracker};
 use crate::track::{Decision, Missing, PoseFilter, TrackConfig, TrackEvidence};
 
-/// A feature is only taken as detected when its distance is known to this standard deviation, metres.
-const KNOWN_SIGMA_M: f64 = 0.45;
 /// A candidate whose place is not sure after this many times the frames that are needed is another place.
 const CANDIDATE_PATIENCE: usize = 10;
 /// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
@@ -26,6 +24,10 @@ impl Tracker {
     ) -> Result<(), SpanError> {
         let surprise = self.surprise(&found.filter).unwrap_or(0.0);
         let (config, index) = (&self.config, self.next);
+        let is_curve = self.stops.get(index).is_some_and(|stop| stop.model.is_curve());
+        // What a vehicle can still steer by, as the belief has it.
+        let most_m =
+            if is_curve { config.belief.detect_sigma_m.max(self.known_sigma_m) } else { self.known_sigma_m };
         let Found { filter, frames, weight, .. } = found;
         let (frames, weight) = (frames + 1, weight + frame_weight(config, aligned_p, contrast, surprise));
         let most_frames = CANDIDATE_PATIENCE * config.detect_frames;
@@ -33,7 +35,7 @@ impl Tracker {
             evidence.decision = without_weight(config, index, aligned_p, contrast, surprise);
         } else if frames > most_frames {
             evidence.decision = Decision::Dropped { index, frames, most_frames };
-        } else if let Some(missing) = missing(config, frames, weight, &filter) {
+        } else if let Some(missing) = missing(config, (frames, weight), &filter, most_m) {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p, missing };
             if let Mode::Searching { candidate, .. } = &mut self.mode {
                 *candidate = Some(Candidate { filter, frames, weight });
@@ -79,15 +81,20 @@ fn without_weight(
 }
 
 /// What a candidate lacks, if anything.
-fn missing(config: &TrackConfig, frames: usize, weight: f64, filter: &PoseFilter) -> Option<Missing> {
+fn missing(
+    config: &TrackConfig,
+    (frames, weight): (usize, f64),
+    filter: &PoseFilter,
+    most_m: f64,
+) -> Option<Missing> {
     let needed = config.detect_frames as f64 * frame_weight(config, 1.0, Some(config.detect_contrast), 0.0);
     let sigma_m = filter.covariance()[(0, 0)].sqrt();
     if frames < config.detect_frames {
         Some(Missing::Frames { needed: config.detect_frames })
     } else if weight < needed - WEIGHT_ROUNDING {
         Some(Missing::Contrast { sum: weight, needed })
-    } else if sigma_m > KNOWN_SIGMA_M {
-        Some(Missing::Distance { sigma_m, most_m: KNOWN_SIGMA_M })
+    } else if sigma_m > most_m {
+        Some(Missing::Distance { sigma_m, most_m })
     } else {
         None
     }
