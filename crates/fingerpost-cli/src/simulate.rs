@@ -15,7 +15,7 @@ use fingerpost_io::{
 };
 use fingerpost_map::{Route, write_route};
 use fingerpost_sim::{
-    BUS_DATABASE, BUS_SETTINGS, Conditions, SimConfig, Simulator, TrafficSide, windscreen_camera,
+    BUS_DATABASE, BUS_SETTINGS, Conditions, CornerStyle, SimConfig, Simulator, TrafficSide, windscreen_camera,
 };
 use rayon::prelude::*;
 
@@ -154,20 +154,27 @@ struct Plan {
 /// Pictures where nothing else is said.
 const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
 
+/// Streets with kerbs have corners of their own.
+pub(crate) fn corners(conditions: &Conditions) -> CornerStyle {
+    if conditions.kerbs > 0.0 { CornerStyle::Drawn } else { CornerStyle::default() }
+}
+
 fn plan(args: &SimulateArgs) -> Result<Plan> {
     if args.world.is_wanted() {
         return args.world.plan(args);
     }
+    let conditions = Conditions::named(&args.conditions)?;
     let config = SimConfig {
         seed: args.seed,
         fps: args.fps.unwrap_or(SimConfig::default().fps),
         frames: args.frames(),
-        conditions: Conditions::named(&args.conditions)?,
         traffic: match args.traffic {
             Traffic::Left => TrafficSide::Left,
             Traffic::Right => TrafficSide::Right,
             Traffic::Centre => TrafficSide::Centre,
         },
+        corners: corners(&conditions),
+        conditions,
         ..SimConfig::default()
     };
     let (graph, route, config) = match (args.road.course, &args.map, &args.route) {
@@ -200,6 +207,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
+    if simulator.has_heights() {
+        folder.expect_heights()?;
+    }
     let log = simulator.bus_log();
     folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: &settings })?;
     if args.road.course.is_some() {
@@ -220,6 +230,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
             let frame = simulator.frame(index);
             folder.write_frame(index as u64, &frame.picture)?;
             folder.write_road_mask(index as u64, &frame.road)?;
+            if let Some(heights) = simulator.heights(index) {
+                folder.write_heights(index as u64, &heights)?;
+            }
             Ok(frame.truth)
         });
         for truth in truths.collect::<Result<Vec<_>>>()? {

@@ -55,6 +55,13 @@ pub struct TruthRecord {
     /// The right edge's marking.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lane_right_marking: Option<MarkingRecord>,
+    /// The nearest kerb to the left that the picture shows, where kerbs are known: `[forward, left, height]` metres, near to far, in the
+    /// vehicle frame.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kerb_left_m: Vec<[f64; 3]>,
+    /// The nearest kerb to the right, likewise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub kerb_right_m: Vec<[f64; 3]>,
     /// The turn signal that is on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn_signal: Option<Side>,

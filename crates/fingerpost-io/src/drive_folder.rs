@@ -11,10 +11,10 @@ use thiserror::Error;
 
 use crate::{
     file::{FileError, create_folder, read_text},
-    folder_kind::{BUS_FILES, FolderKind, MASKS_FOLDER, TRUTH_FILE},
+    folder_kind::{BUS_FILES, FolderKind, HEIGHTS_FOLDER, MASKS_FOLDER, TRUTH_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
-    picture_file::{PictureFileError, write_grey_png, write_jpeg, write_png},
+    picture_file::{PictureFileError, write_deep_png, write_grey_png, write_jpeg, write_png},
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
     whole_file::write_file,
 };
@@ -154,6 +154,23 @@ impl DriveFolder {
     pub fn write_road_mask(&self, index: u64, mask: &Plane<u8>) -> Result<(), DriveFolderError> {
         let name = format!("{index:06}.png");
         Ok(write_grey_png(&self.folder.path().join(MASKS_FOLDER).join(name), mask)?)
+    }
+
+    /// Makes the folder of heights, before the first of them is written.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when it cannot be made.
+    pub fn expect_heights(&self) -> Result<(), DriveFolderError> {
+        Ok(create_folder(&self.folder.path().join(HEIGHTS_FOLDER))?)
+    }
+
+    /// Writes the heights of the ground that frame `index` shows; in any order and from several threads.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::Picture`] when they cannot be written.
+    pub fn write_heights(&self, index: u64, heights: &Plane<u16>) -> Result<(), DriveFolderError> {
+        let name = format!("{index:06}.png");
+        Ok(write_deep_png(&self.folder.path().join(HEIGHTS_FOLDER).join(name), heights)?)
     }
 
     /// Adds the truth of the next frame, and its time to `times.txt`.

@@ -19,6 +19,8 @@ pub(crate) const TRUTH_FILE: &str = "truth.jsonl";
 pub const CROSSINGS_FILE: &str = "crossings.jsonl";
 /// Names of the vehicle's bus as a drive holds it: the log, its database, and the settings that name its signals.
 pub(crate) const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
+/// Folder of the heights of a drive's ground.
+pub(crate) const HEIGHTS_FOLDER: &str = "heights";
 /// Folder of the road-surface masks of a drive.
 pub(crate) const MASKS_FOLDER: &str = "road_masks";
 /// File of a run's frames.
@@ -104,7 +106,9 @@ impl FolderKind {
     pub(crate) fn picture_folders(self) -> &'static [(&'static str, IsPicture)] {
         match self {
             Self::Run | Self::CampaignRun => &[(PICTURES_FOLDER, is_named_frame)],
-            Self::Drive => &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number)],
+            Self::Drive => {
+                &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
+            }
             Self::Campaign | Self::Tuning => &[],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }

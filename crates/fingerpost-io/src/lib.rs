@@ -46,8 +46,8 @@ pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
-    EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_grey_png,
-    write_jpeg, write_png,
+    EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
+    write_grey_png, write_jpeg, write_png,
 };
 pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};

@@ -112,7 +112,7 @@ fn decode_into(bytes: &[u8], path: &Path, buffer: Vec<u8>) -> Result<RgbImage, P
 /// # Errors
 /// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
 pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), PictureFileError> {
-    let encoded = png_bytes(picture.size(), png::ColorType::Rgb, picture.as_slice());
+    let encoded = png_bytes(picture.size(), RGB, picture.as_slice());
     write_encoded(path, picture.size(), encoded)
 }
 
@@ -121,8 +121,18 @@ pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), PictureFileError
 /// # Errors
 /// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
 pub fn write_grey_png(path: &Path, picture: &Plane<u8>) -> Result<(), PictureFileError> {
-    let encoded = png_bytes(picture.size(), png::ColorType::Grayscale, picture.as_slice());
+    let encoded = png_bytes(picture.size(), GREY, picture.as_slice());
     write_encoded(path, picture.size(), encoded)
+}
+
+/// Writes a grey picture of 16 bits a pixel as PNG.
+///
+/// # Errors
+/// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
+pub fn write_deep_png(path: &Path, picture: &Plane<u16>) -> Result<(), PictureFileError> {
+    // PNG has the high byte first.
+    let bytes: Vec<u8> = picture.as_slice().iter().flat_map(|value| value.to_be_bytes()).collect();
+    write_encoded(path, picture.size(), png_bytes(picture.size(), DEEP_GREY, &bytes))
 }
 
 /// Writes a colour picture as JPEG of `quality` 1 to 100.
@@ -139,11 +149,7 @@ pub fn write_jpeg(path: &Path, picture: &RgbImage, quality: u8) -> Result<(), Pi
 /// [`EncodeError`] when the picture has no pixels or is too large.
 pub fn encode_png(picture: &RgbImage) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = picture.size();
-    png_bytes((width, height), png::ColorType::Rgb, picture.as_slice()).map_err(|cause| EncodeError {
-        width,
-        height,
-        cause,
-    })
+    png_bytes((width, height), RGB, picture.as_slice()).map_err(|cause| EncodeError { width, height, cause })
 }
 
 /// A colour picture as the bytes of a JPEG file of `quality` 1 to 100, as a report holds it.
@@ -177,16 +183,21 @@ fn write_encoded(
     Ok(write_file(path, bytes)?)
 }
 
+/// What a pixel of a PNG file holds.
+const RGB: (png::ColorType, png::BitDepth) = (png::ColorType::Rgb, png::BitDepth::Eight);
+const GREY: (png::ColorType, png::BitDepth) = (png::ColorType::Grayscale, png::BitDepth::Eight);
+const DEEP_GREY: (png::ColorType, png::BitDepth) = (png::ColorType::Grayscale, png::BitDepth::Sixteen);
+
 fn png_bytes(
     (width, height): (usize, usize),
-    colour: png::ColorType,
+    (colour, depth): (png::ColorType, png::BitDepth),
     data: &[u8],
 ) -> Result<Vec<u8>, String> {
     let (width, height) = (encodable_side(width)?, encodable_side(height)?);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(BufWriter::new(&mut bytes), u32::from(width), u32::from(height));
     encoder.set_color(colour);
-    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_depth(depth);
     // Report and debug pictures are many and looked at once; the small gain of slower settings is not worth the wait.
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header().map_err(|cause| cause.to_string())?;

@@ -79,6 +79,16 @@ pub struct Conditions {
     pub stretch_m: f64,
     /// Share of the roadsides with kerb and pavement in place of grass.
     pub pavements: f64,
+    /// Share of the roadsides with a kerb that has a height, and a raised pavement behind it.
+    pub kerbs: f64,
+    /// How much of the road's own tone these pavements are, share.
+    pub pavements_like_road: f64,
+    /// Largest fall across a road that has kerbs, metres for each metre.
+    pub cross_fall: f64,
+    /// Share of the kerbed roadsides with parking bays before the kerb, as high as the road.
+    pub parking_bays: f64,
+    /// Share of the roadsides with a wall or hedge behind the pavement.
+    pub walls: f64,
     /// Dust on everything and in the air, which has its colour then, share.
     pub dust: f64,
     /// Distance over which about a quarter of a colour is lost to the air, metres.
@@ -144,6 +154,11 @@ impl Conditions {
         check_range("wetness", self.wetness, 0.0, 1.0, share)?;
         check_range("stretch_m", self.stretch_m, 0.0, 1000.0, "0 to 1000 metres")?;
         check_range("pavements", self.pavements, 0.0, 1.0, share)?;
+        check_range("kerbs", self.kerbs, 0.0, 1.0, share)?;
+        check_range("pavements_like_road", self.pavements_like_road, 0.0, 1.0, share)?;
+        check_range("cross_fall", self.cross_fall, 0.0, 0.04, "0 to 0.04")?;
+        check_range("parking_bays", self.parking_bays, 0.0, 1.0, share)?;
+        check_range("walls", self.walls, 0.0, 1.0, share)?;
         check_range("dust", self.dust, 0.0, 1.0, share)?;
         // Below 10 m the road itself is no longer seen.
         check_range("haze_m", self.haze_m, 10.0, 1e5, "10 to 100000 metres")?;

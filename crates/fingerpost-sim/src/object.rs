@@ -32,6 +32,8 @@ pub(crate) enum Part {
     Glass,
     /// A post's or a rail's metal.
     Metal,
+    /// A garden wall.
+    Masonry,
 }
 
 /// Where a ray meets an object.
@@ -68,7 +70,7 @@ pub(crate) enum Shape {
         /// Height of the crown's middle, metres.
         middle_m: f32,
     },
-    /// A beam that stands or lies.
+    /// A beam that stands or lies: a post, a plank, a wall, a hedge.
     Beam {
         /// Cosine and sine of its direction over ground.
         direction: [f32; 2],
@@ -76,6 +78,8 @@ pub(crate) enum Shape {
         half_m: [f32; 2],
         /// Height of its lower and upper end, metres.
         height_m: [f32; 2],
+        /// What it is of.
+        part: Part,
     },
     /// A vehicle.
     Vehicle(VehicleShape),
@@ -126,8 +130,8 @@ impl Object {
             Shape::House { ridge, half_m, height_m } => {
                 house_hit(origin, ray.direction, ridge, half_m, height_m)
             }
-            Shape::Beam { direction, half_m, height_m } => {
-                beam_hit(origin, ray.direction, direction, half_m, height_m)
+            Shape::Beam { direction, half_m, height_m, part } => {
+                beam_hit(origin, ray.direction, direction, half_m, height_m, part)
             }
             Shape::Vehicle(shape) => shape.hit(origin, ray.direction),
             Shape::Tree { trunk_m, crown_m, middle_m } => {
@@ -176,10 +180,11 @@ fn beam_hit(
     [cos, sin]: [f32; 2],
     half_m: [f32; 2],
     [low, high]: [f32; 2],
+    part: Part,
 ) -> Option<Hit> {
     let turn = |v: [f32; 3]| [cos * v[0] + sin * v[1], -sin * v[0] + cos * v[1], v[2]];
     let (o, d) = (turn(origin), turn(direction));
-    let side = |normal, offset| Half { normal, offset, part: Part::Metal };
+    let side = |normal, offset| Half { normal, offset, part };
     let hit = convex_hit(
         o,
         d,

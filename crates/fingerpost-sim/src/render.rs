@@ -8,6 +8,7 @@
 mod ground;
 mod lamps;
 mod nearby;
+mod terrain;
 mod things;
 
 use fingerpost_geometry::Camera;
@@ -52,6 +53,8 @@ pub(crate) struct FrameView {
     pub(crate) map_from_camera: Isometry3<f64>,
     /// Height of the ground below the vehicle, metres.
     pub(crate) ground_m: f64,
+    /// Pose of the vehicle in the map frame: the plane that it stands on.
+    pub(crate) map_from_vehicle: Isometry3<f64>,
     /// Other vehicles.
     pub(crate) vehicles: Vec<Object>,
 }
@@ -232,11 +235,11 @@ impl<'a> Shot<'a> {
     #[inline]
     fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, u8) {
         let direction = self.turned(in_camera);
-        let ground = self.ground_distance(direction, ground_m);
+        let ground = self.met(direction, self.ground_distance(direction, ground_m));
         let ray = Ray { origin: self.origin, direction };
-        let (mut light, road) = match first_hit(&self.things, &ray, 0.0..ground, &candidates.seen) {
+        let (mut light, road) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
             Some((object, hit)) => (self.object_light(object, &hit, Some(in_camera)), 0),
-            None if ground < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
+            None if ground.t < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
             None => (self.scene.sky.colour(direction), 0),
         };
         if !candidates.dazzling.is_empty() {

@@ -7,7 +7,7 @@ use nalgebra::Point2;
 
 use crate::Conditions;
 use crate::noise::{floor_int, mix, unit};
-use crate::object::{Object, Shape};
+use crate::object::{Object, Part, Shape};
 use crate::relief::Relief;
 use crate::roads::{RoadNetwork, Stroke};
 
@@ -170,8 +170,12 @@ impl Roadside {
                 continue;
             };
             let half = 0.5 * POST_WIDTH_M;
-            let shape =
-                Shape::Beam { direction: [1.0, 0.0], half_m: [half; 2], height_m: [0.0, POST_HEIGHT_M] };
+            let shape = Shape::Beam {
+                direction: [1.0, 0.0],
+                half_m: [half; 2],
+                height_m: [0.0, POST_HEIGHT_M],
+                part: Part::Metal,
+            };
             objects.push(Object { foot: foot(place), shape, hash: 0 });
         }
         let pieces = ((to_m - from_m) / PIECE_M) as usize;
@@ -187,17 +191,18 @@ impl Roadside {
             }
             let direction = [(way.x / way.norm()) as f32, (way.y / way.norm()) as f32];
             let half_m = [0.5 * way.norm() as f32, 0.5 * PLANK_THICK_M];
-            let plank = Shape::Beam { direction, half_m, height_m: PLANK_M };
+            let plank = Shape::Beam { direction, half_m, height_m: PLANK_M, part: Part::Metal };
             objects.push(Object { foot: foot(middle), shape: plank, hash: 1 });
             let half = 0.5 * RAIL_POST_WIDTH_M;
-            let post = Shape::Beam { direction, half_m: [half; 2], height_m: [0.0, PLANK_M[1]] };
+            let post =
+                Shape::Beam { direction, half_m: [half; 2], height_m: [0.0, PLANK_M[1]], part: Part::Metal };
             objects.push(Object { foot: foot(start), shape: post, hash: 1 });
         }
     }
 }
 
 /// The place beside a chain at a distance along it and from its edge, metres, to the left where positive.
-fn beside(chain: &[Stroke], along_m: f64, aside_m: f32) -> Option<Point2<f64>> {
+pub(crate) fn beside(chain: &[Stroke], along_m: f64, aside_m: f32) -> Option<Point2<f64>> {
     let after = chain.partition_point(|stroke| stroke.along_m <= along_m);
     let stroke = chain.get(after.checked_sub(1)?)?;
     let left = nalgebra::Vector2::new(-stroke.direction.y, stroke.direction.x);

@@ -1,10 +1,12 @@
 //! The simulator: a vehicle, its camera, its surroundings; any frame on demand.
 
-use fingerpost_format::{MarkingRecord, TruthRecord};
+mod truth;
+
+use fingerpost_format::TruthRecord;
 use fingerpost_geometry::{Camera, Mount, Polyline, View};
 use fingerpost_map::{RoadGraph, Route, TangentPlane};
 use fingerpost_vision::picture::{Plane, RgbImage};
-use nalgebra::{Isometry3, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Isometry3, Point2, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::bus;
 use crate::crossing::{Crossing, crossings};
@@ -19,7 +21,7 @@ use crate::roads::RoadNetwork;
 use crate::scenery::Scenery;
 use crate::surface::Painter;
 use crate::traffic::Traffic;
-use crate::truth::{EdgeSeen, LaneEdges, RoadPlace};
+use crate::truth::{LaneEdges, RoadPlace};
 use crate::{Markings, SimConfig, SimError, SimVehicle};
 
 /// Shortest route that can be driven, metres.
@@ -131,17 +133,33 @@ impl Simulator {
 
     /// The frame of that number, rendered. Numbers beyond the drive's end show its end.
     pub fn frame(&self, index: usize) -> SimFrame {
+        let (picture, road) = self.renderer.render(&self.view(index));
+        SimFrame { picture, road, truth: self.truth(index) }
+    }
+
+    /// Whether streets have heights of their own: [`Conditions::kerbs`](crate::Conditions::kerbs).
+    pub fn has_heights(&self) -> bool {
+        self.renderer.has_street()
+    }
+
+    /// Height of the ground that each pixel of that frame shows above the plane on which the vehicle stands, where streets have
+    /// heights of their own ([`Conditions::kerbs`](crate::Conditions::kerbs)): 32768 for none and a step more for each millimetre up; 0 where something else than ground
+    /// is seen.
+    pub fn heights(&self, index: usize) -> Option<Plane<u16>> {
+        self.has_heights().then(|| self.renderer.heights(&self.view(index)))
+    }
+
+    fn view(&self, index: usize) -> FrameView {
         let state = self.state(index);
         let map_from_vehicle = self.map_from_vehicle(&state);
-        let view = FrameView {
+        FrameView {
+            map_from_vehicle,
             frame: index as u64,
             t_s: index as f64 / self.fps,
             map_from_camera: map_from_vehicle * self.mount_of(&state).vehicle_from_camera(),
             ground_m: map_from_vehicle.translation.vector.z,
             vehicles: self.vehicles(&state, index),
-        };
-        let (picture, road) = self.renderer.render(&view);
-        SimFrame { picture, road, truth: self.truth(index) }
+        }
     }
 
     /// Where the vehicle is on its road in that frame, marked or not; none off the roads.
@@ -175,41 +193,6 @@ impl Simulator {
         Ok(self.camera.with_mount(self.mount_of(&self.state(index)))?)
     }
 
-    /// The truth of that frame, without rendering it.
-    pub fn truth(&self, index: usize) -> TruthRecord {
-        let state = self.state(index);
-        let place = self.plane.wgs84_from_map(state.p_in_map);
-        let target = self.targets.iter().find(|target| target.route_m > state.route_m);
-        let (sin, cos) = state.heading_rad.sin_cos();
-        let in_vehicle = target.map(|target| {
-            let offset = target.p_in_map - state.p_in_map;
-            Vector2::new(cos * offset.x + sin * offset.y, cos * offset.y - sin * offset.x)
-        });
-        let [(left, lane_left_marking), (right, lane_right_marking)] = self.lanes_of(&state);
-        TruthRecord {
-            frame: index as u64,
-            t_s: index as f64 / self.fps,
-            x_m: state.p_in_map.x,
-            y_m: state.p_in_map.y,
-            heading_rad: state.heading_rad,
-            lat: place.lat_deg,
-            lon: place.lon_deg,
-            speed_mps: state.speed_mps,
-            yaw_rate_rps: state.yaw_rate_rps,
-            feature_id: target.map(|target| target.id),
-            feature_forward_m: in_vehicle.map(|p| p.x),
-            feature_left_m: in_vehicle.map(|p| p.y),
-            picture_px: Some([self.camera.width(), self.camera.height()].map(|side| side as u32)),
-            lane_left_px: left.px,
-            lane_right_px: right.px,
-            lane_left_m: left.m,
-            lane_right_m: right.m,
-            lane_left_marking,
-            lane_right_marking,
-            turn_signal: self.planned.as_ref().and_then(|planned| planned.turn_signal(state.route_m)),
-        }
-    }
-
     fn state(&self, index: usize) -> VehicleState {
         self.drive.at(index as f64 / self.fps)
     }
@@ -225,14 +208,20 @@ impl Simulator {
     /// The other vehicles that can be seen in a frame.
     fn vehicles(&self, state: &VehicleState, index: usize) -> Vec<Object> {
         let route_at = |t_s: f64| self.drive.route_m_at(t_s);
-        self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, &self.relief)
+        self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, |p| self.height_m(p))
+    }
+
+    /// Height of the ground at a place of the map, metres.
+    fn height_m(&self, p_in_map: Point2<f64>) -> f64 {
+        let street_m = self.renderer.street_height_m(p_in_map.x as f32, p_in_map.y as f32);
+        self.relief.height_m(p_in_map) + f64::from(street_m)
     }
 
     /// The road's plane below the wheels.
     fn map_from_vehicle(&self, state: &VehicleState) -> Isometry3<f64> {
         let (sin, cos) = state.heading_rad.sin_cos();
         let (forward, left) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
-        let wheel = |x: f64, y: f64| self.relief.height_m(state.p_in_map + forward * x + left * y);
+        let wheel = |x: f64, y: f64| self.height_m(state.p_in_map + forward * x + left * y);
         let SimVehicle { wheelbase_m, track_m, .. } = self.vehicle;
         let half = 0.5 * track_m;
         let (rear_left, rear_right) = (wheel(0.0, half), wheel(0.0, -half));
@@ -247,20 +236,6 @@ impl Simulator {
             Translation3::new(state.p_in_map.x, state.p_in_map.y, rear),
             UnitQuaternion::from_rotation_matrix(&rotation),
         )
-    }
-
-    /// The left and the right edge of the vehicle's lane as the picture shows them, with their markings.
-    fn lanes_of(&self, state: &VehicleState) -> [(EdgeSeen, Option<MarkingRecord>); 2] {
-        let Ok(camera) = self.camera.with_mount(self.mount_of(state)) else { return Default::default() };
-        let map_from_vehicle = self.map_from_vehicle(state);
-        let painted = |p: Point2<f64>| self.renderer.bears_lines(p.x as f32, p.y as f32);
-        let on_ground = |p: &Point2<f64>| Point3::new(p.x, p.y, self.relief.height_m(*p));
-        self.lanes.ahead(state.p_in_map, state.route_m, state.heading_rad, painted).map(|edge| {
-            let points: Vec<Point3<f64>> = edge.points.iter().map(on_ground).collect();
-            let seen = EdgeSeen::new(&points, &camera, &map_from_vehicle);
-            let marking = edge.marking.filter(|_| !seen.px.is_empty());
-            (seen, marking)
-        })
     }
 }
 

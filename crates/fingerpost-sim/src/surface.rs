@@ -1,10 +1,12 @@
 //! Colours of the ground and of what stands on it, linear light.
 
+mod kerbed;
 mod lane;
 mod strips;
 mod varied;
 
-use self::lane::{Lane, LocalPlace};
+use self::lane::Lane;
+pub(crate) use self::lane::LocalPlace;
 use self::strips::Strips;
 use self::varied::{Covering, Varied, covered};
 use crate::TrafficSide;
@@ -16,6 +18,7 @@ use crate::noise::{floor_int, mix, unit};
 use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
 use crate::roadside::{BesideRoad, Roadside};
+use crate::street::Street;
 use crate::texture::{Grain, Texture};
 
 /// Linear red, green, blue.
@@ -70,6 +73,7 @@ pub(crate) struct Painter {
     wear: f32,
     varied: Option<Varied>,
     strips: Option<Strips>,
+    street: Option<Street>,
     dust: f32,
     worn: f32,
 }
@@ -101,6 +105,7 @@ impl Painter {
             wear: conditions.road_wear as f32,
             varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),
             strips: Strips::new(seed, conditions.strips as f32),
+            street: Street::new(seed, conditions),
             dust: conditions.dust as f32,
             worn: conditions.lanes.worn as f32,
         }
@@ -123,6 +128,9 @@ impl Painter {
         if road < 1.0 {
             let mut verge = self.verge(x, y, point, fineness);
             if let Some((side, share)) = self.roadside(x, y, point, footprint, fineness) {
+                verge = mixed(verge, side, share);
+            }
+            if let Some((side, share)) = self.kerbed(x, y, point, footprint, fineness) {
                 verge = mixed(verge, side, share);
             }
             for i in 0..3 {
@@ -310,6 +318,11 @@ impl Painter {
                 [red, 0.5 * red + 0.02, 0.36 * red + 0.02].map(|c| c * tiles)
             }
             Part::Trunk => [0.11, 0.085, 0.06],
+            Part::Masonry => {
+                let stone = 1.0 + 0.4 * self.soil.sample(along, up, footprint_m)[0];
+                let tone = 0.22 + 0.2 * shade(1);
+                [tone, 0.95 * tone, 0.86 * tone].map(|c| c * stone)
+            }
             Part::Metal | Part::Body | Part::Glass => [0.36, 0.37, 0.38],
             Part::Crown => {
                 let leaves = self.grass.sample(0.35 * along, 0.35 * up, 0.35 * footprint_m);

@@ -10,7 +10,6 @@ use nalgebra::{Point2, Vector2};
 use crate::markings::lanes_beside;
 use crate::noise::{Stream, mix};
 use crate::object::{Object, Shape};
-use crate::relief::Relief;
 use crate::roads::RoadNetwork;
 use crate::vehicle::VehicleShape;
 use crate::{SimConfig, TrafficSide};
@@ -135,7 +134,7 @@ impl Traffic {
         p_in_map: Point2<f64>,
         t_s: f64,
         route_at: impl Fn(f64) -> f64,
-        relief: &Relief,
+        height_m: impl Fn(Point2<f64>) -> f64,
     ) -> Vec<Object> {
         let ahead = self.ahead.map(|ahead| (route_at(t_s + HEADWAY_S), ahead));
         let steady =
@@ -148,7 +147,7 @@ impl Traffic {
                 let near = (place - p_in_map).norm() < SIGHT_M;
                 let along = if vehicle.oncoming { -along } else { along };
                 let shape = VehicleShape { direction: [along.x as f32, along.y as f32], ..vehicle.shape };
-                let foot = [place.x as f32, place.y as f32, relief.height_m(place) as f32];
+                let foot = [place.x as f32, place.y as f32, height_m(place) as f32];
                 near.then_some(Object { foot, shape: Shape::Vehicle(shape), hash: vehicle.hash })
             })
             .collect()

@@ -13,12 +13,13 @@ use fingerpost_sim::{
 use crate::arguments::{InputLimit, PictureSize};
 use crate::demo::TOWN_OSM;
 use crate::inputs;
-use crate::simulate::{Lens, default_camera, known_vehicle};
+use crate::simulate::{Lens, corners, default_camera, known_vehicle};
 
 /// Name of the drives that have a world of their own.
 pub(crate) const WORLD: &str = "world";
 /// Worlds, and the difficult days of one world.
-pub(crate) const DEFAULT_CONDITIONS: [&str; 6] = [WORLD, "shadows", "wet", "mixed", "dusk", "dust"];
+pub(crate) const DEFAULT_CONDITIONS: [&str; 8] =
+    [WORLD, "shadows", "wet", "mixed", "dusk", "dust", "street", "street_shade"];
 /// Pictures of the one world.
 const SIZE: PictureSize = PictureSize { width: 480, height: 360 };
 /// Their rate, frames a second.
@@ -82,8 +83,10 @@ impl Plan {
             });
         }
         let route = random_route(&drawing.graph, seed, &RandomRouteOptions::default())?;
-        let drawn = random_drive(seed, &Conditions::named(conditions)?);
-        let config = SimConfig { fps: drawing.fps.unwrap_or(FPS), ..drawn };
+        let conditions = Conditions::named(conditions)?;
+        let drawn = random_drive(seed, &conditions);
+        let fps = drawing.fps.unwrap_or(FPS);
+        let config = SimConfig { fps, corners: corners(&conditions), ..drawn };
         Ok(Self {
             simulator: Simulator::new(&drawing.graph, &route, &drawing.camera, &config)?,
             fps: config.fps,

@@ -4,7 +4,7 @@ use super::{Conditions, LaneMarkings, Markings};
 use crate::SimError;
 
 /// Names of the presets, in the order of the documentation.
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 22] = [
     "clear",
     "unmarked",
     "shadows",
@@ -14,6 +14,8 @@ const NAMES: [&str; 20] = [
     "mixed",
     "dusk",
     "dust",
+    "street",
+    "street_shade",
     "lane_continuous",
     "lane_broken",
     "lane_double",
@@ -56,6 +58,11 @@ impl Conditions {
         wetness: 0.0,
         stretch_m: 0.0,
         pavements: 0.0,
+        kerbs: 0.0,
+        pavements_like_road: 0.0,
+        cross_fall: 0.0,
+        parking_bays: 0.0,
+        walls: 0.0,
         dust: 0.0,
         haze_m: 330.0,
         lens_dirt: 0.0,
@@ -157,6 +164,34 @@ impl Conditions {
         ..Self::CLEAR
     };
 
+    /// A street of a town: kerbs of 6 to 16 cm with pavements of the road's own tone, parking bays, walls and hedges, and roads that fall
+    /// to their sides.
+    pub const STREET: Self = Self {
+        markings: Markings::None,
+        kerbs: 0.8,
+        pavements_like_road: 1.0,
+        // Roads are built with 2 to 2.5 %, and settle.
+        cross_fall: 0.03,
+        parking_bays: 0.3,
+        walls: 0.6,
+        parked_per_100_m: 3.0,
+        houses_per_100_m: 4.0,
+        trees_per_100_m: 4.0,
+        clearance_m: 3.2,
+        ..Self::CLEAR
+    };
+
+    /// The same under a low sun: most of the street lies in the shadow of houses, walls and trees.
+    pub const STREET_SHADE: Self = Self {
+        shadow_strength: 1.0,
+        shadow_detail: 1.0,
+        sky_light: 0.55,
+        sun_elevation_rad: 0.61,
+        trees_per_100_m: 14.0,
+        houses_per_100_m: 8.0,
+        ..Self::STREET
+    };
+
     /// The preset of that name, one of [`Self::names`].
     ///
     /// ```
@@ -178,6 +213,8 @@ impl Conditions {
             "mixed" => Ok(Self::MIXED),
             "dusk" => Ok(Self::DUSK),
             "dust" => Ok(Self::DUST),
+            "street" => Ok(Self::STREET),
+            "street_shade" => Ok(Self::STREET_SHADE),
             "lane_continuous" => Ok(Self::LANE_CONTINUOUS),
             "lane_broken" => Ok(Self::LANE_BROKEN),
             "lane_double" => Ok(Self::LANE_DOUBLE),

@@ -2,6 +2,7 @@
 
 use super::lamps::streaks_along;
 use super::nearby::{Candidates, Neighbour, first_hit};
+use super::terrain::Met;
 use super::{Shot, mirrored};
 use crate::ground::GroundPoint;
 use crate::light::{Light, mixed};
@@ -18,22 +19,28 @@ const ABOVE_CUT_OFF: f32 = 0.04;
 const UPRIGHT: f32 = 0.35;
 
 impl Shot<'_> {
-    /// The light of the ground `t` metres along a ray, and 255 where that is road.
+    /// The light of the ground where a ray meets it, and 255 where that is road.
     #[inline]
     pub(super) fn ground_light(
         &self,
         d: [f32; 3],
         in_camera: [f32; 3],
-        t: f32,
+        met: Met,
         candidates: &Candidates,
     ) -> (Colour, u8) {
         let scene = self.scene;
+        let t = met.t;
         let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
-        let point = scene.ground.at(x, y);
+        let point = scene.ground_at(x, y);
         let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
         let across_m = t * scene.lens.pixel_rad;
         let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
-        let Painted { road, colour, paint } = scene.painter.ground(x, y, &point, &footprint);
+        let Painted { road, colour, paint } = if met.face.is_some() {
+            let colour = scene.painter.kerb_face(x, y, across_m);
+            Painted { road: 0.0, colour, paint: 0.0 }
+        } else {
+            scene.painter.ground(x, y, &point, &footprint)
+        };
         let shadow = if scene.shadow_detail > 0.0 {
             let detailed = scene.painter.detailed_shadow(x, y, &point, footprint.fineness_m());
             point.shadow + (detailed - point.shadow) * scene.shadow_detail
@@ -41,7 +48,13 @@ impl Shot<'_> {
             point.shadow
         };
         let (open, shadow) = self.shaded([x, y, t * d[2]], &point, &footprint, shadow, &candidates.shading);
-        let sun = (1.0 - scene.shadow_strength * shadow) * scene.scenery.to_sun()[2].max(0.7);
+        let to_sun = scene.scenery.to_sun();
+        // What stands up sees half of the sky, and the sun where it faces it.
+        let (facing, open) = match met.face {
+            None => (to_sun[2].max(0.7), open),
+            Some(out) => (dot(out, to_sun).max(0.0), 0.5 * open),
+        };
+        let sun = (1.0 - scene.shadow_strength * shadow) * facing;
         let Light { sky, sun: full_sun, .. } = scene.light;
         let mut lit = [0, 1, 2].map(|i| colour[i] * (sky[i] * open + full_sun[i] * sun));
         if scene.light.has_low_beam() {

@@ -3,6 +3,8 @@
 use fingerpost_geometry::{Distortion, Intrinsics};
 use fingerpost_map::{OsmData, read_route};
 
+use nalgebra::Point3;
+
 use super::*;
 use crate::TrafficSide;
 

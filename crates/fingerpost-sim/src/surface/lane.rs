@@ -30,14 +30,14 @@ pub(super) struct Lane {
 
 /// A place told by the road it is on or beside.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LocalPlace {
-    pub(super) chain: u32,
+pub(crate) struct LocalPlace {
+    pub(crate) chain: u32,
     /// Distance from the chain's start.
-    pub(super) along_m: f32,
+    pub(crate) along_m: f32,
     /// Distance from the axis, positive to the left.
-    pub(super) left_m: f32,
-    pub(super) half_width_m: f32,
-    pub(super) direction: [f32; 2],
+    pub(crate) left_m: f32,
+    pub(crate) half_width_m: f32,
+    pub(crate) direction: [f32; 2],
 }
 
 impl LocalPlace {
