@@ -23,6 +23,7 @@ mod onnx;
 mod output;
 mod output_path;
 mod overlap;
+mod papers;
 mod picture_scaling;
 mod record;
 mod recorder;
@@ -65,6 +66,7 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     Campaign(campaign::CampaignArgs),
     Tune(tune::TuneArgs),
+    Papers(papers::PapersArgs),
     #[command(subcommand)]
     Calibrate(calibrate::CalibrateCommand),
     #[command(subcommand)]
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Campaign(args) => campaign::campaign(&args),
         Command::Tune(args) => tune::tune(&args),
+        Command::Papers(args) => papers::papers(&args),
         Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),

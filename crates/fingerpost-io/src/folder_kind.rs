@@ -39,6 +39,9 @@ pub(crate) const FRONT_FILE: &str = "front.json";
 /// Folder of the drives that it simulated.
 pub(crate) const DRIVES_FOLDER: &str = "drives";
 
+/// Folder of the plots of the papers' claims.
+const PLOTS_FOLDER: &str = "papers";
+
 /// Digits of a frame's number in a picture's name; longer numbers have more.
 const FRAME_DIGITS: usize = 6;
 
@@ -56,6 +59,8 @@ pub enum FolderKind {
     Campaign,
     /// A search of settings, with the drives that it simulated.
     Tuning,
+    /// The papers' claims measured again.
+    Papers,
     /// Marks of lane edges, and truth made of them.
     Marks,
 }
@@ -71,6 +76,7 @@ impl fmt::Display for FolderKind {
             Self::Drive => "a simulated drive",
             Self::Campaign => "a campaign",
             Self::Tuning => "a search of settings",
+            Self::Papers => "measurements of the papers' claims",
             Self::Marks => "lane marks",
         })
     }
@@ -98,6 +104,7 @@ impl FolderKind {
             ],
             Self::Campaign => &["campaign.json"],
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
+            Self::Papers => &["papers.md", "measured.jsonl"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
         }
     }
@@ -110,6 +117,7 @@ impl FolderKind {
                 &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
             }
             Self::Campaign | Self::Tuning => &[],
+            Self::Papers => &[(PLOTS_FOLDER, is_plot)],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }
     }
@@ -135,10 +143,15 @@ impl FolderKind {
         match self {
             Self::Campaign => remove_campaign_runs(path)?,
             Self::Tuning => remove_numbered_configs(path)?,
-            Self::Run | Self::CampaignRun | Self::Drive | Self::Marks => {}
+            Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks => {}
         }
         Ok(())
     }
+}
+
+/// A plot of a claim, as in `order_road`.
+fn is_plot(stem: &str) -> bool {
+    !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_')
 }
 
 /// A picture of a run, as in `frame_000150`.
@@ -176,7 +189,8 @@ fn remove_pictures(folder: &Path, is_ours: IsPicture) -> Result<(), FileError> {
     let mut others = false;
     for entry in fs::read_dir(folder).map_err(FileError::reading(folder))? {
         let path = entry.map_err(FileError::reading(folder))?.path();
-        let is_picture = path.extension().is_some_and(|ending| ending == "png" || ending == "jpg");
+        let is_picture =
+            path.extension().is_some_and(|ending| ending == "png" || ending == "jpg" || ending == "svg");
         if is_picture && path.file_stem().and_then(|stem| stem.to_str()).is_some_and(is_ours) {
             remove_if_there(&path)?;
         } else {

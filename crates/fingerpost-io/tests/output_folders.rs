@@ -16,17 +16,18 @@ use fingerpost_io::{
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-const KINDS: [FolderKind; 6] = [
+const KINDS: [FolderKind; 7] = [
     FolderKind::Run,
     FolderKind::CampaignRun,
     FolderKind::Drive,
     FolderKind::Campaign,
     FolderKind::Tuning,
+    FolderKind::Papers,
     FolderKind::Marks,
 ];
 
 /// Names that the program writes in some folder, and others; "frames/" and the like are in folders.
-const NAMES: [&str; 17] = [
+const NAMES: [&str; 20] = [
     "config.toml",
     "frames.jsonl",
     "report.html",
@@ -43,6 +44,9 @@ const NAMES: [&str; 17] = [
     "pictures/crop.png",
     "road_masks/000001.png",
     "marked_frames/000001.jpg",
+    "papers.md",
+    "papers/order_road.svg",
+    "papers/Notes.svg",
     "deep/er/file",
 ];
 
@@ -56,6 +60,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
         FolderKind::Drive => &["truth.jsonl", "camera.toml", "frames/000001.jpg", "road_masks/000001.png"],
         FolderKind::Campaign => &["campaign.json"],
         FolderKind::Tuning => &["report.html", "07.toml"],
+        FolderKind::Papers => &["papers.md", "papers/order_road.svg"],
         FolderKind::Marks => &["truth.jsonl", "tusimple.json", "marked_frames/000001.jpg"],
     };
     results.contains(&name)

@@ -9,6 +9,7 @@
 mod config;
 mod dash_motion;
 pub mod departure;
+mod detector;
 mod edges;
 mod finder;
 pub mod geometry;
@@ -30,6 +31,7 @@ use crate::mount::ObservedAngle;
 use crate::vehicle_signals::VehicleState;
 
 pub use config::{LaneMethod, LanesConfig};
+pub use detector::LaneDetector;
 pub use edges::LaneError;
 pub use finder::LaneFinder;
 pub use marking::{Marking, MarkingColour, MarkingKind};
@@ -128,6 +130,12 @@ pub struct Lane {
 }
 
 impl Lane {
+    /// A lane with these edges, left and right; one that is none is not known.
+    pub fn between(edges: [Option<LaneEdge>; 2]) -> Self {
+        let shown = [edges[0].is_some(), edges[1].is_some()];
+        Self { edges: edges.map(Option::unwrap_or_default), shown }
+    }
+
     /// The edge on a side, where there is one.
     pub fn edge(&self, side: Side) -> Option<&LaneEdge> {
         Some(&self.edges[side.index()]).filter(|_| self.shown[side.index()])

@@ -6,6 +6,7 @@
 //! An arm of which too little is seen takes no part, and the evidence says so: nearly all of what is left would lie on
 //! the crossing roads, and would be road whether the arm exists or not. What lies beside the arms is weighed too (`matching/verge.rs`).
 
+mod laying;
 mod pose_run;
 mod verge;
 
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, VergeStrips, node_pixel};
 use crate::road_surface::RoadSurface;
 
+pub use laying::FeatureMatcher;
 pub(crate) use pose_run::PoseRun;
 pub use verge::Verge;
 

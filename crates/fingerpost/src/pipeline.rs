@@ -2,6 +2,7 @@
 
 mod ego;
 mod lane_watch;
+mod parts;
 mod passed_over;
 
 use fingerpost_geometry::{Camera, GeometryError, View};
@@ -20,7 +21,7 @@ use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
-use crate::matching::Matcher;
+use crate::matching::FeatureMatcher;
 use crate::motion::{Motion, MotionError, MotionEvidence};
 use crate::mount::MountEstimate;
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
@@ -32,6 +33,8 @@ use crate::why::Why;
 
 use self::ego::Ego;
 use self::lane_watch::LaneWatch;
+
+pub use self::parts::Parts;
 
 /// What else is known when a frame is taken.
 #[derive(Debug, Clone, Copy, Default)]
@@ -162,7 +165,7 @@ pub struct Pipeline {
     centreline: CentrelineFinder,
     camera: Camera,
     ego: Ego,
-    matcher: Matcher,
+    matcher: Box<dyn FeatureMatcher>,
     tracker: Box<dyn FeatureTracker>,
     lanes: LaneWatch,
     map: Option<TangentPlane>,
@@ -184,8 +187,7 @@ impl Pipeline {
         route: Option<&Route>,
         start_m: Option<f64>,
     ) -> Result<Self, PipelineError> {
-        config.check()?;
-        Self::with_road_detector(config, camera, route, start_m, config.road_surface.detector()?)
+        Self::with_parts(config, camera, route, start_m, Parts::default())
     }
 
     /// The same with another road detector than the configuration's.
@@ -198,6 +200,21 @@ impl Pipeline {
         route: Option<&Route>,
         start_m: Option<f64>,
         detector: Box<dyn RoadDetector>,
+    ) -> Result<Self, PipelineError> {
+        let parts = Parts { road_detector: Some(detector), ..Parts::default() };
+        Self::with_parts(config, camera, route, start_m, parts)
+    }
+
+    /// The same with stages of the program's own in place of the configuration's.
+    ///
+    /// # Errors
+    /// [`PipelineError`] when configuration, camera or route cannot be used.
+    pub fn with_parts(
+        config: &Config,
+        camera: &Camera,
+        route: Option<&Route>,
+        start_m: Option<f64>,
+        mut parts: Parts,
     ) -> Result<Self, PipelineError> {
         config.check()?;
         calibration_check::check(camera, &config.ground_view)?;
@@ -218,13 +235,13 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
-            detector,
+            detector: parts.take_road_detector(config)?,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             camera: camera.clone(),
-            ego: Ego::new(config, camera, &view)?,
-            matcher: Matcher::new(&config.matching, view.grid()),
+            ego: Ego::new(config, camera, &view, parts.take_motion_estimator(config)?),
+            matcher: parts.take_matcher(config, view.grid()),
             tracker,
-            lanes: LaneWatch::new(&config.lanes)?,
+            lanes: LaneWatch::new(parts.take_lane_finder(config)?),
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             config: config.clone(),
             ground: view.black_picture(),
@@ -280,7 +297,7 @@ impl Pipeline {
         let (centreline, centreline_evidence) = self.centreline.find(surface, motion)?;
         finished(Stage::Centreline);
 
-        let laid = self.matcher.laid_with(surface, (&ground.grey, validity))?;
+        let laid = self.matcher.lay(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion, camera: ego.camera, dt_s: ego.dt_s, speed_mps: ego.vehicle.speed_mps };
         let shown = ShownSurface { surface, seen: validity, laid };

@@ -8,6 +8,7 @@ mod bank;
 mod colour_counts;
 mod colours;
 mod fused;
+mod in_camera;
 mod memory;
 mod named;
 mod network;
@@ -30,11 +31,13 @@ use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
 pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
+pub use in_camera::RoadPicture;
 pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
 pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
 
 use fused::Fused;
+use in_camera::InCamera;
 use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -46,6 +49,9 @@ use crate::motion::Motion;
 pub struct RoadSurfaceConfig {
     /// How the road is told from what is beside it.
     pub detector: RoadMethod,
+    /// The picture in which "backprojection" and "bank" look for road, alone or remembered (paper 1, figure 4); the others
+    /// choose theirs.
+    pub picture: RoadPicture,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub sample_length_m: f64,
@@ -68,6 +74,7 @@ impl Default for RoadSurfaceConfig {
     fn default() -> Self {
         Self {
             detector: RoadMethod::default(),
+            picture: RoadPicture::default(),
             sample_length_m: 4.0,
             sample_width_m: 1.8,
             backprojection: BackprojectionConfig::default(),
@@ -138,8 +145,8 @@ impl RoadSurfaceConfig {
         network: Option<Box<dyn RoadNetwork>>,
     ) -> Result<Box<dyn RoadDetector>, RoadError> {
         Ok(match self.detector {
-            RoadMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
-            RoadMethod::Bank => Box::new(Bank::new(&self.bank)?),
+            RoadMethod::Backprojection => self.backprojecting()?,
+            RoadMethod::Bank => self.by_bank()?,
             RoadMethod::Online => Box::new(Online::new(&self.online)),
             RoadMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
             RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing(network)?)),
@@ -160,11 +167,27 @@ impl RoadSurfaceConfig {
     /// The detector whose surfaces are remembered.
     fn seeing(&self, network: Option<Box<dyn RoadNetwork>>) -> Result<Box<dyn RoadDetector>, RoadError> {
         Ok(match self.memory.of {
-            RememberedMethod::Backprojection => Box::new(Backprojection::new(&self.backprojection)?),
-            RememberedMethod::Bank => Box::new(Bank::new(&self.bank)?),
+            RememberedMethod::Backprojection => self.backprojecting()?,
+            RememberedMethod::Bank => self.by_bank()?,
             RememberedMethod::Online => Box::new(Online::new(&self.online)),
             RememberedMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
             RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
+        })
+    }
+
+    fn backprojecting(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        self.in_its_picture(Box::new(Backprojection::new(&self.backprojection)?))
+    }
+
+    fn by_bank(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        self.in_its_picture(Box::new(Bank::new(&self.bank)?))
+    }
+
+    /// A detector by colour that looks at the picture of these settings.
+    fn in_its_picture(&self, detector: Box<dyn RoadDetector>) -> Result<Box<dyn RoadDetector>, RoadError> {
+        Ok(match self.picture {
+            RoadPicture::GroundView => detector,
+            RoadPicture::Camera => Box::new(InCamera::new(detector, self.backprojection.bins())?),
         })
     }
 

@@ -10,7 +10,7 @@ mod painted;
 use allocation_counter::measure;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
-use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork};
+use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork, RoadPicture};
 use fingerpost::track::{State, TrackMethod};
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, Pipeline, Sensors};
@@ -152,6 +152,16 @@ fn no_road_detector_allocates_anything() {
     for detector in RoadMethod::ALL {
         let mut config = coarse();
         config.road_surface.detector = detector;
+        Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
+    }
+}
+
+#[test]
+fn detectors_that_see_the_camera_picture_allocate_nothing() {
+    for detector in [RoadMethod::Backprojection, RoadMethod::Bank] {
+        let mut config = coarse();
+        config.road_surface.detector = detector;
+        config.road_surface.picture = RoadPicture::Camera;
         Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
     }
 }

@@ -11,6 +11,7 @@ mod campaigning;
 mod can;
 mod centreline;
 mod chessboard;
+mod claims;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;

@@ -42,16 +42,19 @@ pub(super) struct EgoFrame<'a> {
 }
 
 impl Ego {
-    /// # Errors
-    /// [`PipelineError`] when the motion estimator's settings cannot be used.
-    pub(super) fn new(config: &Config, camera: &Camera, view: &GroundView) -> Result<Self, PipelineError> {
-        Ok(Self {
+    pub(super) fn new(
+        config: &Config,
+        camera: &Camera,
+        view: &GroundView,
+        motion: Box<dyn MotionEstimator>,
+    ) -> Self {
+        Self {
             attitude: AttitudeWatch::new(camera),
-            motion: config.motion.estimator()?,
+            motion,
             mount: MountFilter::new(&config.mount, view.viewpoint().foot.x),
             signals: VehicleSignals::new(&config.can),
             unseen_s: None,
-        })
+        }
     }
 
     /// Takes in how the vehicle moved to the last frame by a feature that is followed.

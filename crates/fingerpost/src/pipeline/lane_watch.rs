@@ -5,12 +5,12 @@ use fingerpost_geometry::Camera;
 use super::FrameOutput;
 use crate::config::Config;
 use crate::lanes::departure::{DepartureEvidence, DepartureWarning};
-use crate::lanes::{Lane, LaneError, LaneEvidence, LaneFinder, LaneInput, LanesConfig};
+use crate::lanes::{Lane, LaneDetector, LaneError, LaneEvidence, LaneInput};
 use crate::track::FeatureTracker;
 
 /// The lane finder, where lanes are looked for, and the departure warning behind it.
 pub(super) struct LaneWatch {
-    finder: Option<LaneFinder>,
+    finder: Option<Box<dyn LaneDetector>>,
     departure: DepartureWarning,
 }
 
@@ -24,10 +24,8 @@ pub(super) struct LaneFrame<'a> {
 }
 
 impl LaneWatch {
-    /// # Errors
-    /// [`LaneError`] when the settings cannot be used.
-    pub(super) fn new(config: &LanesConfig) -> Result<Self, LaneError> {
-        Ok(Self { finder: config.finder()?, departure: DepartureWarning::default() })
+    pub(super) fn new(finder: Option<Box<dyn LaneDetector>>) -> Self {
+        Self { finder, departure: DepartureWarning::default() }
     }
 
     /// Looks for the lane in one frame of a vehicle that follows what `tracker` follows.

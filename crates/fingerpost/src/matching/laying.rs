@@ -1,0 +1,48 @@
+//! What the masks are laid over, as a stage of its own.
+
+use fingerpost_geometry::GroundGrid;
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::picture::{Plane, ValidityMask};
+use fingerpost_vision::span::RowSums;
+
+use super::{LaidSurface, MatchConfig, Matcher};
+use crate::road_surface::RoadSurface;
+
+/// A way to make of a frame's road surface what feature masks are laid over: equations 1 and 2 of paper 1 then read it.
+///
+/// [`Matcher`] lays them over the probabilities, or over road and no road by a threshold. Another may weigh the pixels first.
+pub trait FeatureMatcher: Send {
+    /// The surface of one frame, ready for any number of masks, with the ground view's grey values where the second of
+    /// `ground` says that the frame shows any.
+    ///
+    /// # Errors
+    /// [`PictureError`] when surface and ground view differ in size.
+    fn lay<'a>(
+        &'a mut self,
+        surface: &'a RoadSurface,
+        ground: (&Plane<u8>, &ValidityMask),
+    ) -> Result<LaidSurface<'a>, PictureError>;
+}
+
+impl FeatureMatcher for Matcher {
+    fn lay<'a>(
+        &'a mut self,
+        surface: &'a RoadSurface,
+        ground: (&Plane<u8>, &ValidityMask),
+    ) -> Result<LaidSurface<'a>, PictureError> {
+        self.laid_with(surface, ground)
+    }
+}
+
+impl<'a> LaidSurface<'a> {
+    /// Sums of any values from 0 to 255 as what masks are laid over on the raster `grid`; `grey` are those of the ground view's
+    /// grey values, where there are any. Sums and raster must have the same size.
+    pub const fn over(
+        config: &'a MatchConfig,
+        grid: &'a GroundGrid,
+        sums: &'a RowSums,
+        grey: Option<&'a RowSums>,
+    ) -> Self {
+        Self { config, grid, sums, grey }
+    }
+}
