@@ -1,0 +1,155 @@
+//! A way of the road as a band: how much road lies under it, and where it leads.
+
+use fingerpost_geometry::GroundGrid;
+use fingerpost_vision::picture::PlaneView;
+use nalgebra::{Point2, Vector2};
+
+use super::turn::RoadLine;
+use super::way::WayKind;
+
+/// Stations of a band: distance between them and their number, metres; as long as the default ground view.
+const STATION_M: f64 = 1.0;
+const STATIONS: usize = 20;
+/// Distance between the places at which a way is followed to the look-ahead, metres: 2 degrees there.
+const STEP_M: f64 = 0.25;
+/// Places across a band, shares of the road's width from its middle: on it, and beside it, where there ought to be none. An edge
+/// blurs over some decimetres, a twentieth of a road.
+const ACROSS: [f64; 5] = [-0.45, -0.25, 0.0, 0.25, 0.45];
+const BESIDE: [f64; 4] = [-0.7, -0.55, 0.55, 0.7];
+/// How much road beside a road speaks against it, as log-odds: other roads, yards and parking places lie there too, 1 in 4.
+const MOST_BESIDE: f64 = 1.0;
+/// Area of road that errs together, square metres: shadows, patches and what stands beside a road are some 3 m long.
+const ERRS_TOGETHER_M2: f64 = 10.0;
+/// How far the probability of road is believed, as log-odds: nobody is surer than 1 in 20 of a patch.
+const MOST_LOG_ODDS: f64 = 3.0;
+/// Behind the rear axle a way is followed so far to find the vehicle beside it, metres.
+const BEHIND_M: f64 = 8.0;
+/// A way is followed so far, as a share of the look-ahead: round the sharpest corner a chord is half as long.
+const FARTHEST_SHARE: f64 = 2.0;
+
+/// How the vehicle keeps to a way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Keeping {
+    /// How far ahead the direction aims, metres.
+    pub(super) look_ahead_m: f64,
+    /// How far left of the road's middle the vehicle's lane is, metres.
+    pub(super) lane_left_m: f64,
+    /// Share of the distance to the lane's middle that is made good up to the look-ahead.
+    pub(super) share: f64,
+}
+
+/// The probability of road in the ground view.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub(super) probability: PlaneView<'a, u8>,
+    pub(super) known: PlaneView<'a, u8>,
+    pub(super) grid: &'a GroundGrid,
+}
+
+/// A way: a curve, or two lines joined by an arc.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    /// Its tangent beside the rear axle.
+    pub(super) start: RoadLine,
+    pub(super) curvature_per_m: f64,
+    /// Distance of the corner along the first line, turn and radius; none of a curve.
+    pub(super) corner: Option<(f64, f64, f64)>,
+}
+
+impl Way {
+    /// On, or round a corner.
+    pub(super) fn kind(&self) -> WayKind {
+        match self.corner {
+            None => WayKind::On,
+            Some((_, turn_rad, _)) if turn_rad > 0.0 => WayKind::Left,
+            Some(_) => WayKind::Right,
+        }
+    }
+
+    /// Place and direction at a distance along it from beside the rear axle, metres.
+    fn at(&self, along_m: f64) -> (Point2<f64>, f64) {
+        let RoadLine { place, heading_rad } = self.start;
+        let ahead = |place: Point2<f64>, heading_rad: f64, x: f64, y: f64| {
+            let (sin, cos) = heading_rad.sin_cos();
+            place + Vector2::new(cos * x - sin * y, sin * x + cos * y)
+        };
+        let Some((corner_m, turn_rad, radius_m)) = self.corner else {
+            let turned = self.curvature_per_m * along_m;
+            return (ahead(place, heading_rad, along_m, 0.5 * turned * along_m), heading_rad + turned);
+        };
+        let begin_m = corner_m - radius_m * (0.5 * turn_rad.abs()).tan();
+        let on_arc_rad = (along_m - begin_m) / radius_m;
+        if on_arc_rad <= 0.0 {
+            return (ahead(place, heading_rad, along_m, 0.0), heading_rad);
+        }
+        let arc_rad = on_arc_rad.min(turn_rad.abs());
+        let beside_m = turn_rad.signum() * radius_m * (1.0 - arc_rad.cos());
+        let on_arc = ahead(place, heading_rad, begin_m + radius_m * arc_rad.sin(), beside_m);
+        let direction_rad = heading_rad + turn_rad.signum() * arc_rad;
+        (ahead(on_arc, direction_rad, (on_arc_rad - arc_rad) * radius_m, 0.0), direction_rad)
+    }
+
+    /// How much more probable it is than no road at all, as a logarithm.
+    pub(super) fn evidence(&self, shown: &Shown<'_>, width_m: f64, log_odds: &LogOdds) -> f64 {
+        let cell_m2 = STATION_M * width_m / ACROSS.len() as f64;
+        let mut sum = 0.0;
+        for i in 0..STATIONS {
+            let (place, heading_rad) = self.at(i as f64 * STATION_M);
+            let (sin, cos) = heading_rad.sin_cos();
+            let at =
+                |across: f64| shown.log_odds(place + Vector2::new(-sin, cos) * (across * width_m), log_odds);
+            sum += ACROSS.iter().map(|across| at(*across)).sum::<f64>();
+            sum -= BESIDE.iter().map(|across| at(*across).clamp(-MOST_BESIDE, MOST_BESIDE)).sum::<f64>();
+        }
+        sum * cell_m2 / ERRS_TOGETHER_M2
+    }
+
+    /// Direction from the rear axle to the place on it at the look-ahead, where the vehicle comes nearer to its lane.
+    pub(super) fn bearing_rad(&self, keeping: &Keeping) -> f64 {
+        let place = |i: usize| self.at(i as f64 * STEP_M - BEHIND_M);
+        let steps = (BEHIND_M + FARTHEST_SHARE * keeping.look_ahead_m) / STEP_M;
+        let stations = || (0..=steps as usize).map(place);
+        let beside = stations()
+            .enumerate()
+            .min_by(|a, b| a.1.0.coords.norm_squared().total_cmp(&b.1.0.coords.norm_squared()));
+        let Some((first, (nearest, heading_rad))) = beside else { return 0.0 };
+        // The vehicle's place left of the way, and where it ought to be.
+        let left = |heading_rad: f64| Vector2::new(-heading_rad.sin(), heading_rad.cos());
+        let left_m = -nearest.coords.dot(&left(heading_rad));
+        let aim_m = left_m + keeping.share * (keeping.lane_left_m - left_m);
+        let aims = stations().skip(first).map(|(place, heading_rad)| place + left(heading_rad) * aim_m);
+        let reached = |place: &Point2<f64>| place.coords.norm() >= keeping.look_ahead_m;
+        aims.clone().find(reached).or_else(|| aims.last()).map_or(0.0, |place| place.y.atan2(place.x))
+    }
+}
+
+impl Shown<'_> {
+    /// Log-odds of road at a place; none where it is not known.
+    fn log_odds(&self, place: Point2<f64>, log_odds: &LogOdds) -> f64 {
+        let pixel = self.grid.ground_from_vehicle(place);
+        let (column, row) = (pixel.column.round(), pixel.row.round());
+        let (columns, rows) = (self.grid.columns() as f64, self.grid.rows() as f64);
+        if !(0.0..columns).contains(&column) || !(0.0..rows).contains(&row) {
+            return 0.0;
+        }
+        let (column, row) = (column as usize, row as usize);
+        if self.known.row(row)[column] == 0 {
+            return 0.0;
+        }
+        log_odds.0[usize::from(self.probability.row(row)[column])]
+    }
+}
+
+/// Log-odds of road of a pixel's level.
+#[derive(Debug, Clone)]
+pub(super) struct LogOdds([f64; 256]);
+
+impl Default for LogOdds {
+    fn default() -> Self {
+        let of_level = |level: usize| {
+            let p = (level as f64 + 0.5) / 256.0;
+            (p / (1.0 - p)).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS)
+        };
+        Self(std::array::from_fn(of_level))
+    }
+}
