@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use fingerpost_format::{FrameRecord, LanesRecord, from_json_lines};
+use fingerpost_format::{FrameRecord, LanesRecord, TruthRecord, from_json_lines, to_json_line};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -134,6 +134,29 @@ fn a_streak_of_salt_inside_the_lane_is_no_edge() {
     let near = left_px.iter().min_by(|a, b| (a[1] - 575.0).abs().total_cmp(&(b[1] - 575.0).abs())).unwrap();
     let dash_u = 418.0 - 0.77 * (near[1] - 575.0);
     assert!((near[0] - dash_u).abs() < 12.0, "{near:?} is not at {dash_u}");
+}
+
+/// A street between kerbs, with tar seams and parked cars, and a turn at a junction; nothing is painted on it.
+#[test]
+fn a_street_without_markings_has_no_lane() {
+    let camera = "[image]\nwidth = 1241\nheight = 376\n\
+        [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n\
+        [mount]\nheight_m = 1.65\npitch_deg = 0.75\n";
+    let folder = TempDir::new().unwrap();
+    let (camera_file, run) = (folder.path().join("camera.toml"), folder.path().join("run"));
+    fs::write(&camera_file, camera).unwrap();
+    let frames = data("kitti/frames00");
+    fingerpost(&["run", text(&frames), "--camera", text(&camera_file), "--out", text(&run)]);
+    let unmarked: Vec<TruthRecord> =
+        (0..130).map(|frame| TruthRecord { frame, ..TruthRecord::default() }).collect();
+    let truth = folder.path().join("truth.jsonl");
+    let lines: String = unmarked.iter().map(|record| to_json_line(record).unwrap()).collect();
+    fs::write(&truth, lines).unwrap();
+    let printed = fingerpost(&["evaluate", "lanes", text(&run), "--truth", text(&truth), "--json"]);
+    let numbers: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(numbers["clips"][0]["unmarked_frames"], 130);
+    let false_lanes_pct = numbers["clips"][0]["false_lanes_pct"].as_f64().unwrap();
+    assert!(false_lanes_pct <= 2.0, "{false_lanes_pct} %");
 }
 
 #[test]

@@ -2,9 +2,10 @@
 //!
 //! Paper 3 ("Drivable-Region and Lane-Detection System for Autonomous Vehicle Navigation"): low level (grey, frame buffer,
 //! region of interest), mid level (Canny, gradient orientation, dilation, labels, thinning) and high level (sections, Hough
-//! lines, selection, spline). Beyond the paper: an edge counts as one only where it bounds a bar of paint; its places are
-//! read from the picture to fractions of a pixel (`paint`); and the lane is followed as a curve on the road, which
-//! fills the gaps of broken lines and carries it through frames that show nothing.
+//! lines, selection, spline). Beyond the paper: an edge counts as one only where it bounds a bar that is likelier paint than
+//! anything else, by what lies on both sides of it (`paint_odds`); its places are read from the picture to fractions of a
+//! pixel (`paint`); and the lane is followed as a curve on the road, which fills the gaps of broken lines and carries it
+//! through frames that show nothing.
 
 mod config;
 mod dash_motion;
@@ -16,6 +17,7 @@ pub mod geometry;
 mod lane_filter;
 mod marking;
 mod paint;
+mod paint_odds;
 mod region;
 mod road_view;
 mod sections;

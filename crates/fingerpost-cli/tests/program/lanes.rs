@@ -39,6 +39,9 @@ fn warned_side(record: &FrameRecord) -> Option<Side> {
     record.lanes.as_ref()?.departure.as_ref()?.warning
 }
 
+/// Frames of an unmarked road in which a lane may be claimed, percent.
+const MOST_FALSE_LANES_PCT: f64 = 2.0;
+
 #[test]
 fn broken_and_double_lines_are_found_where_they_are() {
     for conditions in ["lane_broken", "lane_double"] {
@@ -84,6 +87,20 @@ fn a_road_without_lines_has_no_lane() {
     for (record, _) in records(&folder) {
         let lane = record.lanes.unwrap_or_default();
         assert!(lane.left_px.is_empty() && lane.right_px.is_empty(), "frame {}: {lane:?}", record.frame);
+    }
+}
+
+/// Bare soil between asphalt and grass, and grass that reaches into the asphalt.
+#[test]
+fn an_asphalts_edge_is_no_marking() {
+    for conditions in ["lane_none --fps 15", "unmarked"] {
+        let folder = driven(&format!("--course country --conditions {conditions} --seed 2 --frames 90"));
+        let at = folder.path().display();
+        let called =
+            call_line(&format!("evaluate lanes {at}/run --truth {at}/drive/truth.jsonl --json")).done();
+        let numbers: Value = serde_json::from_str(&called.stdout).unwrap();
+        let false_lanes_pct = numbers["clips"][0]["false_lanes_pct"].as_f64().unwrap();
+        assert!(false_lanes_pct <= MOST_FALSE_LANES_PCT, "{conditions}: {false_lanes_pct} %");
     }
 }
 

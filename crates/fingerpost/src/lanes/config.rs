@@ -71,9 +71,6 @@ pub struct LanesConfig {
     /// Frames for which an edge is kept although nothing of it is seen.
     #[schemars(range(min = 0, max = 200))]
     pub keep_frames: u32,
-    /// Frames in a row that must show a faint edge before it is given out; a clear one is given out at once.
-    #[schemars(range(min = 1, max = 50))]
-    pub show_frames: u32,
     /// When leaving the lane is warned of.
     pub departure: DepartureConfig,
 }
@@ -97,7 +94,6 @@ impl Default for LanesConfig {
             min_width_m: 2.2,
             max_width_m: 5.2,
             keep_frames: 15,
-            show_frames: 3,
             departure: DepartureConfig::default(),
         }
     }

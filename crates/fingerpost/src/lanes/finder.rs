@@ -11,6 +11,7 @@ use super::dash_motion::DashMotion;
 use super::edges::{LaneEdges, LaneError};
 use super::lane_filter::{LaneFilter, LaneMotion};
 use super::marking::MarkingNotes;
+use super::paint_odds::of_both;
 use super::region::LaneRegion;
 use super::road_view::RoadView;
 use super::sections::SectionLines;
@@ -25,8 +26,8 @@ const NEW_ROWS: usize = 9;
 const LOST_SHARE: f64 = 0.5;
 /// Frames without any paint after which an edge is looked for anew, while it is still kept.
 const MISSED_FRAMES: u32 = 2;
-/// Edges with so much paint together are given out at once, metres.
-const CLEAR_PAINTED_M: f64 = 6.0;
+/// Logarithm of the odds of paint from which an edge is given out, 10 to 1, and below whose negative it is none.
+const SURE_LOG_ODDS: f64 = std::f64::consts::LN_10;
 /// What a followed edge must show in a frame to count as seen.
 const SEEN_NEAR_M: f64 = 0.6;
 const SEEN_ROWS: usize = 4;
@@ -42,8 +43,7 @@ const INNER_SIGMA_M: f64 = 0.03;
 #[derive(Debug, Default)]
 struct Followed {
     active: bool,
-    /// Frames in a row that showed it, and frames since one did.
-    seen_frames: u32,
+    /// Frames since one showed it.
     kept_frames: u32,
     /// Frames that showed it in all, where it is now.
     times_seen: u32,
@@ -62,7 +62,7 @@ impl Followed {
         self.shown = false;
         self.quality = Quality::default();
         self.look = PaintLook::default();
-        (self.seen_frames, self.kept_frames, self.times_seen) = (0, 0, 0);
+        (self.kept_frames, self.times_seen) = (0, 0);
         (self.rival_frames, self.inside_frames) = (0, 0);
         self.notes.clear();
     }
@@ -133,8 +133,14 @@ impl LaneFinder {
         tracer.lay_rows(&evidence.region);
 
         self.follow(camera, input, before);
+        let had_right = self.followed[1].active;
         for side in Side::BOTH {
             self.acquire(camera, input, side);
+        }
+        // A line that is now seen on the right speaks for one on the left, too.
+        let [has_left, has_right] = [0, 1].map(|side: usize| self.followed[side].active);
+        if !has_left && !had_right && has_right {
+            self.acquire(camera, input, Side::Left);
         }
         self.look_at_dashes(camera, input);
         self.exchange_crossed();
@@ -254,12 +260,13 @@ impl LaneFinder {
         for reading in &self.tracer.readings[side.index()] {
             followed.notes.note(reading.ahead_m, reading.paint.as_ref(), reading.px_per_m);
         }
+        for (reading, paint, point) in self.tracer.used(side) {
+            followed.notes.note_bar(reading.ahead_m, paint, reading.px_per_m, point);
+        }
         if quality.used >= SEEN_ROWS && quality.near_m >= SEEN_NEAR_M {
-            followed.seen_frames += 1;
             followed.times_seen += 1;
             followed.kept_frames = 0;
         } else {
-            followed.seen_frames = 0;
             followed.kept_frames += 1;
         }
     }
@@ -278,21 +285,15 @@ impl LaneFinder {
         }
     }
 
-    /// Decides which edges are given out: not before they have been seen for a while, not long after.
+    /// Decides which edges are given out: not before they are surely painted, not long after they have been seen.
     fn judge(&mut self, input: &LaneInput<'_>) {
-        // Two edges that make a lane speak for each other.
-        let painted_m: f64 = self.followed.iter().filter(|f| f.active).map(|f| f.quality.painted_m).sum();
         let stands = input.vehicle.stands();
-        for followed in &mut self.followed {
-            if !followed.active {
-                continue;
-            }
-            let clear = followed.kept_frames == 0 && painted_m >= CLEAR_PAINTED_M;
-            if clear || followed.seen_frames >= self.config.show_frames {
-                followed.shown = true;
-            }
+        let odds = of_both([0, 1].map(|side| self.followed[side].notes.log_odds()));
+        for (followed, log_odds) in self.followed.iter_mut().zip(odds).filter(|(followed, _)| followed.active)
+        {
+            followed.shown |= log_odds >= SURE_LOG_ODDS;
             // A standing vehicle's lane stays where it is, whatever passes in front.
-            if followed.kept_frames > self.config.keep_frames && !stands {
+            if log_odds <= -SURE_LOG_ODDS || followed.kept_frames > self.config.keep_frames && !stands {
                 followed.forget();
             }
         }

@@ -66,6 +66,13 @@ pub(super) struct EdgePoint {
     pub(super) weight: f64,
 }
 
+impl EdgePoint {
+    /// Its squared distance from the fit, in its standard deviations, by its weight.
+    pub(super) fn squared_deviation(&self) -> f64 {
+        OUTLIER_SIGMAS * OUTLIER_SIGMAS * (1.0 / self.weight - 1.0).max(0.0)
+    }
+}
+
 /// How the vehicle moved since the frame before.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct LaneMotion {

@@ -3,7 +3,9 @@
 //! Paint that is seen, and gaps, are noted along the road; the vehicle's motion carries the notes, so that a line that is
 //! seen piece by piece is judged as a whole.
 
+use super::lane_filter::EdgePoint;
 use super::paint::PaintEdge;
+use super::paint_odds::{BarLooks, LineOdds, PLACE_M};
 
 /// How a marking is painted along the road.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -40,8 +42,6 @@ pub struct Marking {
     pub colour: MarkingColour,
 }
 
-/// Length of road that shares a note, metres: short against a dash.
-const NOTE_M: f64 = 0.5;
 /// Notes kept: 40 m, some periods of a broken line.
 const NOTES: usize = 80;
 /// Notes of a frame begin so far behind the vehicle's axle, metres.
@@ -71,6 +71,7 @@ const FEWEST_POINTS: f64 = 6.0;
 struct Note {
     looks: f32,
     paint: f32,
+    bar: BarLooks,
 }
 
 /// What has been seen of a marking.
@@ -109,8 +110,8 @@ impl MarkingNotes {
     /// The vehicle has moved on.
     pub(super) fn advance(&mut self, forward_m: f64) {
         self.driven_m += forward_m;
-        while self.driven_m >= NOTE_M {
-            self.driven_m -= NOTE_M;
+        while self.driven_m >= PLACE_M {
+            self.driven_m -= PLACE_M;
             self.notes.rotate_left(1);
             if let Some(last) = self.notes.last_mut() {
                 *last = Note::default();
@@ -123,7 +124,7 @@ impl MarkingNotes {
 
     /// A place on the edge has been looked at; `px_per_m` is the picture's scale across the lane there.
     pub(super) fn note(&mut self, ahead_m: f64, paint: Option<&PaintEdge>, px_per_m: f64) {
-        let index = (ahead_m + self.driven_m + BEHIND_M) / NOTE_M;
+        let index = (ahead_m + self.driven_m + BEHIND_M) / PLACE_M;
         let within = ahead_m <= FARTHEST_M && index >= 0.0;
         if let Some(note) = self.notes.get_mut(index as usize).filter(|_| within) {
             note.looks += 1.0;
@@ -132,11 +133,29 @@ impl MarkingNotes {
         let Some(paint) = paint.filter(|_| ahead_m <= FARTHEST_M) else { return };
         self.points += 1.0;
         self.brightness += paint.step;
-        self.yellowness += paint.yellowness;
+        self.yellowness += paint.yellowness();
         let second = |px: f64| (SECOND_M[0]..=SECOND_M[1]).contains(&(px / px_per_m));
         if paint.second_px.is_some_and(second) {
             self.doubled += 1.0;
         }
+    }
+
+    /// Paint lies on the edge at a place; `point` is what the fit made of it.
+    pub(super) fn note_bar(&mut self, ahead_m: f64, paint: &PaintEdge, px_per_m: f64, point: &EdgePoint) {
+        let index = (ahead_m + self.driven_m + BEHIND_M) / PLACE_M;
+        let within = ahead_m <= FARTHEST_M && index >= 0.0;
+        if let Some(note) = self.notes.get_mut(index as usize).filter(|_| within) {
+            note.bar.merge(&BarLooks::at(paint, px_per_m, point));
+        }
+    }
+
+    /// Logarithm of the odds that the line is painted, by all that has been seen.
+    pub(super) fn log_odds(&self) -> f64 {
+        let mut line = LineOdds::default();
+        for (place, note) in self.notes.iter().enumerate().filter(|(_, note)| note.bar.is_seen()) {
+            line.add(place, &note.bar, f64::from(note.looks));
+        }
+        line.log_odds()
     }
 
     /// What the marking is by all that has been seen.
@@ -180,10 +199,13 @@ impl MarkingNotes {
 
 #[cfg(test)]
 mod tests {
+    use super::super::paint::PaintSides;
     use super::*;
 
     fn paint(yellowness: f64, second_px: Option<f64>) -> PaintEdge {
-        PaintEdge { u: 0.0, width_px: 8.0, step: 100.0, second_px, yellowness }
+        let road = [90.0; 3];
+        let sides = PaintSides { inside: road, paint: [190.0, 190.0, 190.0 - yellowness], outside: road };
+        PaintEdge { u: 0.0, width_px: 8.0, step: 100.0, second_px, sides }
     }
 
     /// A drive of 60 m past a line that is painted where `painted` says, looked at from 5 to 20 m ahead.

@@ -3,10 +3,15 @@
 //! Rows of the camera's own picture are read where an edge is expected. An edge of paint rises towards the outside and falls
 //! again within a marking's width; the step of a kerb or a shadow does not fall again.
 
+mod sides;
+
+use self::sides::BarPlace;
 use super::Side;
 
+pub(super) use self::sides::PaintSides;
+
 /// Widths that markings have, metres: a worn narrow line to a wide one.
-const PAINT_WIDTH_M: [f64; 2] = [0.05, 0.42];
+pub(super) const PAINT_WIDTH_M: [f64; 2] = [0.05, 0.42];
 /// Length over which brightness is averaged on either side of a step, metres.
 const SIDE_M: f64 = 0.05;
 /// The same in pixels.
@@ -37,8 +42,16 @@ pub(super) struct PaintEdge {
     pub(super) step: f64,
     /// How much further outside another bar begins, pixels, where one does within reach.
     pub(super) second_px: Option<f64>,
+    /// Its colour and those beside it.
+    pub(super) sides: PaintSides,
+}
+
+impl PaintEdge {
     /// How much yellower than the road it is: the gain of red and green over that of blue, levels.
-    pub(super) yellowness: f64,
+    pub(super) fn yellowness(&self) -> f64 {
+        let gain = |channel: usize| self.sides.paint[channel] - self.sides.inside[channel];
+        0.5 * (gain(0) + gain(1)) - gain(2)
+    }
 }
 
 /// Where in a row paint is looked for.
@@ -123,12 +136,21 @@ impl PaintFinder {
         let second = self.bars[index + 1..]
             .iter()
             .find(|next| next.rise > bar.fall && next.step >= INNER_SHARE * bar.step);
+        let beyond = second.map_or(count, |next| next.rise).min(count);
+        let place = BarPlace {
+            side: search.side,
+            first: column(bar.rise),
+            width_px: bar.fall - bar.rise,
+            outside_px: BESIDE * side,
+            room_px: beyond.saturating_sub(bar.fall + 1),
+            px_per_m: search.px_per_m,
+        };
         Some(PaintEdge {
             u: inner as f64 + outward * (rise - 0.5),
             width_px: fall - rise,
             step: f64::from(bar.step),
             second_px: second.map(|next| next.rise as f64 - rise),
-            yellowness: yellowness(row, &column, bar, side),
+            sides: PaintSides::read(row, &place),
         })
     }
 
@@ -209,23 +231,6 @@ fn level_thirds(&[red, _, blue]: &[u8; 3]) -> i32 {
     4 * i32::from(red) - i32::from(blue)
 }
 
-fn yellowness(row: &[u8], column: &impl Fn(usize) -> usize, bar: Bar, side: usize) -> f64 {
-    let mean = |from: usize, to: usize| {
-        let mut sums = [0.0_f64; 3];
-        for index in from..to {
-            let at = 3 * column(index);
-            for (sum, &value) in sums.iter_mut().zip(&row[at..at + 3]) {
-                *sum += f64::from(value);
-            }
-        }
-        sums.map(|sum| sum / (to - from).max(1) as f64)
-    };
-    let paint = mean(bar.rise, bar.fall);
-    let road = mean(bar.rise.saturating_sub(side + 1), bar.rise.saturating_sub(1));
-    let gain = |channel: usize| paint[channel] - road[channel];
-    0.5 * (gain(0) + gain(1)) - gain(2)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -289,7 +294,7 @@ mod tests {
             row[3 * column + 2] = 60;
         }
         let found = PaintFinder::default().find(&row, &search(Side::Left, 67.0)).unwrap();
-        assert!(found.yellowness > 60.0, "{found:?}");
+        assert!(found.yellowness() > 60.0, "{found:?}");
     }
 
     #[test]

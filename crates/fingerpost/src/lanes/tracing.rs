@@ -225,11 +225,13 @@ fn length_m(readings: &[Reading], piece: &Range<usize>) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::paint::PaintSides;
     use super::*;
 
     /// Rows half a metre apart that show paint where `painted` has a mark.
     fn readings(painted: &str) -> Vec<Reading> {
-        let paint = PaintEdge { u: 0.0, width_px: 8.0, step: 100.0, second_px: None, yellowness: 0.0 };
+        let paint =
+            PaintEdge { u: 0.0, width_px: 8.0, step: 100.0, second_px: None, sides: PaintSides::default() };
         let reading = |(index, mark): (usize, char)| Reading {
             row: 400.0 - index as f64,
             ahead_m: 6.0 + 0.5 * index as f64,

@@ -5,6 +5,7 @@ use fingerpost_geometry::Camera;
 
 use super::{CROSSED_M, LaneFinder, MISSED_FRAMES, NEW_ROWS};
 use crate::lanes::lane_filter::LaneFilter;
+use crate::lanes::paint_odds::of_both;
 use crate::lanes::road_view::RoadView;
 use crate::lanes::sections::{LineCandidate, LineVerdict};
 use crate::lanes::tracing::{PaintAlong, PaintLook, Quality, Reach};
@@ -14,7 +15,8 @@ use crate::lanes::{LaneInput, LanesConfig, Side};
 const TRIALS: usize = 3;
 /// How far a candidate's first guess may be off, metres.
 const SEED_SIGMA_M: f64 = 0.15;
-/// What a new edge must show: paint over a length, in rows, near the fit, of an even width.
+/// What a new edge must show, beside odds that it is rather painted than not: paint over a length, in rows, near the fit, of
+/// an even width.
 const NEW_PAINTED_M: f64 = 2.5;
 const NEW_NEAR_M: f64 = 1.2;
 const MOST_RESIDUAL_SIGMAS: f64 = 1.5;
@@ -144,7 +146,6 @@ impl LaneFinder {
         if is_established && !is_same && followed.rival_frames + 1 < RIVAL_FRAMES {
             return Tried::NotYet;
         }
-        let times_seen = if is_same { followed.times_seen } else { 0 };
         let width_m = trial.filter.offset_m(Side::Left) - trial.filter.offset_m(Side::Right);
         let makes_lane = (self.config.min_width_m..=self.config.max_width_m).contains(&width_m);
         let other = &mut self.followed[side.other().index()];
@@ -156,10 +157,11 @@ impl LaneFinder {
         }
         self.filter = trial.filter;
         let followed = &mut self.followed[side.index()];
-        followed.forget();
-        followed.active = true;
-        followed.look = trial.look;
-        followed.times_seen = times_seen;
+        // What is known of an edge that is seen again is known of it still.
+        if !is_same {
+            followed.forget();
+        }
+        (followed.active, followed.look, followed.rival_frames) = (true, trial.look, 0);
         self.lines.candidates_mut()[index].verdict = LineVerdict::Kept;
         self.tracer.evidence(&[side], &mut self.evidence.traced);
         self.note_quality(side, trial.quality);
@@ -200,8 +202,17 @@ impl LaneFinder {
         self.tracer.drop_unlike(side, &mut look);
         self.tracer.fit(camera, &mut settled, &[side], [look; 2]);
         let quality = self.tracer.quality(camera, &settled, side);
-        let taken = is_sound(&self.config, &settled, &quality) && self.makes_lane(&settled, &quality, side);
+        let taken = is_sound(&self.config, &settled, &quality)
+            && self.is_rather_paint(&quality, side)
+            && self.makes_lane(&settled, &quality, side);
         taken.then_some(Trial { filter: settled, quality, look })
+    }
+
+    /// Whether a new edge is rather painted than not, by what it shows and by the other one.
+    fn is_rather_paint(&self, quality: &Quality, side: Side) -> bool {
+        let mut log_odds = [quality.log_odds; 2];
+        log_odds[side.other().index()] = self.followed[side.other().index()].notes.log_odds();
+        of_both(log_odds)[side.index()] >= 0.0
     }
 
     /// Whether a new edge is beside the vehicle and makes a lane with the other one, or is the one of both that is right.

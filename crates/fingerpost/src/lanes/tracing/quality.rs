@@ -3,9 +3,11 @@
 use fingerpost_geometry::{Camera, Pixel};
 
 use super::super::Side;
-use super::super::lane_filter::LaneFilter;
+use super::super::lane_filter::{EdgePoint, LaneFilter};
+use super::super::paint::PaintEdge;
+use super::super::paint_odds::{BarLooks, LineOdds, PLACE_M};
 use super::super::road_view::RoadView;
-use super::Tracer;
+use super::{Reading, Tracer};
 
 /// Paint up to this distance is near, metres: there a bar is several pixels wide, and a broken line shows a dash.
 const NEAR_M: f64 = 20.0;
@@ -53,6 +55,8 @@ pub(in super::super) struct Quality {
     pub(in super::super) residual_sigmas: f64,
     /// Spread of the paint's width in metres against its mean.
     pub(in super::super) width_spread: f64,
+    /// Logarithm of the odds that it is painted.
+    pub(in super::super) log_odds: f64,
 }
 
 impl Tracer {
@@ -63,6 +67,7 @@ impl Tracer {
         let (mut squares, mut widths, mut width_squares) = (0.0, 0.0, 0.0);
         let mut points = self.points.iter().filter(|point| point.side == side);
         let readings = &self.readings[side.index()];
+        let mut line = LineOdds::default();
         for (index, reading) in readings.iter().enumerate() {
             let Some(paint) = reading.paint else { continue };
             let Some(point) = points.next() else { break };
@@ -71,6 +76,10 @@ impl Tracer {
                 continue;
             }
             quality.used += 1;
+            line.add_seen(
+                (reading.ahead_m / PLACE_M) as usize,
+                &BarLooks::at(&paint, reading.px_per_m, point),
+            );
             let next = readings.get(index + 1).map_or(reading.ahead_m, |next| next.ahead_m);
             let length_m = (next - reading.ahead_m).max(0.0);
             quality.painted_m += length_m;
@@ -85,6 +94,7 @@ impl Tracer {
                 squares += (off_m * reading.px_per_m / point.sigma_px).powi(2);
             }
         }
+        quality.log_odds = line.log_odds();
         if quality.used > 0 {
             let count = quality.used as f64;
             quality.residual_sigmas = (squares / count).sqrt();
@@ -92,6 +102,18 @@ impl Tracer {
             quality.width_spread = (width_squares / count - mean * mean).max(0.0).sqrt() / mean.max(1e-6);
         }
         quality
+    }
+
+    /// Where the last fit used a side's paint.
+    pub(in super::super) fn used(
+        &self,
+        side: Side,
+    ) -> impl Iterator<Item = (&Reading, &PaintEdge, &EdgePoint)> {
+        let painted =
+            self.readings[side.index()].iter().filter_map(|reading| Some((reading, reading.paint.as_ref()?)));
+        let points = self.points.iter().filter(move |point| point.side == side);
+        let used = painted.zip(points).filter(|(_, point)| point.weight >= USED_WEIGHT);
+        used.map(|((reading, paint), point)| (reading, paint, point))
     }
 
     /// Appends what was looked for and found.
