@@ -77,7 +77,7 @@ impl Way {
             let turned = self.curvature_per_m * along_m;
             return (ahead(place, heading_rad, along_m, 0.5 * turned * along_m), heading_rad + turned);
         };
-        let begin_m = corner_m - radius_m * (0.5 * turn_rad.abs()).tan();
+        let begin_m = arc_begins_m(corner_m, turn_rad, radius_m);
         let on_arc_rad = (along_m - begin_m) / radius_m;
         if on_arc_rad <= 0.0 {
             return (ahead(place, heading_rad, along_m, 0.0), heading_rad);
@@ -89,19 +89,15 @@ impl Way {
         (ahead(on_arc, direction_rad, (on_arc_rad - arc_rad) * radius_m, 0.0), direction_rad)
     }
 
-    /// How much more probable it is than no road at all, as a logarithm.
-    pub(super) fn evidence(&self, shown: &Shown<'_>, width_m: f64, log_odds: &LogOdds) -> f64 {
-        let cell_m2 = STATION_M * width_m / ACROSS.len() as f64;
-        let mut sum = 0.0;
-        for i in 0..STATIONS {
-            let (place, heading_rad) = self.at(i as f64 * STATION_M);
-            let (sin, cos) = heading_rad.sin_cos();
-            let at =
-                |across: f64| shown.log_odds(place + Vector2::new(-sin, cos) * (across * width_m), log_odds);
-            sum += ACROSS.iter().map(|across| at(*across)).sum::<f64>();
-            sum -= BESIDE.iter().map(|across| at(*across).clamp(-MOST_BESIDE, MOST_BESIDE)).sum::<f64>();
-        }
-        sum * cell_m2 / ERRS_TOGETHER_M2
+    /// How much more probable it is than no road at all, as a logarithm; `approach` is what the line that it begins with is worth.
+    pub(super) fn evidence(&self, shown: &Band<'_>, approach: &Approach) -> f64 {
+        let begin_m =
+            self.corner.map(|(corner_m, turn_rad, radius_m)| arc_begins_m(corner_m, turn_rad, radius_m));
+        // Up to its corner a way is its first line, which all corners share.
+        let shared =
+            begin_m.map_or(0, |begin_m| (begin_m / STATION_M + 1.0).clamp(0.0, STATIONS as f64) as usize);
+        let others = (shared..STATIONS).map(|i| shown.station(self.at(i as f64 * STATION_M)));
+        shown.evidence(approach.0[shared] + others.sum::<f64>())
     }
 
     /// Direction from the rear axle to the place on it at the look-ahead, where the vehicle comes nearer to its lane.
@@ -121,6 +117,57 @@ impl Way {
         let reached = |place: &Point2<f64>| place.coords.norm() >= keeping.look_ahead_m;
         aims.clone().find(reached).or_else(|| aims.last()).map_or(0.0, |place| place.y.atan2(place.x))
     }
+}
+
+/// What the stations of the line that ways begin with are worth: the sum of the first of them, for each number of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Approach([f64; STATIONS + 1]);
+
+impl Approach {
+    /// Of the ways that begin with this line.
+    pub(super) fn new(start: RoadLine, shown: &Band<'_>) -> Self {
+        let line = Way { start, curvature_per_m: 0.0, corner: None };
+        let mut sums = [0.0; STATIONS + 1];
+        for i in 0..STATIONS {
+            sums[i + 1] = sums[i] + shown.station(line.at(i as f64 * STATION_M));
+        }
+        Self(sums)
+    }
+
+    /// How much more probable the line alone is than no road at all, as a logarithm.
+    pub(super) fn evidence(&self, shown: &Band<'_>) -> f64 {
+        shown.evidence(self.0[STATIONS])
+    }
+}
+
+/// The surface under bands of one width, metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Band<'a> {
+    pub(super) shown: &'a Shown<'a>,
+    pub(super) width_m: f64,
+    pub(super) log_odds: &'a LogOdds,
+}
+
+impl Band<'_> {
+    /// What all stations together say, of which neighbours err alike.
+    fn evidence(&self, stations: f64) -> f64 {
+        let cell_m2 = STATION_M * self.width_m / ACROSS.len() as f64;
+        stations * cell_m2 / ERRS_TOGETHER_M2
+    }
+
+    /// Log-odds of road across a band at a station, a place with a direction, less those of what is beside it.
+    fn station(&self, (place, heading_rad): (Point2<f64>, f64)) -> f64 {
+        let (sin, cos) = heading_rad.sin_cos();
+        let left = Vector2::new(-sin, cos) * self.width_m;
+        let at = |across: &f64| self.shown.log_odds(place + left * *across, self.log_odds);
+        let beside = |across: &f64| at(across).clamp(-MOST_BESIDE, MOST_BESIDE);
+        ACROSS.iter().map(at).sum::<f64>() - BESIDE.iter().map(beside).sum::<f64>()
+    }
+}
+
+/// How far along its first line a way leaves it for the arc round a corner, metres.
+fn arc_begins_m(corner_m: f64, turn_rad: f64, radius_m: f64) -> f64 {
+    corner_m - radius_m * (0.5 * turn_rad.abs()).tan()
 }
 
 impl Shown<'_> {

@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::Centreline;
-use super::band::{LogOdds, Shown, Way};
+use super::band::{Approach, Band, LogOdds, Shown};
 use super::turn::RoadLine;
 
 /// How sure a line is at the most before it is settled, metres and radians: what frames that follow each other show errs alike.
@@ -11,6 +11,7 @@ const LEAST_SIGMA: [f64; 2] = [0.2, 0.05];
 /// A line is settled within so many standard deviations, in so many steps to either side.
 const SETTLE_SIGMAS: f64 = 2.5;
 const SETTLE_STEPS: i32 = 6;
+const TRIED: usize = (2 * SETTLE_STEPS as usize + 1).pow(2);
 
 /// Where a straight road lies of which a line is believed: the line and the standard deviations of its offset, metres, and of
 /// its direction, radians, by the road under bands about it.
@@ -20,6 +21,7 @@ pub(super) fn settle(
     road: &Centreline,
     sigma: [f64; 2],
 ) -> (RoadLine, [f64; 2]) {
+    let band = Band { shown, width_m: road.width_m, log_odds };
     let sigma = [0, 1].map(|axis| sigma[axis].max(LEAST_SIGMA[axis]));
     let steps = || -SETTLE_STEPS..=SETTLE_STEPS;
     let at = |i: i32, sigma: f64| f64::from(i) / f64::from(SETTLE_STEPS) * SETTLE_SIGMAS * sigma;
@@ -28,13 +30,14 @@ pub(super) fn settle(
         let (offset_m, turn_rad) = (at(i, sigma[0]), at(j, sigma[1]));
         let place = Point2::new(0.0, road.offset_m + offset_m);
         let start = RoadLine { place, heading_rad: road.heading_rad + turn_rad };
-        let way = Way { start, curvature_per_m: 0.0, corner: None };
         let expected = -0.5 * ((offset_m / sigma[0]).powi(2) + (turn_rad / sigma[1]).powi(2));
-        (way.evidence(shown, road.width_m, log_odds) + expected, [offset_m, turn_rad])
+        (Approach::new(start, &band).evidence(&band) + expected, [offset_m, turn_rad])
     };
-    let most = tried().map(|at| evidence(at).0).fold(f64::NEG_INFINITY, f64::max);
+    let mut evidences = [(0.0, [0.0; 2]); TRIED];
+    evidences.iter_mut().zip(tried()).for_each(|(of, at)| *of = evidence(at));
+    let most = evidences.iter().map(|(evidence, _)| *evidence).fold(f64::NEG_INFINITY, f64::max);
     let (mut all, mut sum, mut squares) = (0.0, [0.0; 2], [0.0; 2]);
-    for (evidence, off) in tried().map(evidence) {
+    for (evidence, off) in evidences {
         let weight = (evidence - most).exp();
         all += weight;
         for axis in [0, 1] {

@@ -10,7 +10,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::Centreline;
-use super::band::{Keeping, LogOdds, Shown, Way};
+use super::band::{Approach, Band, Keeping, LogOdds, Shown, Way};
 use super::turn::{Corner, RoadLine, middle_radius_m};
 
 /// Corners that are tried: distances along the road from the rear axle, metres, and turns, radians (20 to 110 degrees: less is
@@ -134,17 +134,17 @@ impl WayFinder {
         self.tried.clear();
         let on = Way { start, curvature_per_m: road.curvature_per_m, corner: None };
         let expected = Expected::new(&start, remembered);
-        self.tried.push((on, on.evidence(shown, road.width_m, &self.log_odds) + expected.on()));
+        let band = Band { shown, width_m: road.width_m, log_odds: &self.log_odds };
+        let approach = Approach::new(start, &band);
+        self.tried.push((on, on.evidence(&band, &approach) + expected.on()));
         for place in 0..PLACES {
             let corner_m = FROM_M + place as f64 * EVERY_M;
             for turn in 0..2 * TURNS {
                 let size_rad = LEAST_TURN_RAD + (turn / 2) as f64 * TURN_STEP_RAD;
                 let turn_rad = if turn % 2 == 0 { size_rad } else { -size_rad };
                 let way = Way { start, curvature_per_m: 0.0, corner: Some((corner_m, turn_rad, radius_m)) };
-                self.tried.push((
-                    way,
-                    way.evidence(shown, road.width_m, &self.log_odds) + expected.corner(corner_m, turn_rad),
-                ));
+                let evidence = way.evidence(&band, &approach) + expected.corner(corner_m, turn_rad);
+                self.tried.push((way, evidence));
             }
         }
         let mut ways = self.summed(road, keeping);
