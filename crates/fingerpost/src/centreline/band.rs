@@ -46,76 +46,130 @@ pub(super) struct Shown<'a> {
     pub(super) grid: &'a GroundGrid,
 }
 
+/// A place on a way and the unit vector along it.
+pub(super) type Station = (Point2<f64>, Vector2<f64>);
+
 /// A way: a curve, or two lines joined by an arc.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
     /// Its tangent beside the rear axle.
-    pub(super) start: RoadLine,
-    pub(super) curvature_per_m: f64,
-    /// Distance of the corner along the first line, turn and radius; none of a curve.
-    pub(super) corner: Option<(f64, f64, f64)>,
+    start: Station,
+    curvature_per_m: f64,
+    turn: Option<Turn>,
+}
+
+/// A corner of a way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    /// Distance along the first line, metres.
+    pub(super) corner_m: f64,
+    /// By how much the way turns, radians, positive to the left.
+    pub(super) turn_rad: f64,
+    radius_m: f64,
+    /// Where the arc begins and ends along the way, metres.
+    arc_m: [f64; 2],
+    /// The place where it ends.
+    exit: Station,
+}
+
+/// Of a place on a line, the one that is so far along it and to its left.
+fn ahead((place, direction): Station, x: f64, y: f64) -> Point2<f64> {
+    place + direction * x + left(direction) * y
+}
+
+fn left(direction: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-direction.y, direction.x)
+}
+
+/// A direction turned to the left.
+fn turned(direction: Vector2<f64>, by_rad: f64) -> Vector2<f64> {
+    let (sin, cos) = by_rad.sin_cos();
+    direction * cos + left(direction) * sin
 }
 
 impl Way {
+    /// On along a curve.
+    pub(super) fn on(start: &RoadLine, curvature_per_m: f64) -> Self {
+        Self { start: (start.place, start.direction()), curvature_per_m, turn: None }
+    }
+
+    /// Straight to a corner, round it and straight on.
+    pub(super) fn round(start: &RoadLine, corner_m: f64, turn_rad: f64, radius_m: f64) -> Self {
+        let (size_rad, sign) = (turn_rad.abs(), turn_rad.signum());
+        let begin_m = corner_m - radius_m * (0.5 * size_rad).tan();
+        let start = (start.place, start.direction());
+        let place =
+            ahead(start, begin_m + radius_m * size_rad.sin(), sign * radius_m * (1.0 - size_rad.cos()));
+        let turn = Turn {
+            corner_m,
+            turn_rad,
+            radius_m,
+            arc_m: [begin_m, begin_m + radius_m * size_rad],
+            exit: (place, turned(start.1, turn_rad)),
+        };
+        Self { start, curvature_per_m: 0.0, turn: Some(turn) }
+    }
+
+    /// Its corner; none of a curve.
+    pub(super) fn turn(&self) -> Option<&Turn> {
+        self.turn.as_ref()
+    }
+
     /// On, or round a corner.
     pub(super) fn kind(&self) -> WayKind {
-        match self.corner {
+        match &self.turn {
             None => WayKind::On,
-            Some((_, turn_rad, _)) if turn_rad > 0.0 => WayKind::Left,
+            Some(turn) if turn.turn_rad > 0.0 => WayKind::Left,
             Some(_) => WayKind::Right,
         }
     }
 
-    /// Place and direction at a distance along it from beside the rear axle, metres.
-    fn at(&self, along_m: f64) -> (Point2<f64>, f64) {
-        let RoadLine { place, heading_rad } = self.start;
-        let ahead = |place: Point2<f64>, heading_rad: f64, x: f64, y: f64| {
-            let (sin, cos) = heading_rad.sin_cos();
-            place + Vector2::new(cos * x - sin * y, sin * x + cos * y)
+    /// The station at a distance along it from beside the rear axle, metres.
+    fn at(&self, along_m: f64) -> Station {
+        let (_, direction) = self.start;
+        let Some(turn) = &self.turn else {
+            let turned_rad = self.curvature_per_m * along_m;
+            return (ahead(self.start, along_m, 0.5 * turned_rad * along_m), turned(direction, turned_rad));
         };
-        let Some((corner_m, turn_rad, radius_m)) = self.corner else {
-            let turned = self.curvature_per_m * along_m;
-            return (ahead(place, heading_rad, along_m, 0.5 * turned * along_m), heading_rad + turned);
-        };
-        let begin_m = arc_begins_m(corner_m, turn_rad, radius_m);
-        let on_arc_rad = (along_m - begin_m) / radius_m;
-        if on_arc_rad <= 0.0 {
-            return (ahead(place, heading_rad, along_m, 0.0), heading_rad);
+        let [begin_m, end_m] = turn.arc_m;
+        if along_m <= begin_m {
+            (ahead(self.start, along_m, 0.0), direction)
+        } else if along_m >= end_m {
+            (ahead(turn.exit, along_m - end_m, 0.0), turn.exit.1)
+        } else {
+            let (arc_rad, sign) = ((along_m - begin_m) / turn.radius_m, turn.turn_rad.signum());
+            let (sin, cos) = arc_rad.sin_cos();
+            let place = ahead(self.start, begin_m + turn.radius_m * sin, sign * turn.radius_m * (1.0 - cos));
+            (place, direction * cos + left(direction) * (sign * sin))
         }
-        let arc_rad = on_arc_rad.min(turn_rad.abs());
-        let beside_m = turn_rad.signum() * radius_m * (1.0 - arc_rad.cos());
-        let on_arc = ahead(place, heading_rad, begin_m + radius_m * arc_rad.sin(), beside_m);
-        let direction_rad = heading_rad + turn_rad.signum() * arc_rad;
-        (ahead(on_arc, direction_rad, (on_arc_rad - arc_rad) * radius_m, 0.0), direction_rad)
     }
 
     /// How much more probable it is than no road at all, as a logarithm; `approach` is what the line that it begins with is worth.
     pub(super) fn evidence(&self, shown: &Band<'_>, approach: &Approach) -> f64 {
-        let begin_m =
-            self.corner.map(|(corner_m, turn_rad, radius_m)| arc_begins_m(corner_m, turn_rad, radius_m));
         // Up to its corner a way is its first line, which all corners share.
-        let shared =
-            begin_m.map_or(0, |begin_m| (begin_m / STATION_M + 1.0).clamp(0.0, STATIONS as f64) as usize);
+        let shared_m = self.turn.as_ref().map_or(-STATION_M, |turn| turn.arc_m[0]);
+        let shared = (shared_m / STATION_M + 1.0).clamp(0.0, STATIONS as f64) as usize;
         let others = (shared..STATIONS).map(|i| shown.station(self.at(i as f64 * STATION_M)));
         shown.evidence(approach.0[shared] + others.sum::<f64>())
     }
 
-    /// Direction from the rear axle to the place on it at the look-ahead, where the vehicle comes nearer to its lane.
-    pub(super) fn bearing_rad(&self, keeping: &Keeping) -> f64 {
-        let place = |i: usize| self.at(i as f64 * STEP_M - BEHIND_M);
-        let steps = (BEHIND_M + FARTHEST_SHARE * keeping.look_ahead_m) / STEP_M;
-        let stations = || (0..=steps as usize).map(place);
-        let beside = stations()
+    /// Direction from the rear axle to the place on it at the look-ahead, where the vehicle comes nearer to its lane; `stations` is
+    /// memory.
+    pub(super) fn bearing_rad(&self, keeping: &Keeping, stations: &mut Vec<Station>) -> f64 {
+        let steps = ((BEHIND_M + FARTHEST_SHARE * keeping.look_ahead_m) / STEP_M) as usize;
+        stations.clear();
+        stations.extend((0..=steps).map(|i| self.at(i as f64 * STEP_M - BEHIND_M)));
+        let beside = stations
+            .iter()
             .enumerate()
             .min_by(|a, b| a.1.0.coords.norm_squared().total_cmp(&b.1.0.coords.norm_squared()));
-        let Some((first, (nearest, heading_rad))) = beside else { return 0.0 };
+        let Some((first, (nearest, direction))) = beside else { return 0.0 };
         // The vehicle's place left of the way, and where it ought to be.
-        let left = |heading_rad: f64| Vector2::new(-heading_rad.sin(), heading_rad.cos());
-        let left_m = -nearest.coords.dot(&left(heading_rad));
+        let left_m = -nearest.coords.dot(&left(*direction));
         let aim_m = left_m + keeping.share * (keeping.lane_left_m - left_m);
-        let aims = stations().skip(first).map(|(place, heading_rad)| place + left(heading_rad) * aim_m);
+        let mut aims = stations[first..].iter().map(|(place, direction)| place + left(*direction) * aim_m);
         let reached = |place: &Point2<f64>| place.coords.norm() >= keeping.look_ahead_m;
-        aims.clone().find(reached).or_else(|| aims.last()).map_or(0.0, |place| place.y.atan2(place.x))
+        aims.clone().find(reached).or_else(|| aims.next_back()).map_or(0.0, |place| place.y.atan2(place.x))
     }
 }
 
@@ -125,8 +179,8 @@ pub(super) struct Approach([f64; STATIONS + 1]);
 
 impl Approach {
     /// Of the ways that begin with this line.
-    pub(super) fn new(start: RoadLine, shown: &Band<'_>) -> Self {
-        let line = Way { start, curvature_per_m: 0.0, corner: None };
+    pub(super) fn new(start: &RoadLine, shown: &Band<'_>) -> Self {
+        let line = Way::on(start, 0.0);
         let mut sums = [0.0; STATIONS + 1];
         for i in 0..STATIONS {
             sums[i + 1] = sums[i] + shown.station(line.at(i as f64 * STATION_M));
@@ -156,25 +210,20 @@ impl Band<'_> {
     }
 
     /// Log-odds of road across a band at a station, a place with a direction, less those of what is beside it.
-    fn station(&self, (place, heading_rad): (Point2<f64>, f64)) -> f64 {
-        let (sin, cos) = heading_rad.sin_cos();
-        let left = Vector2::new(-sin, cos) * self.width_m;
+    fn station(&self, (place, direction): Station) -> f64 {
+        let left = left(direction) * self.width_m;
         let at = |across: &f64| self.shown.log_odds(place + left * *across, self.log_odds);
         let beside = |across: &f64| at(across).clamp(-MOST_BESIDE, MOST_BESIDE);
         ACROSS.iter().map(at).sum::<f64>() - BESIDE.iter().map(beside).sum::<f64>()
     }
 }
 
-/// How far along its first line a way leaves it for the arc round a corner, metres.
-fn arc_begins_m(corner_m: f64, turn_rad: f64, radius_m: f64) -> f64 {
-    corner_m - radius_m * (0.5 * turn_rad.abs()).tan()
-}
-
 impl Shown<'_> {
     /// Log-odds of road at a place; none where it is not known.
     fn log_odds(&self, place: Point2<f64>, log_odds: &LogOdds) -> f64 {
         let pixel = self.grid.ground_from_vehicle(place);
-        let (column, row) = (pixel.column.round(), pixel.row.round());
+        // Half a pixel up, and what is behind the point left away, is the nearest pixel.
+        let (column, row) = (pixel.column + 0.5, pixel.row + 0.5);
         let (columns, rows) = (self.grid.columns() as f64, self.grid.rows() as f64);
         if !(0.0..columns).contains(&column) || !(0.0..rows).contains(&row) {
             return 0.0;

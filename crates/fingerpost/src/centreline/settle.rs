@@ -31,7 +31,7 @@ pub(super) fn settle(
         let place = Point2::new(0.0, road.offset_m + offset_m);
         let start = RoadLine { place, heading_rad: road.heading_rad + turn_rad };
         let expected = -0.5 * ((offset_m / sigma[0]).powi(2) + (turn_rad / sigma[1]).powi(2));
-        (Approach::new(start, &band).evidence(&band) + expected, [offset_m, turn_rad])
+        (Approach::new(&start, &band).evidence(&band) + expected, [offset_m, turn_rad])
     };
     let mut evidences = [(0.0, [0.0; 2]); TRIED];
     evidences.iter_mut().zip(tried()).for_each(|(of, at)| *of = evidence(at));

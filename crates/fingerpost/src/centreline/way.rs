@@ -10,7 +10,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::Centreline;
-use super::band::{Approach, Band, Keeping, LogOdds, Shown, Way};
+use super::band::{Approach, Band, Keeping, LogOdds, Shown, Station, Way};
 use super::turn::{Corner, RoadLine, middle_radius_m};
 
 /// Corners that are tried: distances along the road from the rear axle, metres, and turns, radians (20 to 110 degrees: less is
@@ -106,12 +106,20 @@ impl Expected {
 #[derive(Debug)]
 pub(super) struct WayFinder {
     tried: Vec<(Way, f64)>,
+    /// Those that are followed to the look-ahead: their kind, weight and where they lead.
+    followed: Vec<(WayKind, f64, f64)>,
+    stations: Vec<Station>,
     log_odds: LogOdds,
 }
 
 impl Default for WayFinder {
     fn default() -> Self {
-        Self { tried: Vec::with_capacity(WAYS), log_odds: LogOdds::default() }
+        Self {
+            tried: Vec::with_capacity(WAYS),
+            followed: Vec::with_capacity(WAYS),
+            stations: Vec::new(),
+            log_odds: LogOdds::default(),
+        }
     }
 }
 
@@ -132,17 +140,17 @@ impl WayFinder {
         let start = road.line();
         let radius_m = middle_radius_m(road.width_m);
         self.tried.clear();
-        let on = Way { start, curvature_per_m: road.curvature_per_m, corner: None };
+        let on = Way::on(&start, road.curvature_per_m);
         let expected = Expected::new(&start, remembered);
         let band = Band { shown, width_m: road.width_m, log_odds: &self.log_odds };
-        let approach = Approach::new(start, &band);
+        let approach = Approach::new(&start, &band);
         self.tried.push((on, on.evidence(&band, &approach) + expected.on()));
         for place in 0..PLACES {
             let corner_m = FROM_M + place as f64 * EVERY_M;
             for turn in 0..2 * TURNS {
                 let size_rad = LEAST_TURN_RAD + (turn / 2) as f64 * TURN_STEP_RAD;
                 let turn_rad = if turn % 2 == 0 { size_rad } else { -size_rad };
-                let way = Way { start, curvature_per_m: 0.0, corner: Some((corner_m, turn_rad, radius_m)) };
+                let way = Way::round(&start, corner_m, turn_rad, radius_m);
                 let evidence = way.evidence(&band, &approach) + expected.corner(corner_m, turn_rad);
                 self.tried.push((way, evidence));
             }
@@ -165,18 +173,19 @@ impl WayFinder {
             .zip(probability)
             .max_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(WayKind::On, |(kind, _)| kind);
-        let (mut sum, mut bearing_rad) = (0.0, 0.0);
+        self.followed.clear();
         let (mut corner_m, mut turn_rad) = (0.0, 0.0);
-        for (way, weight) in of(kind).filter(|(_, weight)| *weight > LEAST_WEIGHT) {
-            sum += weight;
-            bearing_rad += weight * way.bearing_rad(keeping);
-            let (at_m, by_rad, _) = way.corner.unwrap_or_default();
-            (corner_m, turn_rad) = (corner_m + weight * at_m, turn_rad + weight * by_rad);
+        for (way, weight) in self.tried.iter().filter(|(_, weight)| *weight > LEAST_WEIGHT) {
+            self.followed.push((way.kind(), *weight, way.bearing_rad(keeping, &mut self.stations)));
+            if let Some(turn) = way.turn().filter(|_| way.kind() == kind) {
+                (corner_m, turn_rad) = (corner_m + weight * turn.corner_m, turn_rad + weight * turn.turn_rad);
+            }
         }
-        bearing_rad /= sum;
-        let off = |way: &Way| way.bearing_rad(keeping) - bearing_rad;
-        let counted = self.tried.iter().filter(|(_, weight)| *weight > LEAST_WEIGHT);
-        let variance = counted.map(|(way, weight)| weight * off(way).powi(2)).sum::<f64>() / all;
+        let of_kind = || self.followed.iter().filter(|(of, ..)| *of == kind);
+        let sum: f64 = of_kind().map(|(_, weight, _)| weight).sum();
+        let bearing_rad = of_kind().map(|(_, weight, bearing_rad)| weight * bearing_rad).sum::<f64>() / sum;
+        let off = |(_, weight, other_rad): &(WayKind, f64, f64)| weight * (other_rad - bearing_rad).powi(2);
+        let variance = self.followed.iter().map(off).sum::<f64>() / all;
         let (corner_m, turn_rad) = (corner_m / sum, turn_rad / sum);
         let start = road.line();
         let corner = (kind != WayKind::On).then(|| Corner {
