@@ -177,7 +177,8 @@ fn specks_are_dropped() {
 
 #[test]
 fn the_buffer_fills_while_the_region_stays() {
-    let (camera, config) = (camera(), LanesConfig { reaction_time_s: 1.0, ..LanesConfig::default() });
+    let camera = camera();
+    let config = LanesConfig { reaction_time_s: 1.0, most_range_m: 60.0, ..LanesConfig::default() };
     let view = RoadView::new(&camera, 0.0);
     let mut edges = LaneEdges::new(&config).unwrap();
     let mut region = LaneRegion::default();
