@@ -101,9 +101,12 @@ impl Drive {
             Moment { picture: frame.picture, vehicle, edges_px }
         });
         let moments: Vec<Moment> = moments.collect();
+        // Lines are searched for as far as edges are read, as by the OpenCV program.
+        let defaults = LanesConfig::default();
+        let config = LanesConfig { least_range_m: defaults.most_range_m, ..defaults };
         let mut drive = Self {
             camera,
-            config: LanesConfig::default(),
+            config,
             moments,
             dt_s: 1.0 / sim.fps,
             region: LaneRegion::default(),

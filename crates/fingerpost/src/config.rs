@@ -141,7 +141,7 @@ mod tests {
             (refused(|c| c.track.confirm_threshold = 0.8), "no more than track.detect_threshold = 0.75"),
             (refused(|c| c.track.detect_threshold_at_verge = 0.8), "track.detect_threshold_at_verge = 0.8"),
             (refused(|c| c.track.belief.lost_present = 0.9), "track.belief.detect_present = 0.8"),
-            (refused(|c| c.lanes.most_range_m = 30.0), "lanes.least_range_m = 35"),
+            (refused(|c| c.lanes.least_range_m = 40.0), "no more than lanes.most_range_m = 35"),
             (refused(|c| (c.lanes.min_width_m, c.lanes.max_width_m) = (3.0, 2.9)), "lanes.max_width_m = 2.9"),
             (refused(|c| c.centreline.edge_high = 50.0), "centreline.edge_high = 50"),
         ] {

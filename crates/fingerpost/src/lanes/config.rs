@@ -24,14 +24,16 @@ pub struct LanesConfig {
     /// How lanes are found.
     pub finder: LaneMethod,
     /// Time that a driver needs to begin to brake, seconds; with the speed it gives how far ahead of the vehicle's
-    /// front lanes must be read; by default that of a driver on the telephone (paper 3, table I).
+    /// front lines are searched for; by default that of a driver on the telephone (paper 3, table I).
     #[schemars(range(min = 0.1, max = 5.0))]
     pub reaction_time_s: f64,
-    /// Least distance from the rear axle to which lanes are read, metres; by default that of the largest region of the
-    /// paper's table II.
+    /// Least distance from the rear axle to which lines are searched for, however slow the vehicle, metres; by default that
+    /// of the smallest region of the paper's table II.
     #[schemars(range(min = 8.0, max = 100.0))]
     pub least_range_m: f64,
-    /// Farthest distance from the rear axle to which lanes are read, metres; no less than the least.
+    /// Distance from the rear axle to which an edge that is followed is read and given out, and lines are searched for at the
+    /// most, and where the speed is not known, metres; no less than the least; by default that of the largest region of the
+    /// paper's table II.
     #[schemars(range(min = 10.0, max = 150.0))]
     pub most_range_m: f64,
     /// Frames in the buffer that strengthens broken markings.
@@ -80,8 +82,8 @@ impl Default for LanesConfig {
         Self {
             finder: LaneMethod::Markings,
             reaction_time_s: 0.465,
-            least_range_m: 35.0,
-            most_range_m: 60.0,
+            least_range_m: 10.4,
+            most_range_m: 35.0,
             buffer_frames: 3,
             canny_low_share: 0.4,
             canny_high: 50.0,

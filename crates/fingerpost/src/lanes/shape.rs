@@ -75,7 +75,7 @@ impl EdgeShape {
         let base = region.base_row as f64 - 1.0;
         let middle = (camera.width() - 1) as f64 / 2.0;
         // From the far end down, because a spline's abscissae rise.
-        'sections: for &[upper, lower] in region.sections.iter().rev() {
+        'sections: for &[upper, lower] in region.read_sections.iter().rev() {
             for knot in 0..KNOTS_A_SECTION {
                 let row = upper as f64 + (lower - upper) as f64 * knot as f64 / KNOTS_A_SECTION as f64;
                 let Some(below) = view.ground_of_pixel(Pixel::new(middle, row)) else { continue 'sections };

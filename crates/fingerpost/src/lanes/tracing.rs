@@ -103,11 +103,11 @@ impl Tracer {
     pub(super) fn lay_rows(&mut self, region: &LaneRegion) {
         self.rows.clear();
         let height = region.base_row as f64;
-        let span = (region.base_row - region.top_row) as f64;
+        let span = (region.base_row - region.read_top_row) as f64;
         let mut row = height - 1.0;
-        while row >= region.top_row as f64 {
+        while row >= region.read_top_row as f64 {
             self.rows.push(row as usize);
-            let near = (row - region.top_row as f64) / span;
+            let near = (row - region.read_top_row as f64) / span;
             row -= (height * (FAR_ROWS_SHARE + near * (NEAR_ROWS_SHARE - FAR_ROWS_SHARE))).max(1.0);
         }
     }

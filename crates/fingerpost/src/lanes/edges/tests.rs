@@ -177,7 +177,8 @@ fn specks_are_dropped() {
 
 #[test]
 fn the_buffer_fills_while_the_region_stays() {
-    let (camera, config) = (camera(), LanesConfig { reaction_time_s: 1.0, ..LanesConfig::default() });
+    let camera = camera();
+    let config = LanesConfig { reaction_time_s: 1.0, most_range_m: 60.0, ..LanesConfig::default() };
     let view = RoadView::new(&camera, 0.0);
     let mut edges = LaneEdges::new(&config).unwrap();
     let mut region = LaneRegion::default();
@@ -194,6 +195,37 @@ fn the_buffer_fills_while_the_region_stays() {
         let mean = edges.mean.row(0)[0];
         assert!(index < 3 || (71..=109).contains(&mean), "frame {index}: {mean} is no mean of three");
     }
+}
+
+/// Paper 3, III-A: the buffer takes transient noise away.
+#[test]
+fn more_frames_in_the_buffer_leave_less_noise_beside_a_faint_line() {
+    let camera = camera();
+    let clean = picture(&camera, &[Line::along(1.7)]);
+    let noisy = |frame: u64| {
+        let mut noisy = clean.clone();
+        for v in 0..HEIGHT {
+            for (u, pixel) in noisy.row_mut(v).chunks_exact_mut(3).enumerate() {
+                let place = frame << 32 | (v * WIDTH + u) as u64;
+                let mixed = place.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                let noise = ((mixed ^ mixed >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 32) % 81;
+                let level = 80 + (pixel[0] - 80) / 4 + noise as u8 - 40;
+                pixel.fill(level);
+            }
+        }
+        noisy
+    };
+    let seen = [1, 3, 10].map(|buffer_frames| {
+        let config = LanesConfig { buffer_frames, ..LanesConfig::default() };
+        let mut edges = LaneEdges::new(&config).unwrap();
+        for frame in 0..10 {
+            edges.find(&config, &region(&camera), &RoadView::new(&camera, 0.0), 0.0, &noisy(frame)).unwrap();
+        }
+        let thin = edges.thin();
+        assert!(share_along(thin, |_| 1.7, 5.0, 20.0) > 0.95, "{buffer_frames} frames show the line");
+        thin.as_slice().iter().filter(|edge| **edge != 0).count()
+    });
+    assert!(seen[0] > 5 * seen[1] && seen[1] > 2 * seen[2], "edges: {seen:?}");
 }
 
 #[test]

@@ -90,7 +90,10 @@ impl LaneFinder {
         let view = RoadView::new(camera, self.filter.pitch_rad());
         self.painted.clear();
         for (index, candidate) in self.lines.candidates().iter().enumerate() {
-            let possible = !matches!(candidate.verdict, LineVerdict::Direction | LineVerdict::Distance);
+            let possible = !matches!(
+                candidate.verdict,
+                LineVerdict::Direction | LineVerdict::Distance | LineVerdict::Turns
+            );
             if candidate.side == side && possible {
                 let paint = self.tracer.paint_along(&view, input.frame, candidate);
                 let beside_m = beside_m(&view, candidate);

@@ -6,60 +6,15 @@
     reason = "a failed expectation is a failed test"
 )]
 
+mod road;
+mod settings;
+
 use fingerpost::lanes::{Lane, LaneError, LaneFinder, LaneInput, LanesConfig, Side};
 use fingerpost::vehicle_signals::VehicleState;
-use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel};
+use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_vision::picture::RgbImage;
 
-const WIDTH: usize = 640;
-const HEIGHT: usize = 480;
-const LINE_M: f64 = 0.15;
-
-fn camera(pitch_deg: f64) -> Camera {
-    let intrinsics = Intrinsics { fx: 580.0, fy: 580.0, cx: 319.5, cy: 239.5 };
-    let mount = Mount { pitch_rad: pitch_deg.to_radians(), x_m: 1.7, ..Mount::level(1.3) };
-    Camera::calibrated(WIDTH, HEIGHT, intrinsics, Distortion::None, mount).unwrap()
-}
-
-/// Lines of a road: inner edges beside the vehicle (metres, left positive), direction, curvature, and where paint is.
-struct Road {
-    edges_m: [f64; 2],
-    heading_rad: f64,
-    curvature_per_m: f64,
-    painted: fn(f64) -> bool,
-}
-
-impl Road {
-    fn left_m(&self, side: usize, ahead_m: f64) -> f64 {
-        self.edges_m[side] + self.heading_rad * ahead_m + 0.5 * self.curvature_per_m * ahead_m * ahead_m
-    }
-
-    /// The picture of it on grey road, four rays a pixel.
-    fn picture(&self, camera: &Camera) -> RgbImage {
-        let mut picture = RgbImage::new(WIDTH, HEIGHT);
-        for v in 0..HEIGHT {
-            let row = picture.row_mut(v);
-            for u in 0..WIDTH {
-                let rays = [-0.375, -0.125, 0.125, 0.375];
-                let white = rays.iter().filter(|&&du| self.is_paint(camera, u as f64 + du, v as f64)).count();
-                // A little texture, so that there is something to be told from paint.
-                let grain = ((u * 7919 + v * 104_729) % 7) as u8;
-                let level = 90 + grain + 30 * white as u8;
-                row[3 * u..3 * u + 3].fill(level);
-            }
-        }
-        picture
-    }
-
-    fn is_paint(&self, camera: &Camera, u: f64, v: f64) -> bool {
-        let Some(place) = camera.ground_of_pixel(Pixel::new(u, v)) else { return false };
-        let outside_left = place.y - self.left_m(0, place.x);
-        let outside_right = self.left_m(1, place.x) - place.y;
-        place.x < 120.0
-            && (self.painted)(place.x)
-            && [outside_left, outside_right].iter().any(|m| (0.0..LINE_M).contains(m))
-    }
-}
+use self::road::{HEIGHT, Road, WIDTH, camera};
 
 fn found(camera: &Camera, pictures: &[RgbImage]) -> Lane {
     let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
@@ -222,7 +177,9 @@ fn the_yaw_rate_says_to_which_side_the_lane_leads() {
         let frame = road.picture(&camera);
         // Votes for lines in the upper sections of the first frame, with a yaw rate along the bend and against it.
         let votes = |yaw_rate_rps: f64| {
-            let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
+            // Near the vehicle the bend hardly shows.
+            let config = LanesConfig { least_range_m: 35.0, ..LanesConfig::default() };
+            let mut finder = LaneFinder::new(&config).unwrap();
             let vehicle = VehicleState {
                 speed_mps: Some(12.0),
                 yaw_rate_rps: Some(yaw_rate_rps),
