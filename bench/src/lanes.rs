@@ -104,13 +104,7 @@ impl Drive {
         // Lines are searched for as far as edges are read, as by the OpenCV program.
         let defaults = LanesConfig::default();
         let config = LanesConfig { least_range_m: defaults.most_range_m, ..defaults };
-        let mut drive = Self {
-            camera,
-            config,
-            moments,
-            dt_s: 1.0 / sim.fps,
-            region: LaneRegion::default(),
-        };
+        let mut drive = Self { camera, config, moments, dt_s: 1.0 / sim.fps, region: LaneRegion::default() };
         let mut finder = LaneFinder::new(&drive.config)?;
         let evidence = finder.find(&drive.camera, &drive.input(0), &mut None)?;
         drive.region = evidence.region.clone();

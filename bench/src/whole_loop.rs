@@ -13,7 +13,7 @@ use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
 use fingerpost::mount::AttitudeObservation;
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
-use fingerpost::track::{CandidateSearch, PoseFilter};
+use fingerpost::track::{CandidateSearch, PoseFilter, Reach};
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
 use fingerpost_vision::picture::RgbImage;
@@ -206,7 +206,10 @@ impl Loop {
         let laid = self.matcher.laid(&self.surface, self.surface.known())?;
         let threshold = config.confirm_threshold;
         let node = PoseFilter::new(self.node, [1.2, 0.8, 0.1]);
-        Ok(self.candidates.about(&config, &laid, &mut self.masks, threshold, &node)?.count)
+        Ok(self
+            .candidates
+            .about(&config, &laid, &mut self.masks, threshold, (&node, Reach::of(&config)))?
+            .count)
     }
 
     /// Makes everything that is seen road.
@@ -226,6 +229,7 @@ fn crossroads(side_m: f64) -> Result<FeatureModel> {
             course: Polyline::new([Point2::origin(), end])?,
             width_m: 6.0,
             mouth_m: 3.0,
+            leaves_after_m: None,
         })
     };
     Ok(FeatureModel {

@@ -8,7 +8,6 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
-mod centreline_record;
 mod demo;
 mod driver;
 mod evaluate;
