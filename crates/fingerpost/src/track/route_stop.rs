@@ -77,10 +77,11 @@ pub(super) fn route_stops(
         let before = i.checked_sub(1).and_then(|before| route.features.get(before));
         let reach_m = [own_m(before), own_m(route.features.get(i + 1))];
         let model = FeatureModel::new(feature, &map)?;
-        let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
+        let kerb_radius_m = setting.track.alignment.kerb_radius_m;
+        let line = DrivingLine::round_kerb(setting.driving_line, setting.vehicle, &model, kerb_radius_m)?;
         let masks = MaskCache::new(
             setting.masks,
-            setting.track.alignment.kerb_radius_m,
+            kerb_radius_m,
             setting.vehicle,
             setting.grid,
             &model,
