@@ -6,12 +6,15 @@
 //! turning circle asks for it and the road has room. With its corner weighted by cos(turn / 2) a rational curve of the
 //! papers' three points is the arc of that radius (Farin: Curves and surfaces for CAGD, 2002, section 12.5).
 //!
+//! What a feature is found by is not this line but the papers' own curve ([`MaskCurve`]).
+//!
 //! Limits: where the arc is still too tight, as a circle of 25 m at a right angle, a line that the vehicle can drive would
 //! leave the road. The line then stays, and [`DrivingLine::within_turning_circle`] and the frame's `why` say it. The kerb is an
 //! arc, as assumed or measured; a chamfer is taken for one.
 
 mod conic;
 mod corner;
+mod mask_curve;
 
 use fingerpost_geometry::{GeometryError, Polyline};
 use nalgebra::Point2;
@@ -20,6 +23,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
+
+pub use self::mask_curve::MaskCurve;
 
 use self::conic::Conic;
 use self::corner::Corner;
@@ -114,7 +119,7 @@ impl DrivingLine {
             setbacks_m = corner.setbacks_m(config, &inbound, &outbound);
             curve = corner.curve(&inbound, &outbound, setbacks_m);
         }
-        let sampled = Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))?;
+        let sampled = sampled(&curve)?;
         let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setbacks_m);
         Ok(Some(Self {
             control: curve.control,
@@ -141,6 +146,11 @@ impl DrivingLine {
     pub const fn end(&self) -> Point2<f64> {
         self.control[2]
     }
+}
+
+/// The curve in [`CURVE_PIECES`].
+fn sampled(curve: &Conic) -> Result<Polyline, GeometryError> {
+    Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))
 }
 
 fn hand_out(

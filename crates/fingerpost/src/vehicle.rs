@@ -21,6 +21,15 @@ pub enum Traffic {
 const LEAST_LANE_M: f64 = 2.75;
 
 impl Traffic {
+    /// How far left of a road's middle the papers' curve is laid, as a share of the road's width.
+    pub const fn left_share(self) -> f64 {
+        match self {
+            Self::Left => 0.25,
+            Self::Right => -0.25,
+            Self::Centre => 0.0,
+        }
+    }
+
     /// How far left of a road's middle the vehicle's lane is, metres, on a two-way road of this width: the middle of its half, or
     /// of the outermost of the lanes for which the half has room.
     pub fn lane_left_m(self, road_width_m: f64) -> f64 {

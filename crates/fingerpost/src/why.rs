@@ -155,7 +155,9 @@ impl Why<'_> {
                 " by dead reckoning, not confirmed for {frames} of {}: {words}",
                 Frames(self.config.lost_frames)
             ),
-            Decision::Arrived => f.write_str(": the driving line's start reached the bottom of the view"),
+            Decision::Arrived => {
+                f.write_str(": the start of the curve through it reached the bottom of the view")
+            }
             Decision::Passing => f.write_str(": on the driving line through it"),
             _ => write!(f, ": {words}"),
         }?;

@@ -76,9 +76,10 @@ fn a_wide_vehicle_gets_a_rounder_curve_and_not_a_longer_one() {
         assert!(line.within_turning_circle(), "{} for {radius}", line.tightest_radius_m);
         assert!(-line.start().x <= 12.0, "{}", line.start());
     }
-    // No line on the road is as wide as that: the body's inner side would pass over the kerb.
+    // No line on the road is as wide as that: the body's inner side, 1 m from its middle, touches the kerb of 4 m on an arc of
+    // (3 sqrt(2) + 4 (sqrt(2) - 1) - 1) / (sqrt(2) - 1) m.
     let line = line(&[(0.0, 0.0), (60.0, 0.0)], &centred(25.0));
-    assert!(!line.within_turning_circle() && line.tightest_radius_m > 11.7);
+    assert!(!line.within_turning_circle() && (line.tightest_radius_m - 11.828).abs() < 0.01);
 }
 
 #[test]
@@ -113,8 +114,10 @@ fn curvature_is_positive_to_the_left_and_zero_straight_on() {
     let tightest = |line: &DrivingLine| {
         line.curvature_per_m.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
     };
-    assert!(tightest(&line(&[(0.0, 0.0), (-60.0, 0.0)], &centred(5.0))) > 0.14, "left");
-    assert!(tightest(&line(&[(0.0, 0.0), (60.0, 0.0)], &centred(5.0))) < -0.14, "right");
+    // Three metres from the inner edge, whose kerb has 4 m.
+    let [left, right] =
+        [-60.0, 60.0].map(|east_m| tightest(&line(&[(0.0, 0.0), (east_m, 0.0)], &centred(5.0))));
+    assert!((left - 1.0 / 7.0).abs() < 1e-4 && (right + 1.0 / 7.0).abs() < 1e-4, "{left} {right}");
     assert!(tightest(&line(&[(0.0, 0.0), (0.0, 60.0)], &centred(5.0))).abs() < 1e-6, "straight on");
 }
 

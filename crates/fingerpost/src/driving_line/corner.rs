@@ -102,15 +102,21 @@ impl Corner {
 
     /// The curve with these ends: the papers' three points, as round as an arc.
     pub(super) fn curve(self, inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
-        let [start, end] = ends(inbound, outbound, setbacks_m);
-        let corner = crossing(start, end).unwrap_or_else(|| {
-            let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
-            Point2::from(0.5 * (before.coords + after.coords))
-        });
-        let mut curve = Conic::bezier([start.0, corner, end.0]);
+        let mut curve = three_points(inbound, outbound, setbacks_m);
         curve.round_up_to(self.radius_m());
         curve
     }
+}
+
+/// The papers' curve with its ends so far before the end of the inbound and behind the start of the outbound line, metres.
+pub(super) fn three_points(inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
+    let [start, end] = ends(inbound, outbound, setbacks_m);
+    // Else between the ends of the offset lines, which lie beside the node.
+    let corner = crossing(start, end).unwrap_or_else(|| {
+        let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
+        Point2::from(0.5 * (before.coords + after.coords))
+    });
+    Conic::bezier([start.0, corner, end.0])
 }
 
 /// Place and direction of a line's end.
