@@ -150,7 +150,8 @@ impl RoadAttributes {
         if tag("area") == Some("yes") || !is_open(tags) {
             return None;
         }
-        let (travel, beside) = (travel(tags, class), Roadside::from_tags(tags));
+        let travel = travel(tags, class);
+        let beside = Roadside::from_tags(tags, travel);
         let named = |key| tag(key).map(cleaned).filter(|name| !name.is_empty());
         Some(Self {
             class,

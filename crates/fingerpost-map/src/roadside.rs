@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Travel;
+
 /// What the map says lies on one side of a road. It is silent about most.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
@@ -62,18 +64,12 @@ type Tags = BTreeMap<String, String>;
 
 impl Roadside {
     /// Left and right side of a way with these tags.
-    pub(crate) fn from_tags(tags: &Tags) -> [Self; 2] {
+    pub(crate) fn from_tags(tags: &Tags, travel: Travel) -> [Self; 2] {
         SIDES.map(|side| Self {
             pavement: pavement(tags, side),
             kerb: on_side(tags, "kerb", side).or_else(|| value(tags, "kerb")).and_then(kerb),
             parking: parking(tags, side),
-            cycle_lane: on_side(tags, "cycleway", side).or_else(|| value(tags, "cycleway")).and_then(
-                |cycleway| match cycleway {
-                    "lane" | "opposite_lane" | "shared_lane" => Some(true),
-                    "no" | "none" | "track" | "separate" | "opposite_track" => Some(false),
-                    _ => None,
-                },
-            ),
+            cycle_lane: cycle_lane(tags, side, travel),
         })
     }
 
@@ -111,6 +107,17 @@ fn pavement(tags: &Tags, side: &str) -> Option<bool> {
     }
 }
 
+/// `cycleway:SIDE`; `cycleway` means both sides, but on a one-way road it does not say which it means.
+fn cycle_lane(tags: &Tags, side: &str, travel: Travel) -> Option<bool> {
+    let of_both = || value(tags, "cycleway").filter(|_| travel == Travel::Both);
+    match on_side(tags, "cycleway", side).or_else(of_both)? {
+        "lane" | "opposite_lane" => Some(true),
+        // Bicycles share a lane of the road, or have their own way.
+        "shared_lane" | "no" | "none" | "track" | "separate" | "opposite_track" => Some(false),
+        _ => None,
+    }
+}
+
 fn kerb(kerb: &str) -> Option<Kerb> {
     match kerb {
         "raised" | "regular" | "yes" => Some(Kerb::Raised),
@@ -127,7 +134,7 @@ fn parking(tags: &Tags, side: &str) -> Option<Parking> {
         return parked(parking);
     }
     match on_side(tags, "parking:lane", side)? {
-        "no" | "none" | "no_parking" | "no_stopping" | "fire_lane" | "separate" => Some(Parking::None),
+        "no_parking" | "no_stopping" | "fire_lane" => Some(Parking::None),
         angle @ ("parallel" | "diagonal" | "perpendicular" | "marked") => {
             let place =
                 [side, "both"].iter().find_map(|side| value(tags, &format!("parking:lane:{side}:{angle}")));
@@ -139,11 +146,12 @@ fn parking(tags: &Tags, side: &str) -> Option<Parking> {
 
 fn parked(place: &str) -> Option<Parking> {
     match place {
-        "lane" | "on_street" | "yes" => Some(Parking::OnRoad),
+        "lane" | "on_street" => Some(Parking::OnRoad),
         "half_on_kerb" => Some(Parking::HalfOnKerb),
         "on_kerb" => Some(Parking::OnKerb),
         "street_side" | "lay_by" | "shoulder" => Some(Parking::Bays),
-        "no" | "none" | "separate" => Some(Parking::None),
+        "no" | "none" => Some(Parking::None),
+        // "yes" and "separate" leave open where.
         _ => None,
     }
 }
@@ -153,7 +161,14 @@ mod tests {
     use super::*;
 
     fn sides(tags: &[(&str, &str)]) -> [Roadside; 2] {
-        Roadside::from_tags(&tags.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect())
+        sides_of(tags, Travel::Both)
+    }
+
+    fn sides_of(tags: &[(&str, &str)], travel: Travel) -> [Roadside; 2] {
+        Roadside::from_tags(
+            &tags.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect(),
+            travel,
+        )
     }
 
     fn pavements(tags: &[(&str, &str)]) -> [Option<bool>; 2] {
@@ -182,6 +197,7 @@ mod tests {
         assert_eq!(parking(&[("parking:both", "half_on_kerb")]), [Some(Parking::HalfOnKerb); 2]);
         assert_eq!(parking(&[("parking:left", "street_side")]), [Some(Parking::Bays), None]);
         assert_eq!(parking(&[("parking:right", "no")]), [None, Some(Parking::None)]);
+        assert_eq!(parking(&[("parking:left", "yes"), ("parking:right", "separate")]), [None, None]);
         assert_eq!(parking(&[("parking:lane:right", "no_stopping")]), [None, Some(Parking::None)]);
         assert_eq!(parking(&[("parking:lane:left", "parallel")]), [Some(Parking::OnRoad), None]);
         let on_kerb = [("parking:lane:both", "parallel"), ("parking:lane:both:parallel", "on_kerb")];
@@ -193,6 +209,11 @@ mod tests {
         let [left, right] = sides(&[("kerb:left", "flush"), ("kerb", "raised"), ("cycleway:right", "lane")]);
         assert_eq!((left.kerb, right.kerb), (Some(Kerb::Flush), Some(Kerb::Raised)));
         assert_eq!((left.cycle_lane, right.cycle_lane), (None, Some(true)));
+        let cycle_lanes =
+            |value, travel| sides_of(&[("cycleway", value)], travel).map(|side| side.cycle_lane);
+        assert_eq!(cycle_lanes("lane", Travel::Both), [Some(true); 2]);
+        assert_eq!(cycle_lanes("lane", Travel::Forward), [None; 2]);
+        assert_eq!(cycle_lanes("shared_lane", Travel::Both), [Some(false); 2]);
         assert_eq!(sides(&[("cycleway", "track")]).map(|side| side.cycle_lane), [Some(false); 2]);
     }
 }
