@@ -29,6 +29,7 @@ const MOST_REMEMBERED: f64 = 0.95;
 const CORNERS_PER_M: f64 = 0.01;
 /// Ways of less weight than this, of the most probable one's, are not followed: together they weigh less than 4 %.
 const LEAST_WEIGHT: f64 = 1e-4;
+
 /// A kind of way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum WayKind {
