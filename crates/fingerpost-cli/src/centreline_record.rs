@@ -1,6 +1,6 @@
 //! From the road's middle to its part of a line of `frames.jsonl`.
 
-use fingerpost::centreline::{Centreline, CentrelineEvidence, NoCentreline, SteerBy};
+use fingerpost::centreline::{Centreline, CentrelineEvidence, NoCentreline, Steer, SteerBy};
 use fingerpost_format::{CentrelineRecord, WaysRecord};
 
 use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
@@ -10,7 +10,7 @@ pub(crate) fn centreline_record(found: &Centreline, evidence: &CentrelineEvidenc
         let [left, on, right] = ways.probability.map(|probability| rounded(probability, DIGITS));
         WaysRecord { left, on, right }
     });
-    let steer_by = match found.steer_by {
+    let steer_by = |steer: Steer| match steer.by {
         SteerBy::Road => "road",
         SteerBy::DrivingLine => "driving_line",
     };
@@ -20,9 +20,10 @@ pub(crate) fn centreline_record(found: &Centreline, evidence: &CentrelineEvidenc
         heading_rad: rounded(found.heading_rad, ANGLE_DIGITS),
         curvature_per_m: Some(rounded(found.curvature_per_m, ANGLE_DIGITS)),
         width_m: Some(rounded(found.width_m, DIGITS)),
-        steer_rad: rounded(found.steer_rad, ANGLE_DIGITS),
-        steer_sigma_rad: Some(rounded(found.steer_sigma_rad, ANGLE_DIGITS)),
-        steer_by: Some(steer_by.to_owned()),
+        steer_rad: found.steer.map(|steer| rounded(steer.direction_rad, ANGLE_DIGITS)),
+        steer_none: found.steer.is_none().then(|| "ambiguous".to_owned()),
+        steer_sigma_rad: found.steer.map(|steer| rounded(steer.sigma_rad, ANGLE_DIGITS)),
+        steer_by: found.steer.map(|steer| steer_by(steer).to_owned()),
         ways,
     }
 }

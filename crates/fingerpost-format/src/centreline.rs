@@ -18,20 +18,23 @@ pub struct CentrelineRecord {
     /// The road's width, metres; none in records that do not tell it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_m: Option<f64>,
-    /// Advised steering direction, radians, positive to the left.
-    pub steer_rad: f64,
+    /// Advised steering direction, radians, positive to the left; none where nothing says it.
+    pub steer_rad: Option<f64>,
+    /// Why there is none: `ambiguous`, the road ends at another and nothing says which of its arms is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steer_none: Option<String>,
     /// Standard deviation of the steering direction, radians; none in records that do not tell it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steer_sigma_rad: Option<f64>,
     /// What it goes by: `road`, the surface ahead, or `driving_line`, the line through the route's feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steer_by: Option<String>,
-    /// How probable the ways are on which the road goes on, 0 to 1; none where the driving line says it.
+    /// How probable the ways are on which the vehicle goes on, 0 to 1; none where the driving line says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ways: Option<WaysRecord>,
 }
 
-/// Which way the road goes on, by its surface.
+/// Which way the vehicle goes on, by the road's surface and its own turn.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WaysRecord {
     /// Probability of a corner to the left.

@@ -11,7 +11,7 @@
 //! At a corner no one curve holds the edges: the road that leads to it is held as it was, and when the rear axle is past it the
 //! next begins where the surface shows it (`settle`). Where the road turns says the route's feature, where one is followed
 //! (`guide`), and elsewhere how much road lies under the ways on (`way`). The direction to steer in is that of the feature's
-//! driving line or of the likeliest way.
+//! driving line or of the likeliest way; where the road ends at another and nothing says which arm is taken there is none.
 //!
 //! Limits: the road's surface must be told from its verges, and the offset be sure to half a metre; where it is not, there is
 //! no centreline, and the evidence says why. Without a motion the road is taken to go on as before.
@@ -37,7 +37,8 @@ use nalgebra::Point2;
 pub use config::CentrelineConfig;
 pub use guide::Guide;
 pub use output::{
-    Centreline, CentrelineError, CentrelineEvidence, NoCentreline, SectionEvidence, SectionUse, SteerBy,
+    Centreline, CentrelineError, CentrelineEvidence, NoCentreline, SectionEvidence, SectionUse, Steer,
+    SteerBy,
 };
 pub use section::RoadEdge;
 pub use turn::{Corner, RoadLine};
@@ -280,8 +281,9 @@ impl CentrelineFinder {
             lane_left_m: self.traffic.lane_left_m(road.width_m),
             share: (look_ahead_m / MOVING_OVER_M).min(1.0),
         };
-        if let Some((steer_rad, steer_sigma_rad)) = guide.and_then(|guide| guide.direction(&keeping)) {
-            return Centreline { steer_rad, steer_sigma_rad, steer_by: SteerBy::DrivingLine, ..road };
+        if let Some((direction_rad, sigma_rad)) = guide.and_then(|guide| guide.direction(&keeping)) {
+            let steer = Steer { direction_rad, sigma_rad, by: SteerBy::DrivingLine };
+            return Centreline { steer: Some(steer), ..road };
         }
         let shown = shown(surface, &self.grid);
         let nearest_m = self.grid.near_m();
@@ -291,8 +293,8 @@ impl CentrelineFinder {
             self.corner = ways.corner;
         }
         self.evidence.ways = Some(ways);
-        let (steer_rad, steer_sigma_rad) = (ways.bearing_rad, ways.sigma_rad);
-        Centreline { steer_rad, steer_sigma_rad, steer_by: SteerBy::Road, ..road }
+        let steer = Steer { direction_rad: ways.bearing_rad, sigma_rad: ways.sigma_rad, by: SteerBy::Road };
+        Centreline { steer: (!ways.is_ambiguous()).then_some(steer), ..road }
     }
 }
 

@@ -63,7 +63,7 @@ impl Display for Why<'_> {
             write!(f, "{}", SignalsWords(signals))?;
         }
         self.write_feature(f)?;
-        if let Some(ways) = self.ways.filter(|ways| ways.open().count() > 1) {
+        if let Some(ways) = self.ways.filter(|ways| ways.is_ambiguous()) {
             write!(f, "; {}", WaysWords(ways))?;
         }
         if self.turns_through {

@@ -107,6 +107,8 @@ struct Judged {
     offset_error_m: Option<f64>,
     /// How far behind the last bend the vehicle is, metres.
     behind_m: Option<f64>,
+    /// How far it has turned from the first road, which leads east, radians.
+    turned_rad: f64,
 }
 
 /// Whether the method is given the route.
@@ -157,9 +159,10 @@ fn drive(farm: &Farm, seed: u64, known: Known, traffic: TrafficSide) -> Vec<Judg
         let found = output.centreline;
         let one = Judged {
             driven_rad: ahead.y.atan2(ahead.x),
-            steer_rad: found.map(|found| found.steer_rad),
+            steer_rad: found.and_then(|found| found.steer).map(|steer| steer.direction_rad),
             offset_error_m: found.map(|found| found.offset_m - true_m),
             behind_m,
+            turned_rad: truths[index].heading_rad,
         };
         judged.push(one);
     }
@@ -220,4 +223,23 @@ fn the_route_says_which_arm_of_a_tee_is_taken() {
     let judged = [(&farms[0], 13), (&farms[1], 14)]
         .map(|(farm, seed)| drive(farm, seed, Known::Route, TrafficSide::Right));
     assert_steers("a tee", &judged);
+}
+
+/// How far a vehicle has turned when it is plain which arm it takes, radians (15 degrees): twice as far as drivers swing out.
+const DECIDED_RAD: f64 = 0.26;
+
+#[test]
+fn without_a_route_the_end_of_a_road_is_ambiguous_until_the_vehicle_turns() {
+    let farms = [(Farm::tee(Arm::Left, 0.0, 6.0), 13), (Farm::tee(Arm::Right, 10.0, 5.5), 14)];
+    let judged: Vec<Judged> = farms
+        .iter()
+        .flat_map(|(farm, seed)| drive(farm, *seed, Known::Nothing, TrafficSide::Right))
+        .collect();
+    let turning = || judged.iter().filter(|judged| judged.driven_rad.abs() > TURNING_RAD);
+    let open: Vec<&Judged> = turning().filter(|judged| judged.turned_rad.abs() < DECIDED_RAD).collect();
+    let silent = open.iter().filter(|judged| judged.steer_rad.is_none()).count();
+    assert!(open.len() > 20 && silent * 10 >= open.len() * 9, "{silent} of {}", open.len());
+    let decided: Vec<&Judged> = turning().filter(|judged| judged.turned_rad.abs() > DECIDED_RAD).collect();
+    let steered = decided.iter().filter(|judged| judged.steer_rad.is_some()).count();
+    assert!(decided.len() > 20 && steered * 20 >= decided.len() * 19, "{steered} of {}", decided.len());
 }

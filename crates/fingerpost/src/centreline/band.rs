@@ -1,5 +1,7 @@
 //! A way of the road as a band: how much road lies under it, and where it leads.
 
+use std::ops::Range;
+
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::picture::PlaneView;
 use nalgebra::{Point2, Vector2};
@@ -70,6 +72,15 @@ pub(super) struct Turn {
     arc_m: [f64; 2],
     /// The place where it ends.
     exit: Station,
+}
+
+/// How much more probable a way is than no road at all, as logarithms.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WayEvidence {
+    /// All of it.
+    pub(super) all: f64,
+    /// Of it the road behind its corner; 0 of a curve.
+    pub(super) arm: f64,
 }
 
 /// Of a place on a line, the one that is so far along it and to its left.
@@ -145,12 +156,18 @@ impl Way {
     }
 
     /// How much more probable it is than no road at all, as a logarithm; `approach` is what the line that it begins with is worth.
-    pub(super) fn evidence(&self, shown: &Band<'_>, approach: &Approach) -> f64 {
+    pub(super) fn evidence(&self, shown: &Band<'_>, approach: &Approach) -> WayEvidence {
         // Up to its corner a way is its first line, which all corners share.
-        let shared_m = self.turn.as_ref().map_or(-STATION_M, |turn| turn.arc_m[0]);
-        let shared = (shared_m / STATION_M + 1.0).clamp(0.0, STATIONS as f64) as usize;
-        let others = (shared..STATIONS).map(|i| shown.station(self.at(i as f64 * STATION_M)));
-        shown.evidence(approach.0[shared] + others.sum::<f64>())
+        let [shared_m, arm_m] = self.turn.as_ref().map_or([-STATION_M, f64::INFINITY], |turn| turn.arc_m);
+        let [shared, arm] = [shared_m / STATION_M + 1.0, (arm_m / STATION_M).ceil()]
+            .map(|station| station.clamp(0.0, STATIONS as f64) as usize);
+        let sum = |stations: Range<usize>| {
+            stations.map(|i| shown.station(self.at(i as f64 * STATION_M))).sum::<f64>()
+        };
+        let arm = arm.max(shared);
+        let behind = sum(arm..STATIONS);
+        let all = approach.0[shared] + sum(shared..arm) + behind;
+        WayEvidence { all: shown.evidence(all), arm: shown.evidence(behind) }
     }
 
     /// Direction from the rear axle to the place on it at the look-ahead, where the vehicle comes nearer to its lane; `stations` is

@@ -36,7 +36,15 @@ impl<'a> Guide<'a> {
             let sigma_m = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
             let approach = RoadLine { place, heading_rad };
             let sigma_rad = followed.covariance[(2, 2)].sqrt() + MAP_SIGMA_RAD;
-            Corner { approach, exit_rad: of(exit.direction_rad()), sigma_m, sigma_rad, probability: 1.0 }
+            // The route says which arm is taken: the other is no way on.
+            Corner {
+                approach,
+                exit_rad: of(exit.direction_rad()),
+                sigma_m,
+                sigma_rad,
+                probability: 1.0,
+                tee_probability: 0.0,
+            }
         });
         let corner = corner.filter(|corner| corner.turn_rad().abs() > LEAST_TURN_RAD);
         Self { corner, line, covariance: followed.covariance }

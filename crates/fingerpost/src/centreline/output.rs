@@ -23,13 +23,20 @@ pub struct Centreline {
     pub curvature_per_m: f64,
     /// Width of the road, metres.
     pub width_m: f64,
-    /// Direction to steer in, radians, positive to the left: towards the way ahead at the look-ahead, on which the vehicle comes
-    /// gently nearer to its lane.
-    pub steer_rad: f64,
-    /// Standard deviation of that, radians; wide where the road forks.
-    pub steer_sigma_rad: f64,
+    /// Where to steer; none where the road ahead is ambiguous ([`Ways::is_ambiguous`]).
+    pub steer: Option<Steer>,
+}
+
+/// A direction to steer in.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Steer {
+    /// The direction, radians, positive to the left: towards the way ahead at the look-ahead, on which the vehicle comes gently
+    /// nearer to its lane.
+    pub direction_rad: f64,
+    /// Its standard deviation, radians.
+    pub sigma_rad: f64,
     /// What it goes by.
-    pub steer_by: SteerBy,
+    pub by: SteerBy,
 }
 
 /// What a steering direction goes by.

@@ -26,6 +26,8 @@ pub struct Corner {
     pub sigma_rad: f64,
     /// Probability that the road goes on that way, 0 to 1, when the corner was last in sight.
     pub probability: f64,
+    /// Probability that another arm leads to the other side, 0 to 1, when the corner was last in sight.
+    pub tee_probability: f64,
 }
 
 impl RoadLine {
