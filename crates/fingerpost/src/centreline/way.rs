@@ -36,8 +36,8 @@ const TEE_TURNS_SUM: usize = 14;
 /// How far vehicles turn in their lane before a corner, standard deviation, radians (7 degrees): drivers swing out.
 const SWING_RAD: f64 = 0.12;
 /// The road ahead is ambiguous where either arm is taken with this probability: both are likely there, and the vehicle has not yet
-/// turned to one of them. Simulated road ends reach it in 144 of 170 frames
-/// before the vehicle turns, bends of 50 to 90 degrees in 7 of 230.
+/// turned to one of them. Simulated road ends reach it in 144 of 170 frames before the vehicle turns, bends of 50 to 90 degrees
+/// in 7 of 230.
 const AMBIGUOUS: f64 = 0.2;
 /// Ways of less weight than this, of the most probable one's, are not followed: together they weigh less than 4 %.
 const LEAST_WEIGHT: f64 = 1e-4;
