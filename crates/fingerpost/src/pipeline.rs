@@ -19,6 +19,7 @@ use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, Centrel
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
+use crate::height::{GroundHeight, HeightEvidence, HeightMethod, HeightStage};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
@@ -56,6 +57,8 @@ pub enum Stage {
     Motion,
     /// The camera's own motion to the mount's estimate.
     Mount,
+    /// Ground views to the ground's height.
+    Height,
     /// Ground view to road probability.
     Road,
     /// Road probability to the road's middle.
@@ -102,6 +105,8 @@ pub struct FrameEvidence<'a> {
     pub ground: &'a GroundPicture,
     /// The validity mask.
     pub validity: &'a Plane<u8>,
+    /// The ground's height, and how it was found; none where it is not looked at.
+    pub height: Option<(&'a GroundHeight, &'a HeightEvidence)>,
     /// The road surface.
     pub surface: &'a RoadSurface,
     /// How it was found.
@@ -161,6 +166,8 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
+    /// None where height is not looked at.
+    height: Option<HeightStage>,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
     camera: Camera,
@@ -235,6 +242,7 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
+            height: (config.height.method == HeightMethod::Parallax).then(|| HeightStage::new(&config.height)),
             detector: parts.take_road_detector(config)?,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             camera: camera.clone(),
@@ -283,10 +291,14 @@ impl Pipeline {
         if let Some(step) = &self.track_evidence.step {
             self.ego.learn(step);
         }
-        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let Self { config, view, ground, surface, height, tracker, track_evidence, output, .. } = self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
+
+        let turn = ego.camera.map(|camera| camera.turn).unwrap_or_default();
+        let height = height.as_mut().map(|stage| stage.step(view, &ground.grey, motion, turn));
+        finished(Stage::Height);
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
@@ -331,6 +343,7 @@ impl Pipeline {
         let evidence = FrameEvidence {
             ground,
             validity: validity.plane(),
+            height,
             surface,
             road,
             centreline: centreline_evidence,
