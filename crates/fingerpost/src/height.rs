@@ -11,6 +11,7 @@
 //! the plane of the strip ahead looks neither level nor raised. Things that move are not on any height.
 
 mod height_map;
+mod joining;
 mod laid_over;
 mod past_views;
 mod road_plane;
@@ -23,6 +24,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::height_map::{HeightMap, UNIT};
+pub(crate) use self::joining::Joining;
 use self::laid_over::{LaidOver, Raster, Region};
 use self::past_views::{PastView, PastViews, SPACING_M};
 use self::sweep::Sweep;
@@ -33,8 +35,8 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HeightConfig {
-    /// Whether the ground's height is looked at.
-    pub method: HeightMethod,
+    /// What the ground's height is looked at for.
+    pub used: HeightUse,
     /// Side of a cell of the map, metres; rounded to whole pixels of the ground view.
     #[schemars(range(min = 0.05, max = 1.0))]
     pub cell_m: f64,
@@ -42,19 +44,21 @@ pub struct HeightConfig {
 
 impl Default for HeightConfig {
     fn default() -> Self {
-        Self { method: HeightMethod::default(), cell_m: 0.1 }
+        Self { used: HeightUse::default(), cell_m: 0.1 }
     }
 }
 
-/// Ways to tell raised ground.
+/// What the ground's height is looked at for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum HeightMethod {
-    /// None.
-    Off,
-    /// By the parallax of ground views some metres of travel apart.
+pub enum HeightUse {
+    /// Nothing: it is not looked at.
     #[default]
-    Parallax,
+    Off,
+    /// To be shown: nothing else follows from it.
+    Shown,
+    /// To tell road from pavement, joined to what the road detector finds.
+    Surface,
 }
 
 /// The height of the ground in view.
@@ -96,9 +100,9 @@ const CELL_PX: (usize, usize) = (2, 1);
 const LEVEL_M: f64 = 0.035;
 const RAISED_M: f64 = 0.055;
 /// Independent witnesses in a window, times the share of a look that is news.
-const WITNESSES: f32 = 1.5;
+const WITNESSES: f32 = 3.0;
 /// A single look says no more than this.
-const MOST_A_LOOK: f32 = 1.0;
+const MOST_A_LOOK: f32 = 2.0;
 /// A motion less sure than this leaves the map behind, metres.
 const LEFT_BEHIND_M: f64 = 1.0;
 /// Travel over which the map fades to a third, metres.
@@ -186,9 +190,14 @@ impl HeightStage {
                 continue;
             }
             let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
-            weigh(&self.sweep, (&mut self.level, &mut self.raised), |place, log_odds| {
-                add(&mut self.map, raster, region, view, place, log_odds);
-            }, region);
+            weigh(
+                &self.sweep,
+                (&mut self.level, &mut self.raised),
+                |place, log_odds| {
+                    add(&mut self.map, raster, region, view, place, log_odds);
+                },
+                region,
+            );
         }
         let odometry_from_vehicle = self.now.odometry_from_vehicle;
         self.views.keep(&mut self.now);
@@ -232,14 +241,20 @@ fn weigh(
 }
 
 /// Where a raised place is shown, it is nearer to the camera.
-fn add(map: &mut HeightMap, raster: Raster, region: Region, view: &GroundView, [column, row]: [usize; 2], log_odds: f32) {
+fn add(
+    map: &mut HeightMap,
+    raster: Raster,
+    region: Region,
+    view: &GroundView,
+    [column, row]: [usize; 2],
+    log_odds: f32,
+) {
     let shown = Point2::new(
         raster.ahead_m((region.first_row + row) as f64),
         raster.left_m((region.first_column + column) as f64),
     );
     let (foot, height_m) = (view.camera_foot(), view.camera_height_m());
-    let place =
-        if log_odds > 0.0 { foot + (shown - foot) * (1.0 - TYPICAL_M / height_m) } else { shown };
+    let place = if log_odds > 0.0 { foot + (shown - foot) * (1.0 - TYPICAL_M / height_m) } else { shown };
     map.add(place, log_odds);
 }
 
@@ -254,3 +269,6 @@ impl GroundHeight {
         self.raised.get(column / side, row / side).map_or(0.0, |units| f64::from(units) / UNIT)
     }
 }
+
+#[cfg(test)]
+mod tests;

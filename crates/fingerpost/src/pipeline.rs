@@ -19,7 +19,7 @@ use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, Centrel
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
-use crate::height::{GroundHeight, HeightEvidence, HeightMethod, HeightStage};
+use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
@@ -168,6 +168,7 @@ pub struct Pipeline {
     camera_watch: CameraWatch,
     /// None where height is not looked at.
     height: Option<HeightStage>,
+    joining: Joining,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
     camera: Camera,
@@ -242,7 +243,8 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
-            height: (config.height.method == HeightMethod::Parallax).then(|| HeightStage::new(&config.height)),
+            height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
+            joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             camera: camera.clone(),
@@ -291,19 +293,25 @@ impl Pipeline {
         if let Some(step) = &self.track_evidence.step {
             self.ego.learn(step);
         }
-        let Self { config, view, ground, surface, height, tracker, track_evidence, output, .. } = self;
+        let Self { config, view, ground, surface, height, joining, tracker, track_evidence, output, .. } =
+            self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
 
         let turn = ego.camera.map(|camera| camera.turn).unwrap_or_default();
         let height = height.as_mut().map(|stage| stage.step(view, &ground.grey, motion, turn));
-        finished(Stage::Height);
+        if height.is_some() {
+            finished(Stage::Height);
+        }
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
         let input = RoadInput { picture: ground, validity, sample, perspective, motion };
         let road = self.detector.detect(input, surface)?;
+        if let (Some((height, _)), HeightUse::Surface) = (height, config.height.used) {
+            joining.join(height, surface)?;
+        }
         finished(Stage::Road);
 
         let (centreline, centreline_evidence) = self.centreline.find(surface, motion)?;

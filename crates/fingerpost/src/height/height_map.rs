@@ -10,7 +10,7 @@ use crate::still_cells::StillCells;
 /// Units of log-odds in a cell.
 pub(super) const UNIT: f64 = 256.0;
 /// Largest log-odds of a cell: looks at one place share their texture, and a hundred of them do not make it surer than this.
-pub(super) const MOST_LOG_ODDS: f64 = 4.0;
+pub(super) const MOST_LOG_ODDS: f64 = 8.0;
 
 /// The map.
 #[derive(Debug, Default)]
@@ -56,7 +56,10 @@ impl HeightMap {
         }
         let middle = 0.5 * (side_px as f64 - 1.0);
         let at = |column: usize, row: usize| {
-            let pixel = GroundPixel { column: (column * side_px) as f64 + middle, row: (row * side_px) as f64 + middle };
+            let pixel = GroundPixel {
+                column: (column * side_px) as f64 + middle,
+                row: (row * side_px) as f64 + middle,
+            };
             self.cells.cell_of(grid.vehicle_from_ground(pixel))
         };
         let ([x0, y0], [x1, y1]) = (at(0, 0), at(1, 0));

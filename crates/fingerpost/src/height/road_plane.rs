@@ -94,3 +94,32 @@ impl PlaneFit {
 fn terms([x, y]: [f64; 2]) -> SVector<f64, 5> {
     SVector::from([1.0, x, x * x, y, x * y])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pitch_and_roll_come_out_of_the_strip_and_a_pavement_beside_it_does_not_count() {
+        let (way_m, height_m, pitch_rad, roll_rad) = (4.0, 1.5, 0.004, 0.01);
+        let level = |x: f64, y: f64| {
+            (2.0 * x * way_m + way_m * way_m) * pitch_rad / height_m - y * way_m * roll_rad / height_m
+        };
+        let raised_m = way_m * 0.12 / (height_m - 0.12);
+        let places =
+            (0..12).flat_map(|i| (0..7).map(move |j| [4.0 + 0.6 * f64::from(i), 0.5 * f64::from(j) - 1.5]));
+        let blocks: Vec<Displaced> = places
+            .map(|[x, y]| {
+                let by_m = level(x, y) + if y > 1.2 { raised_m } else { 0.0 };
+                Displaced { place: [x, y], by_m, sigma_m: 0.01 }
+            })
+            .collect();
+        let fit = PlaneFit::of(&blocks, &PlaneFit::default(), way_m, height_m);
+        for [x, y] in [[5.0, 0.0], [10.0, 0.0], [7.0, 1.0], [7.0, -1.0]] {
+            let off_m = fit.at([x, y]) - level(x, y);
+            assert!(off_m.abs() < 0.02, "{x}, {y}: {off_m}");
+        }
+        let [at_axis, to_left] = fit.along_row(7.0);
+        assert!((at_axis + to_left - fit.at([7.0, 1.0])).abs() < 1e-12);
+    }
+}

@@ -106,7 +106,13 @@ impl Sweep {
     }
 
     /// Looks at all of the view at several heights.
-    pub(super) fn sweep(&mut self, raster: Raster, viewpoint: Viewpoint, laid: &mut LaidOver, older: &PastView) -> Region {
+    pub(super) fn sweep(
+        &mut self,
+        raster: Raster,
+        viewpoint: Viewpoint,
+        laid: &mut LaidOver,
+        older: &PastView,
+    ) -> Region {
         let all = region(raster, viewpoint, raster.grid.half_width_m());
         self.part.values.reset(all.columns, all.rows, 0);
         self.part.scales.reset(all.columns, all.rows, 0.0);
@@ -146,22 +152,14 @@ impl Sweep {
     }
 
     fn correlate(&mut self, shifts: impl Iterator<Item = [isize; 2]>, raster: Raster) {
-        let mut count = 0;
-        for shift in shifts {
-            if count == self.correlations.len() {
+        for (index, shift) in shifts.enumerate() {
+            if index == self.correlations.len() {
                 self.correlations.push(Plane::default());
             }
-            if let Some(plane) = self.correlations.get_mut(count) {
-                let (newer, older) = (&self.part, &self.older);
-                self.correlation.at_shift(
-                    (&newer.values, &newer.scales),
-                    (&older.values, &older.scales),
-                    shift,
-                    window(raster),
-                    plane,
-                );
-            }
-            count += 1;
+            let Some(plane) = self.correlations.get_mut(index) else { return };
+            let (newer, older) = (&self.part, &self.older);
+            let (newer, older) = ((&newer.values, &newer.scales), (&older.values, &older.scales));
+            self.correlation.at_shift(newer, older, shift, window(raster), plane);
         }
     }
 }
@@ -200,7 +198,8 @@ fn copy<T: Copy>(from: &Plane<T>, region: Region, to: &mut Plane<T>) {
 /// small or at an end.
 fn peak(correlations: &[Plane<f32>], column: usize, row: usize, window: HalfWindow) -> Option<[f64; 2]> {
     let at = |shift: usize| correlations.get(shift).and_then(|plane| plane.get(column, row));
-    let best = (0..correlations.len()).max_by(|&a, &b| at(a).partial_cmp(&at(b)).unwrap_or(std::cmp::Ordering::Equal))?;
+    let best = (0..correlations.len())
+        .max_by(|&a, &b| at(a).partial_cmp(&at(b)).unwrap_or(std::cmp::Ordering::Equal))?;
     let r = at(best)?;
     let (before, after) = (at(best.checked_sub(1)?)?, at(best + 1)?);
     let curvature = 2.0 * r - before - after;

@@ -29,13 +29,7 @@ pub(super) struct RoadMap {
 
 impl RoadMap {
     pub(super) fn new(model: SensorModel) -> Self {
-        Self {
-            model,
-            grid: None,
-            side_px: 1,
-            map: StillCells::default(),
-            row_trust: Vec::new(),
-        }
+        Self { model, grid: None, side_px: 1, map: StillCells::default(), row_trust: Vec::new() }
     }
 
     /// Pixels of the view along a cell.
