@@ -106,3 +106,21 @@ fn a_standing_vehicle_learns_nothing_more() {
     let (_, stood) = drive(CameraTurn::default(), CameraTurn::default(), &steps);
     assert_eq!(driven.height.raised, stood.height.raised);
 }
+
+#[test]
+fn a_drive_on_allocates_nothing_once_every_view_has_been_kept() {
+    let (view, mut stage) = drive(CameraTurn::default(), CameraTurn::default(), &[0.5; 24]);
+    let motion = Motion {
+        previous_from_current: Isometry2::new(Vector2::new(0.5, 0.0), 0.0),
+        covariance: Matrix3::identity() * 1e-6,
+        quality: 1.0,
+    };
+    for further in 1..=6 {
+        let grey = shown(&view, 12.0 + 0.5 * f64::from(further), CameraTurn::default());
+        let counted = allocation_counter::measure(|| {
+            let (_, evidence) = stage.step(&view, &grey, Some(&motion), CameraTurn::default());
+            assert_eq!(evidence.pairs.len(), TRAVELS_M.len());
+        });
+        assert_eq!(counted.count_total, 0, "{} bytes", counted.bytes_total);
+    }
+}
