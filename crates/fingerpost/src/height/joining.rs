@@ -60,7 +60,25 @@ impl Joining {
     }
 }
 
-/// Probability of road by the log-odds of raised ground, 256 standing for 1.
+/// Share of the ground beside roads that lies on their plane: verges, forecourts and dropped kerbs.
+const LEVEL_BESIDE: f64 = 0.7;
+
+/// Probability of road by the log-odds of raised ground, 256 standing for 1. Road is level; other ground is level or raised, so
+/// that what is raised is no road, and what is level may be either.
 fn prior(raised: i16) -> u8 {
-    (256.0 / (1.0 + (f64::from(raised) / UNIT).exp())).round() as u8
+    let beside = LEVEL_BESIDE + (1.0 - LEVEL_BESIDE) * (f64::from(raised) / UNIT).exp();
+    (256.0 / (1.0 + beside)).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn raised_is_no_road_level_is_a_little_more_so_and_nothing_says_nothing() {
+        let units = |log_odds: f64| (log_odds * UNIT) as i16;
+        assert_eq!(prior(0), EVEN);
+        assert!(prior(units(6.0)) < 3);
+        assert!((150..=151).contains(&prior(units(-8.0))), "{}", prior(units(-8.0)));
+    }
 }
