@@ -13,6 +13,7 @@ use crate::centreline::CentrelineConfig;
 use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
+use crate::height::HeightConfig;
 use crate::lanes::LanesConfig;
 use crate::matching::MatchConfig;
 use crate::motion::MotionConfig;
@@ -33,6 +34,8 @@ pub struct Config {
     pub can: CanConfig,
     /// The part of the road seen from above.
     pub ground_view: GroundViewConfig,
+    /// Height of the ground.
+    pub height: HeightConfig,
     /// Road surface detection.
     pub road_surface: RoadSurfaceConfig,
     /// The road's middle without markings.

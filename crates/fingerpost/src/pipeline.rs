@@ -19,6 +19,7 @@ use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, Centrel
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
+use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
@@ -56,6 +57,8 @@ pub enum Stage {
     Motion,
     /// The camera's own motion to the mount's estimate.
     Mount,
+    /// Ground views to the ground's height.
+    Height,
     /// Ground view to road probability.
     Road,
     /// Masks, match and track.
@@ -102,6 +105,8 @@ pub struct FrameEvidence<'a> {
     pub ground: &'a GroundPicture,
     /// The validity mask.
     pub validity: &'a Plane<u8>,
+    /// The ground's height, and how it was found; none where it is not looked at.
+    pub height: Option<(&'a GroundHeight, &'a HeightEvidence)>,
     /// The road surface.
     pub surface: &'a RoadSurface,
     /// How it was found.
@@ -161,6 +166,9 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
+    /// None where height is not looked at.
+    height: Option<HeightStage>,
+    joining: Joining,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
     camera: Camera,
@@ -235,6 +243,8 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
+            height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
+            joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             camera: camera.clone(),
@@ -283,15 +293,25 @@ impl Pipeline {
         if let Some(step) = &self.track_evidence.step {
             self.ego.learn(step);
         }
-        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
+        let Self { config, view, ground, surface, height, joining, tracker, track_evidence, output, .. } =
+            self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
+
+        let turn = ego.camera.map(|camera| camera.turn).unwrap_or_default();
+        let height = height.as_mut().map(|stage| stage.step(view, &ground.grey, motion, turn));
+        if height.is_some() {
+            finished(Stage::Height);
+        }
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
         let input = RoadInput { picture: ground, validity, sample, perspective, motion };
         let road = self.detector.detect(input, surface)?;
+        if let (Some((height, _)), HeightUse::Surface) = (height, config.height.used) {
+            joining.join(height, surface)?;
+        }
         finished(Stage::Road);
 
         let laid = self.matcher.lay(surface, (&ground.grey, validity))?;
@@ -334,6 +354,7 @@ impl Pipeline {
         let evidence = FrameEvidence {
             ground,
             validity: validity.plane(),
+            height,
             surface,
             road,
             centreline: centreline_evidence,

@@ -8,6 +8,7 @@
 mod painted;
 
 use allocation_counter::measure;
+use fingerpost::height::HeightUse;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
 use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork, RoadPicture};
@@ -164,6 +165,13 @@ fn detectors_that_see_the_camera_picture_allocate_nothing() {
         config.road_surface.picture = RoadPicture::Camera;
         Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
     }
+}
+
+#[test]
+fn the_ground_s_height_allocates_nothing() {
+    let mut config = coarse();
+    config.height.used = HeightUse::Surface;
+    Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
 }
 
 #[test]

@@ -45,6 +45,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
     let evidence = FrameEvidence {
         ground: &ground,
         validity: &validity,
+        height: None,
         surface: &surface,
         road: RoadEvidence {
             detector: "none",

@@ -52,6 +52,7 @@ impl Pipeline {
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
+            height: None,
             surface,
             road: RoadEvidence::default(),
             centreline: self.centreline.pass_over(),

@@ -1,8 +1,6 @@
 //! A map of the road about the vehicle: log-odds of road in square cells that lie still on the road.
 //!
-//! The map is a torus: a cell that falls out of reach on one side becomes, emptied, one that comes into reach on the other, so
-//! that its size is bounded and nothing is ever moved or resampled. Cells are read between their centres and written at the
-//! nearest.
+//! Cells are read between their centres and written at the nearest.
 
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::fusion::fade;
@@ -11,9 +9,8 @@ use nalgebra::{Isometry2, Point2};
 
 use super::sensor_model::{MAX_UNITS, SensorModel};
 use crate::ground_view::GroundView;
+use crate::still_cells::StillCells;
 
-/// Most cells along a side of the map, a bound on its memory: 8 MB.
-const MAX_SIDE: usize = 2048;
 /// Bits behind the point of places counted in cells or pixels.
 const PLACE_BITS: u32 = 16;
 const HALF: i64 = 1 << (PLACE_BITS - 1);
@@ -25,28 +22,14 @@ pub(super) struct RoadMap {
     grid: Option<GroundGrid>,
     /// Pixels of the view along a cell.
     side_px: usize,
-    cell_m: f64,
-    /// Side, a power of two; the cell of map place (x, y) is in column x and row y modulo the side.
-    cells: Plane<i16>,
-    map_from_vehicle: Isometry2<f64>,
-    /// First column and row in reach, cells of the endless map.
-    corner: [i64; 2],
+    map: StillCells<i16>,
     /// Evidence that a row of the view gives, in 256ths.
     row_trust: Vec<i32>,
 }
 
 impl RoadMap {
     pub(super) fn new(model: SensorModel) -> Self {
-        Self {
-            model,
-            grid: None,
-            side_px: 1,
-            cell_m: 1.0,
-            cells: Plane::default(),
-            map_from_vehicle: Isometry2::identity(),
-            corner: [0, 0],
-            row_trust: Vec::new(),
-        }
+        Self { model, grid: None, side_px: 1, map: StillCells::default(), row_trust: Vec::new() }
     }
 
     /// Pixels of the view along a cell.
@@ -55,7 +38,7 @@ impl RoadMap {
     }
 
     pub(super) fn forget(&mut self) {
-        self.cells.as_mut_slice().fill(0);
+        self.map.forget();
     }
 
     /// Makes the map one for this view; a map for another one is forgotten.
@@ -66,14 +49,7 @@ impl RoadMap {
         }
         self.grid = Some(*grid);
         self.side_px = ((cell_m / grid.metres_per_pixel()).round() as usize).max(1);
-        self.cell_m = self.side_px as f64 * grid.metres_per_pixel();
-        // The whole view whichever way it lies, and a cell more all around for rounding.
-        let across_px = (grid.columns() as f64).hypot(grid.rows() as f64);
-        let reach = (across_px / self.side_px as f64).ceil() as usize + 4;
-        let side = reach.next_power_of_two().min(MAX_SIDE);
-        self.cells.reset(side, side, 0);
-        self.map_from_vehicle = Isometry2::identity();
-        self.corner = self.corner_now();
+        self.map.lie_under(grid, self.side_px as f64 * grid.metres_per_pixel());
         let camera_x_m = view.camera_foot().x;
         let trust = |row: usize| {
             let pixel = GroundPixel { column: 0.0, row: row as f64 };
@@ -84,50 +60,17 @@ impl RoadMap {
 
     /// Multiplies everything by `kept`, 0 to 1.
     pub(super) fn fade(&mut self, kept: f64) {
-        fade(self.cells.as_mut_slice(), kept);
+        fade(self.map.cells.as_mut_slice(), kept);
     }
 
     /// Moves the vehicle on; cells that come into reach are empty.
     pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
-        self.map_from_vehicle *= previous_from_current;
-        self.map_from_vehicle.rotation.renormalize();
-        let side = self.cells.width() as i64;
-        // Once around the torus nothing is another place.
-        let around_m = side as f64 * self.cell_m;
-        let whole = self.map_from_vehicle.translation.vector.map(|m| (m / around_m).trunc());
-        self.map_from_vehicle.translation.vector -= whole * around_m;
-        self.corner = [self.corner[0] - whole.x as i64 * side, self.corner[1] - whole.y as i64 * side];
-        let before = self.corner;
-        self.corner = self.corner_now();
-        for axis in [0, 1] {
-            let entered = if self.corner[axis] >= before[axis] {
-                before[axis] + side..self.corner[axis] + side
-            } else {
-                self.corner[axis]..before[axis]
-            };
-            let count = (entered.end - entered.start).min(side);
-            for line in (entered.start..entered.start + count).map(|line| (line & (side - 1)) as usize) {
-                if axis == 1 {
-                    self.cells.row_mut(line).fill(0);
-                } else {
-                    (0..side as usize).for_each(|row| self.cells.row_mut(row)[line] = 0);
-                }
-            }
-        }
-    }
-
-    /// First column and row in reach when the middle of the view is the middle of the map.
-    fn corner_now(&self) -> [i64; 2] {
-        let Some(grid) = &self.grid else { return [0, 0] };
-        let middle = self.map_from_vehicle * Point2::new(0.5 * (grid.near_m() + grid.far_m()), 0.0);
-        let half = (self.cells.width() / 2) as i64;
-        [middle.x, middle.y].map(|m| (m / self.cell_m).round() as i64 - half)
+        self.map.carry(previous_from_current);
     }
 
     /// Place in the map, cells, of a place in the view, pixels.
     fn cell_of(&self, grid: &GroundGrid, column: f64, row: f64) -> [f64; 2] {
-        let p_in_map = self.map_from_vehicle * grid.vehicle_from_ground(GroundPixel { column, row });
-        [p_in_map.x / self.cell_m, p_in_map.y / self.cell_m]
+        self.map.cell_of(grid.vehicle_from_ground(GroundPixel { column, row }))
     }
 
     /// What the map says about every square of [`RoadMap::side_px`] pixels of the view: its prior probability (256 would be
@@ -146,9 +89,9 @@ impl RoadMap {
         };
         let ([x0, y0], [x1, y1]) = (at(0, 0), at(1, 0));
         let step = [x1 - x0, y1 - y0];
-        let mask = self.cells.width() - 1;
-        let cells = self.cells.as_slice();
-        let log_side = self.cells.width().trailing_zeros();
+        let mask = self.map.cells.width() - 1;
+        let cells = self.map.cells.as_slice();
+        let log_side = self.map.cells.width().trailing_zeros();
         for row in 0..size.1 {
             let [mut x, mut y] = at(0, row).map(|place| place + HALF);
             for (prior, known) in prior.row_mut(row).iter_mut().zip(known.row_mut(row)) {
@@ -179,11 +122,11 @@ impl RoadMap {
             let most = of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             // One place of a torus must not be written twice.
             let first = least.ceil() as i64;
-            first..(most.floor() as i64 + 1).min(first + self.cells.width() as i64)
+            first..(most.floor() as i64 + 1).min(first + self.map.cells.width() as i64)
         });
-        let vehicle_from_map = self.map_from_vehicle.inverse();
+        let vehicle_from_map = self.map.map_from_vehicle.inverse();
         let pixel_of = |place: [i64; 2]| {
-            let p_in_map = Point2::from(place.map(|cell| cell as f64)) * self.cell_m;
+            let p_in_map = Point2::from(place.map(|cell| cell as f64)) * self.map.cell_m;
             let pixel = grid.ground_from_vehicle(vehicle_from_map * p_in_map);
             // Half a pixel more, so that cutting off rounds.
             [pixel.column + 0.5, pixel.row + 0.5]
@@ -195,11 +138,11 @@ impl RoadMap {
         // Along the axis that runs more along the view's rows, neighbours lie together in memory.
         let along = usize::from(steps[1][0].abs() > steps[0][0].abs());
         let across = 1 - along;
-        let log_side = self.cells.width().trailing_zeros();
+        let log_side = self.map.cells.width().trailing_zeros();
         let bits = [0, log_side];
-        let mask = self.cells.width() - 1;
+        let mask = self.map.cells.width() - 1;
         let keep = (256.0 * self.model.keep_seen).round() as i32;
-        let (values, cells, step) = (seen.as_slice(), self.cells.as_mut_slice(), steps[along]);
+        let (values, cells, step) = (seen.as_slice(), self.map.cells.as_mut_slice(), steps[along]);
         let (first_along, count) = (ranges[along].start, ranges[along].clone().count());
         for line in ranges[across].clone() {
             let mut place = [0; 2];

@@ -1,0 +1,217 @@
+//! Two ground views looked at as if the ground lay at several heights.
+
+use fingerpost_vision::parallax::{Correlation, Detrending, GREY_STEPS, HalfWindow, UNSEEN, register};
+use fingerpost_vision::picture::Plane;
+
+use super::laid_over::{LaidOver, Raster, Region};
+use super::past_views::PastView;
+use super::road_plane::{Displaced, PlaneFit};
+use crate::ground_view::Viewpoint;
+
+/// Half the sides of a window, metres: long, because kerbs run along the way, and narrow, so that they are sharp.
+const WINDOW_M: [f64; 2] = [0.25, 0.45];
+/// Half the length over which brightness is evened out along the way, metres.
+const TREND_M: f64 = 0.75;
+/// Mean square of a window's texture up to which it is the camera's noise, square greys.
+const NOISE_GREY2: f32 = 1.0;
+/// Farther than this ahead of the camera's foot a pixel is too long to show a kerb's parallax, metres.
+const REACH_M: f64 = 12.0;
+/// Half the width of the strip ahead that is taken for road, metres: a vehicle's, and as much again.
+const STRIP_M: f64 = 1.5;
+/// Displacements of the strip that are looked at, metres either way.
+const STRIP_SEARCH_M: f64 = 0.4;
+/// Spacing of the blocks of the strip that displacements are taken from, metres.
+const BLOCKS_M: [f64; 2] = [0.4, 0.5];
+/// Correlation below which a block shows nothing.
+const LEAST_CORRELATION: f32 = 0.5;
+/// Heights that are looked at, metres over the road's plane.
+pub(super) const LOWEST_M: f64 = -0.06;
+pub(super) const HIGHEST_M: f64 = 0.20;
+/// Finest step between them, metres.
+const HEIGHT_STEP_M: f64 = 0.02;
+/// Most shifts of one sweep.
+const MOST_SHIFTS: usize = 20;
+
+/// Planes of a view or of a part of one.
+#[derive(Debug, Default)]
+struct Detrended {
+    values: Plane<i16>,
+    scales: Plane<f32>,
+}
+
+/// The correlations of one sweep, and the memory for it.
+#[derive(Debug, Default)]
+pub(super) struct Sweep {
+    newer: Detrended,
+    part: Detrended,
+    older: Detrended,
+    registered: Plane<i16>,
+    detrending: Detrending,
+    correlation: Correlation,
+    /// A plane a shift.
+    correlations: Vec<Plane<f32>>,
+    /// Height of each shift, metres.
+    heights_m: Vec<f64>,
+    blocks: Vec<Displaced>,
+}
+
+impl Sweep {
+    /// Takes in the newer view of the pairs to come.
+    pub(super) fn look_at(&mut self, raster: Raster, newer: &PastView) {
+        let half = (TREND_M / raster.cell_m()[1]).round() as usize;
+        self.detrending.detrend(&newer.grey, half, &mut self.newer.values);
+        self.correlation.scales(&self.newer.values, window(raster), noise(), &mut self.newer.scales);
+    }
+
+    /// Fits the road's plane to the strip ahead.
+    pub(super) fn fit_plane(
+        &mut self,
+        raster: Raster,
+        viewpoint: Viewpoint,
+        laid: &mut LaidOver,
+        older: &PastView,
+    ) -> Region {
+        let all = region(raster, viewpoint, raster.grid.half_width_m());
+        let strip = region(raster, viewpoint, STRIP_M);
+        self.part.values.reset(strip.columns, strip.rows, 0);
+        self.part.scales.reset(strip.columns, strip.rows, 0.0);
+        copy(&self.newer.values, strip, &mut self.part.values);
+        copy(&self.newer.scales, strip, &mut self.part.scales);
+        let down_m = raster.cell_m()[1];
+        let most = (STRIP_SEARCH_M / down_m).round() as isize;
+        let step = (most / 8).max(1);
+        let shifts = || (-most..=most).step_by(step as usize);
+        for _ in 0..2 {
+            self.lay(raster, laid, strip, older);
+            self.correlate(shifts().map(|up| [up, 0]), raster);
+            self.blocks.clear();
+            let [across, down] = raster.cell_m();
+            let [step_across, step_down] =
+                [(BLOCKS_M[0] / across).max(1.0) as usize, (BLOCKS_M[1] / down).max(1.0) as usize];
+            for row in (step_down / 2..strip.rows).step_by(step_down) {
+                for column in (step_across / 2..strip.columns).step_by(step_across) {
+                    let place = [
+                        raster.ahead_m((strip.first_row + row) as f64) - viewpoint.foot.x,
+                        raster.left_m((strip.first_column + column) as f64),
+                    ];
+                    if let Some([by, sigma]) = peak(&self.correlations, column, row, window(raster)) {
+                        let by_m = (by * step as f64 - most as f64) * down_m;
+                        self.blocks.push(Displaced { place, by_m, sigma_m: sigma * step as f64 * down_m });
+                    }
+                }
+            }
+            laid.fit = PlaneFit::of(&self.blocks, &laid.fit, laid.way.norm(), viewpoint.height_m);
+        }
+        all
+    }
+
+    /// Looks at all of the view at several heights.
+    pub(super) fn sweep(
+        &mut self,
+        raster: Raster,
+        viewpoint: Viewpoint,
+        laid: &mut LaidOver,
+        older: &PastView,
+    ) -> Region {
+        let all = region(raster, viewpoint, raster.grid.half_width_m());
+        self.part.values.reset(all.columns, all.rows, 0);
+        self.part.scales.reset(all.columns, all.rows, 0.0);
+        copy(&self.newer.values, all, &mut self.part.values);
+        copy(&self.newer.scales, all, &mut self.part.scales);
+        self.lay(raster, laid, all, older);
+        let [across_m, down_m] = raster.cell_m();
+        let way_m = laid.way.norm();
+        let displaced_m = |height_m: f64| way_m * height_m / (viewpoint.height_m - height_m);
+        let step_m = displaced_m(HEIGHT_STEP_M).max(down_m);
+        let first = (displaced_m(LOWEST_M) / step_m).round() as isize;
+        let last = ((displaced_m(HIGHEST_M) / step_m).round() as isize).min(first + MOST_SHIFTS as isize - 1);
+        self.heights_m.clear();
+        self.heights_m
+            .extend((first..=last).map(|shift| laid.height_m(shift as f64 * step_m, viewpoint.height_m)));
+        let along = laid.way / way_m.max(f64::EPSILON) * step_m;
+        let cells = |shift: isize| {
+            let shift = shift as f64;
+            [(along.x * shift / down_m).round() as isize, (along.y * shift / across_m).round() as isize]
+        };
+        self.correlate((first..=last).map(cells), raster);
+        all
+    }
+
+    /// The correlations of the last sweep, each with its height, metres.
+    pub(super) fn heights(&self) -> impl Iterator<Item = (f64, &Plane<f32>)> {
+        self.heights_m.iter().copied().zip(&self.correlations)
+    }
+
+    fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {
+        laid.over(region);
+        self.registered.reset(region.columns, region.rows, UNSEEN);
+        register(&older.grey, laid, &mut self.registered);
+        let half = (TREND_M / raster.cell_m()[1]).round() as usize;
+        self.detrending.detrend(&self.registered, half, &mut self.older.values);
+        self.correlation.scales(&self.older.values, window(raster), noise(), &mut self.older.scales);
+    }
+
+    fn correlate(&mut self, shifts: impl Iterator<Item = [isize; 2]>, raster: Raster) {
+        for (index, shift) in shifts.enumerate() {
+            if index == self.correlations.len() {
+                self.correlations.push(Plane::default());
+            }
+            let Some(plane) = self.correlations.get_mut(index) else { return };
+            let (newer, older) = (&self.part, &self.older);
+            let (newer, older) = ((&newer.values, &newer.scales), (&older.values, &older.scales));
+            self.correlation.at_shift(newer, older, shift, window(raster), plane);
+        }
+    }
+}
+
+fn noise() -> f32 {
+    NOISE_GREY2 * (GREY_STEPS * GREY_STEPS) as f32
+}
+
+pub(super) fn window(raster: Raster) -> HalfWindow {
+    let [across, down] = raster.cell_m();
+    HalfWindow {
+        columns: (WINDOW_M[0] / across).round() as usize,
+        rows: (WINDOW_M[1] / down).round() as usize,
+    }
+}
+
+/// The part of the view up to the reach and `half_m` to both sides.
+fn region(raster: Raster, viewpoint: Viewpoint, half_m: f64) -> Region {
+    let Raster { grid, cell_px: (across, down) } = raster;
+    let (columns, rows) = (grid.columns() / across, grid.rows() / down);
+    let cut = |at: f64, most: usize| (at.ceil().max(0.0) as usize).min(most);
+    let first_row = cut(raster.row_at(viewpoint.foot.x + REACH_M), rows);
+    let first_column = cut(raster.column_at(half_m), columns);
+    let end = cut(raster.column_at(-half_m), columns);
+    Region { first_row, first_column, rows: rows - first_row, columns: end.saturating_sub(first_column) }
+}
+
+fn copy<T: Copy>(from: &Plane<T>, region: Region, to: &mut Plane<T>) {
+    for row in 0..region.rows {
+        let columns = region.first_column..region.first_column + region.columns;
+        to.row_mut(row).copy_from_slice(&from.row(region.first_row + row)[columns]);
+    }
+}
+
+/// Where the correlation is greatest over the shifts, in shifts from the first, and its standard deviation; none where it is
+/// small or at an end.
+fn peak(correlations: &[Plane<f32>], column: usize, row: usize, window: HalfWindow) -> Option<[f64; 2]> {
+    let at = |shift: usize| correlations.get(shift).and_then(|plane| plane.get(column, row));
+    let best = (0..correlations.len())
+        .max_by(|&a, &b| at(a).partial_cmp(&at(b)).unwrap_or(std::cmp::Ordering::Equal))?;
+    let r = at(best)?;
+    let (before, after) = (at(best.checked_sub(1)?)?, at(best + 1)?);
+    let curvature = 2.0 * r - before - after;
+    if r < LEAST_CORRELATION || curvature <= 0.0 {
+        return None;
+    }
+    let offset = 0.5 * f64::from(after - before) / f64::from(curvature);
+    // Least squares: residual variance over the square of the slope, whose mean the curvature is, for the window's cells.
+    let variance =
+        2.0 * f64::from(1.0 - r * r) / (f64::from(curvature * r) * window.cells() as f64 / INDEPENDENT_CELLS);
+    Some([best as f64 + offset.clamp(-1.0, 1.0), variance.max(0.0).sqrt()])
+}
+
+/// Cells that err together.
+const INDEPENDENT_CELLS: f64 = 8.0;
