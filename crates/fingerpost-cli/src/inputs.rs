@@ -5,9 +5,10 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost_io::FfmpegPrograms;
-use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gpx_within, read_route};
+use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
 
 use crate::arguments::InputLimit;
+use crate::output;
 
 /// The data of an OpenStreetMap file that takes no more than the limit.
 pub(crate) fn osm(path: &Path, limit: InputLimit) -> Result<OsmData> {
@@ -21,10 +22,18 @@ pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
     RoadGraph::from_osm(&osm(path, limit)?).with_context(|| path.display().to_string())
 }
 
-/// The points of a GPX file that takes no more than the limit.
+/// The positions of a GPX file or a receiver's log that takes no more than the limit; what is damaged in it is said.
 pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>> {
-    let text = fingerpost_io::read_text_within(path, limit.bytes() as u64)?;
-    parse_gpx_within(&text, limit.bytes()).with_context(|| path.display().to_string())
+    let bytes = fingerpost_io::read_bytes_within(path, limit.bytes() as u64)?;
+    let log = parse_gps_log_within(&bytes, limit.bytes()).with_context(|| path.display().to_string())?;
+    if log.damaged > 0 {
+        output::message(&format!(
+            "{}: {} of its reports of position are damaged and passed over",
+            path.display(),
+            log.damaged
+        ));
+    }
+    Ok(log.points)
 }
 
 /// A route file.

@@ -11,7 +11,7 @@ use crate::arguments::{InputLimit, Place};
 use crate::record::kind_name;
 use crate::{inputs, output, output_path};
 
-/// Plan a route on an OpenStreetMap map, or match a GPX track to it, and write it with its junctions, side roads and
+/// Plan a route on an OpenStreetMap map, or match a GPS track to it, and write it with its junctions, side roads and
 /// bends as route.geojson.
 #[derive(Debug, Args)]
 pub(crate) struct RouteArgs {
@@ -35,7 +35,7 @@ pub(crate) struct RouteArgs {
     /// A place to pass on the way, degrees; may be given several times, in the order of driving.
     #[arg(long, value_name = "LAT,LON", allow_hyphen_values = true, requires = "from")]
     via: Vec<Place>,
-    /// A GPX track that was driven, in place of --from and --to.
+    /// A track that was driven, GPX or a receiver's log, in place of --from and --to.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["from", "to", "via"])]
     gpx: Option<PathBuf>,
     /// The route file to write.

@@ -49,7 +49,7 @@ pub(crate) struct RunArgs {
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// GPS track with times, .gpx; its first position belongs to the first frame. Positions of times more than 12 hours from the
+    /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs to the first frame. Positions of times more than 12 hours from the
     /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "route")]
     gps: Option<PathBuf>,

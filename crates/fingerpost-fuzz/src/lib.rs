@@ -40,6 +40,7 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "osm_pbf", body: maps::osm_pbf, seeds: maps::osm_pbf_seeds },
     Parser { name: "osm_pbf_block", body: maps::osm_pbf_block, seeds: maps::osm_pbf_block_seeds },
     Parser { name: "gpx", body: maps::gpx, seeds: maps::gpx_seeds },
+    Parser { name: "gps_log", body: maps::gps_log, seeds: maps::gps_log_seeds },
     Parser { name: "route", body: maps::route, seeds: maps::route_seeds },
     Parser { name: "can_log", body: vehicles::can_log, seeds: vehicles::can_log_seeds },
     Parser { name: "can_log_gzip", body: vehicles::can_log_gzip, seeds: vehicles::can_log_seeds },

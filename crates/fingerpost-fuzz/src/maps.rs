@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use fingerpost_map::{OsmData, RoadGraph, parse_gpx, read_route, write_route};
+use fingerpost_map::{OsmData, RoadGraph, parse_gps_log_within, parse_gpx, read_route, write_route};
 
 use crate::must;
 
@@ -110,6 +110,22 @@ pub(crate) fn gpx(bytes: &[u8]) -> bool {
 
 pub(crate) fn gpx_seeds() -> Vec<Vec<u8>> {
     vec![include_bytes!("../seeds/track.gpx").to_vec()]
+}
+
+/// A log's times are finite.
+pub(crate) fn gps_log(bytes: &[u8]) -> bool {
+    let Ok(log) = parse_gps_log_within(bytes, MAP_BYTES) else { return false };
+    assert!(!log.points.is_empty());
+    assert!(log.points.iter().filter_map(|point| point.time_s).all(f64::is_finite));
+    true
+}
+
+pub(crate) fn gps_log_seeds() -> Vec<Vec<u8>> {
+    vec![
+        include_bytes!("../seeds/receiver.nmea").to_vec(),
+        include_bytes!("../seeds/gpsd.json").to_vec(),
+        include_bytes!("../seeds/track.gpx").to_vec(),
+    ]
 }
 
 /// A route that is read is written, and reads back with all of its points and features.

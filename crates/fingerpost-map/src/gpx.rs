@@ -49,7 +49,7 @@ const POINT_ELEMENTS: [&str; 3] = ["trkpt", "rtept", "wpt"];
 /// Elements within each other at the most: a track's points have five above them, extensions of receivers a few more.
 const MOST_DEPTH: usize = 64;
 /// Bytes that a point takes: a list that grows is copied into one of twice its size, and for a moment both are there.
-const POINT_BYTES: usize = 3 * size_of::<GpxPoint>();
+pub(crate) const POINT_BYTES: usize = 3 * size_of::<GpxPoint>();
 
 /// Reads the points of a GPX document, as many as fit into the memory that a map may take where nothing else is said.
 ///
@@ -166,7 +166,7 @@ fn degrees(element: &BytesStart<'_>, key: &str) -> Result<f64, String> {
 }
 
 /// Seconds in a day.
-const DAY_S: i64 = 86_400;
+pub(crate) const DAY_S: i64 = 86_400;
 /// The zone farthest from UTC is 14 hours ahead (Line Islands).
 const MOST_ZONE_HOURS: i64 = 14;
 
@@ -174,7 +174,7 @@ const MOST_ZONE_HOURS: i64 = 14;
 /// UTC; a time without a zone is UTC, as GPX has it. A leap second (60) may end any hour: no table
 /// of them is kept, and in zones of half an hour they end other ones in local time. `None` for
 /// anything else: days that the calendar does not have, 24:00, zones beyond 14 hours.
-fn parse_time_s(text: &str) -> Option<f64> {
+pub(crate) fn parse_time_s(text: &str) -> Option<f64> {
     let (date, clock) = text.trim().split_once(['T', ' '])?;
     let [year, month, day] = numbers::<3>(date, '-')?;
     let zone_at = clock.find(['Z', '+', '-']).unwrap_or(clock.len());

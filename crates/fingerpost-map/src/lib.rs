@@ -10,6 +10,7 @@
 mod course;
 mod cut;
 mod feature;
+mod gps_log;
 mod gpx;
 mod graph;
 mod label;
@@ -32,6 +33,7 @@ mod search;
 mod tangent_plane;
 
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
+pub use gps_log::{GpsLog, GpsLogError, parse_gps_log_within};
 pub use gpx::{GpxError, GpxPoint, parse_gpx, parse_gpx_within};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
 pub use leaving::{LEAVES_WITHIN_M, leaves_after_m};

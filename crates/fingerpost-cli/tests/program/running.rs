@@ -162,6 +162,17 @@ fn gps_times_choose_the_frames() {
     let believed_m = route_m("with").unwrap();
     assert!((believed_m - 16.0).abs() < 5.0, "{believed_m}");
     assert_ne!(route_m("without"), Some(believed_m));
+    // The same by a receiver's own sentences, 47 degrees north, 9 degrees and 30.00396 and 30.0102 minutes east; the last is damaged.
+    let log = folder.path().join("receiver.nmea");
+    let sentences = [
+        "$GPRMC,100000.00,A,4700.00000,N,00930.00396,E,15.5,90.0,010120,,,A*50",
+        "$GPRMC,100001.00,A,4700.00000,N,00930.01020,E,15.5,90.0,010120,,,A*5E",
+        "$GPRMC,100002.00,A,4800.00000,N,00930.01020,E,15.5,90.0,010120,,,A*00",
+    ];
+    fs::write(&log, sentences.join("\r\n")).unwrap();
+    let by_log = call_line(&format!("{line}/log --frames 15 --gps {}", log.display())).done();
+    assert!(by_log.stderr.contains("1 of its reports of position are damaged"), "{}", by_log.stderr);
+    assert_eq!(route_m("log"), Some(believed_m));
     // A start that the track contradicts is said; which of the two is right is not.
     let line = format!("{line}/apart --frames 2 --gps {}", track.display());
     let apart = call_line(&format!("{line} --start-m 100")).done();
