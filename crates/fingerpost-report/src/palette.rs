@@ -53,6 +53,12 @@ pub(crate) fn sub_mask(label: &str) -> Rgb {
     }
 }
 
+/// Colour of a numbered piece of a picture; neighbours by number differ, and all from [`REJECTED`].
+pub(crate) const fn piece(number: u32) -> Rgb {
+    const COLOURS: [Rgb; 6] = [APPROACH, SIDES[1], SIDES[0], DRIVING_LINE, SIDES[3], SIDES[2]];
+    COLOURS[number as usize % COLOURS.len()]
+}
+
 /// Name and colour of a state.
 pub(crate) const fn state(state: TrackState) -> (&'static str, Rgb) {
     match state {

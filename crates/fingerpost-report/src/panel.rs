@@ -6,6 +6,7 @@ mod facts;
 mod flow;
 mod ground_plot;
 mod ground_view;
+mod lane_steps;
 mod masks;
 mod road_surface;
 
@@ -37,7 +38,7 @@ pub struct StagePicture {
 /// The pictures of all stages of one frame.
 #[derive(Debug, Clone)]
 pub struct StagePictures {
-    /// In the order of the data: camera, ground view, road surface, masks, flow.
+    /// In the order of the data: camera, lane steps where lanes are looked for, ground view, road surface, masks, flow.
     pub pictures: Vec<StagePicture>,
 }
 
@@ -45,16 +46,26 @@ impl StagePictures {
     /// Draws them.
     pub fn draw(scene: &Scene<'_>) -> Self {
         let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
-        Self {
-            pictures: vec![
-                stage("camera", camera::LEGEND, camera_picture(scene)),
-                stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw)),
-                stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw)),
-                stage("masks", masks::LEGEND, ground_picture(scene, masks::draw)),
-                stage("flow", flow::LEGEND, ground_picture(scene, flow::draw)),
-            ],
-        }
+        let mut pictures = vec![stage("camera", camera::LEGEND, camera_picture(scene))];
+        pictures.extend(
+            lane_steps_picture(scene).map(|picture| stage("lane steps", lane_steps::LEGEND, picture)),
+        );
+        pictures.extend([
+            stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw)),
+            stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw)),
+            stage("masks", masks::LEGEND, ground_picture(scene, masks::draw)),
+            stage("flow", flow::LEGEND, ground_picture(scene, flow::draw)),
+        ]);
+        Self { pictures }
     }
+}
+
+fn lane_steps_picture(scene: &Scene<'_>) -> Option<RgbImage> {
+    let evidence = lane_steps::shown(scene)?;
+    let (width, height) = (MAX_CAMERA_WIDTH_PX, lane_steps::height_px(evidence, MAX_CAMERA_WIDTH_PX));
+    let mut canvas = Canvas::new(width, height, palette::BACKGROUND);
+    lane_steps::draw(&mut canvas, Rect { x: 0, y: 0, width, height }, evidence);
+    Some(canvas.into_image())
 }
 
 fn camera_picture(scene: &Scene<'_>) -> RgbImage {

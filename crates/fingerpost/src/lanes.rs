@@ -5,7 +5,7 @@
 //! lines, selection, spline). Beyond the paper: an edge counts as one only where it bounds a bar that is likelier paint than
 //! anything else, by what lies on both sides of it (`paint_odds`); its places are read from the picture to fractions of a
 //! pixel (`paint`); and the lane is followed as a curve on the road, which fills the gaps of broken lines and carries it
-//! through frames that show nothing.
+//! through frames that show nothing. The paper's own way from the sections on is `section_tracker`.
 
 mod config;
 mod dash_motion;
@@ -20,6 +20,7 @@ mod paint;
 mod paint_odds;
 mod region;
 mod road_view;
+mod section_tracker;
 mod sections;
 mod shape;
 mod tracing;
@@ -30,14 +31,15 @@ use fingerpost_vision::picture::RgbImage;
 
 use self::geometry::{EdgeOnRoad, LaneOnRoad};
 use crate::mount::ObservedAngle;
-use crate::vehicle_signals::VehicleState;
+use crate::vehicle_signals::{STANDING_BELOW_MPS, VehicleState};
 
 pub use config::{LaneMethod, LanesConfig};
 pub use detector::LaneDetector;
-pub use edges::LaneError;
+pub use edges::{EdgeSteps, LaneError};
 pub use finder::LaneFinder;
 pub use marking::{Marking, MarkingColour, MarkingKind};
 pub use region::LaneRegion;
+pub use section_tracker::SectionTracker;
 pub use sections::{LineCandidate, LineVerdict};
 pub use tracing::{Traced, TracedPoint};
 
@@ -92,6 +94,13 @@ pub struct LaneInput<'a> {
 }
 
 impl LaneInput<'_> {
+    /// Curvature of the vehicle's way by its yaw rate, 1/m, positive left; 0 where it stands or that is not known.
+    fn way_curvature_per_m(&self) -> f64 {
+        let VehicleState { speed_mps, yaw_rate_rps, .. } = *self.vehicle;
+        let moving = yaw_rate_rps.zip(speed_mps).filter(|(_, speed)| *speed > STANDING_BELOW_MPS);
+        moving.map_or(0.0, |(yaw_rate, speed)| yaw_rate / speed)
+    }
+
     /// The frame must have the size that the calibration is for.
     fn check_size(&self, camera: &Camera) -> Result<(), PictureError> {
         let (expected_width, expected_height) = (camera.width(), camera.height());
@@ -167,9 +176,11 @@ impl Lane {
 pub struct LaneEvidence {
     /// Rows searched, and the sections.
     pub region: LaneRegion,
+    /// What the steps up to thin lines made of the region.
+    pub steps: EdgeSteps,
     /// Every line that the sections showed, and what became of it.
     pub candidates: Vec<LineCandidate>,
-    /// Every place at which paint was looked for.
+    /// Every place at which paint was looked for; none by the sections alone.
     pub traced: Vec<TracedPoint>,
     /// The camera's pitch against its mount by the lane's edges, radians.
     pub pitch_rad: f64,

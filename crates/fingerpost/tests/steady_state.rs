@@ -9,6 +9,7 @@ mod painted;
 
 use allocation_counter::measure;
 use fingerpost::height::HeightUse;
+use fingerpost::lanes::LaneMethod;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
 use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork, RoadPicture};
@@ -141,8 +142,9 @@ fn without_a_route_nothing_is_allocated() {
 }
 
 #[test]
-fn the_papers_motion_and_surface_allocate_nothing() {
+fn the_papers_motion_surface_and_lanes_allocate_nothing() {
     let mut config = coarse();
+    config.lanes.finder = LaneMethod::Sections;
     config.motion.estimator = MotionMethod::Farneback;
     config.matching.surface = MatchedSurface::Binary;
     Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingerpost::Config;
+use fingerpost::lanes::LaneMethod;
 use fingerpost::motion::{FlowModel, MotionMethod};
 use fingerpost::road_surface::RoadMethod;
 use fingerpost_format::TrackState;
@@ -24,6 +25,7 @@ fn every_setting_of_the_papers_names_its_section() {
     assert_eq!(config.road_surface.detector, RoadMethod::Backprojection);
     assert_eq!(config.motion.estimator, MotionMethod::Farneback);
     assert_eq!(config.motion.farneback.model, FlowModel::Mean);
+    assert_eq!(config.lanes.finder, LaneMethod::Sections);
     assert!((config.feature_mask.arm_width_share - 0.25).abs() < 1e-12);
     for line in text.lines().filter(|line| line.contains(" = ")) {
         let comment = line.split_once('#').map(|(_, comment)| comment).unwrap_or_default();

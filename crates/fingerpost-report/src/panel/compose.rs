@@ -1,7 +1,7 @@
 //! All panels of a frame in one picture.
 //!
 //! Above: state, feature, frame and time. In the middle: the camera's picture with the numbers of the frame, and the
-//! four ground pictures; cameras wider than two to one lie across, others at the left. Below: every sub-mask's
+//! four ground pictures, without a route the lane's steps in place of the masks; cameras wider than two to one lie across, others at the left. Below: every sub-mask's
 //! P(F_sub) against the threshold, and the sentence that says what was decided.
 
 use fingerpost::matching::{Match, Participation, SubMatch};
@@ -9,7 +9,7 @@ use fingerpost_vision::picture::{Rect, RgbImage};
 
 use super::facts::facts;
 use super::ground_plot::GroundPlot;
-use super::{camera, fitted, flow, ground_view, masks, road_surface};
+use super::{camera, fitted, flow, ground_view, lane_steps, masks, road_surface};
 use crate::draw::{Canvas, Paint, TextSize, text_width_px, wrapped};
 use crate::palette;
 use crate::scene::Scene;
@@ -43,6 +43,9 @@ const GROUND_PANELS: [GroundPanel; 4] = [
     ("flow", flow::draw),
 ];
 
+/// Index of the masks in [`GROUND_PANELS`].
+const MASKS_PANEL: usize = 2;
+
 /// The composed picture of one frame, [`COMPOSED_WIDTH_PX`] by [`COMPOSED_HEIGHT_PX`] pixels for every camera.
 pub fn compose(scene: &Scene<'_>) -> RgbImage {
     let mut canvas = Canvas::new(COMPOSED_WIDTH_PX, COMPOSED_HEIGHT_PX, palette::BACKGROUND);
@@ -72,11 +75,11 @@ fn beside(canvas: &mut Canvas, scene: &Scene<'_>, middle: Rect) {
     let numbers =
         Rect { y: middle.y + below, width: half, height: middle.height.saturating_sub(below), ..middle };
     fact_lines(canvas, scene, numbers);
-    let panel = ((half - GAP_PX) / 2, (middle.height - GAP_PX) / 2);
+    let size = ((half - GAP_PX) / 2, (middle.height - GAP_PX) / 2);
     let left = middle.x + half + GAP_PX;
     for (i, ground) in GROUND_PANELS.iter().enumerate() {
-        let (x, y) = (left + (i % 2) * (panel.0 + GAP_PX), middle.y + (i / 2) * (panel.1 + GAP_PX));
-        ground_panel(canvas, scene, ground, Rect { x, y, width: panel.0, height: panel.1 });
+        let (x, y) = (left + (i % 2) * (size.0 + GAP_PX), middle.y + (i / 2) * (size.1 + GAP_PX));
+        panel(canvas, scene, (i, ground), Rect { x, y, width: size.0, height: size.1 });
     }
 }
 
@@ -98,16 +101,26 @@ fn across(canvas: &mut Canvas, scene: &Scene<'_>, middle: Rect) {
     let height = middle.height - camera.height - GAP_PX;
     for (i, ground) in GROUND_PANELS.iter().enumerate() {
         let x = middle.x + i * (width + GAP_PX);
-        ground_panel(canvas, scene, ground, Rect { x, y, width, height });
+        panel(canvas, scene, (i, ground), Rect { x, y, width, height });
     }
 }
 
-fn ground_panel(canvas: &mut Canvas, scene: &Scene<'_>, (title, draw): &GroundPanel, area: Rect) {
-    let corner = [area.x as f64 + 2.0, area.y as f64];
-    canvas.text(corner, TextSize::SmallBold, palette::TEXT_DIM, title);
-    let grid = &scene.setting.grid;
+/// Draws a ground panel by its index, or what stands in its place.
+fn panel(canvas: &mut Canvas, scene: &Scene<'_>, (index, ground): (usize, &GroundPanel), area: Rect) {
     let room =
         Rect { y: area.y + PANEL_TITLE_PX, height: area.height.saturating_sub(PANEL_TITLE_PX), ..area };
+    let (title, draw) = ground;
+    // Without a route there are no masks.
+    let steps = (index == MASKS_PANEL && scene.setting.features.is_empty()).then(|| lane_steps::shown(scene));
+    let steps = steps.flatten();
+    let title = if steps.is_some() { "lane steps" } else { title };
+    let corner = [area.x as f64 + 2.0, area.y as f64];
+    canvas.text(corner, TextSize::SmallBold, palette::TEXT_DIM, title);
+    if let Some(steps) = steps {
+        lane_steps::draw(canvas, room, steps);
+        return;
+    }
+    let grid = &scene.setting.grid;
     let mut fitted = fitted((grid.columns(), grid.rows()), room);
     fitted.x += (room.width - fitted.width.min(room.width)) / 2;
     draw(canvas, &GroundPlot::new(grid, fitted), scene);

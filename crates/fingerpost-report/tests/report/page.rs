@@ -50,10 +50,17 @@ fn the_page_of_a_drive_holds_everything() {
     assert!(page.contains("a &lt;painted&gt; drive") && page.contains("lost_frames = 10 # &lt;10&gt;"));
     for key in run.key_frames.frames() {
         assert!(page.contains(&escaped(&key.why)), "{}", key.why);
-        assert_eq!(key.pictures.len(), 6, "composed and five stages");
+        let has_lanes = key.pictures.iter().any(|picture| picture.stage == "lane steps");
+        assert_eq!(
+            key.pictures.len(),
+            6 + usize::from(has_lanes),
+            "composed and five stages, and the lane's"
+        );
         assert!(key.pictures.iter().all(|picture| picture.jpeg.starts_with(&[0xFF, 0xD8])));
     }
-    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 6 * reasons.len());
+    let with_lanes = run.key_frames.frames().iter().filter(|key| key.pictures.len() == 7).count();
+    assert!(with_lanes > 0, "lanes are looked for");
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 6 * reasons.len() + with_lanes);
     assert!(page.contains("OpenStreetMap contributors, ODbL"));
     for outside in ["http:", "https:", "<script", "url("] {
         assert!(!page.contains(outside), "nothing from outside: {outside}");

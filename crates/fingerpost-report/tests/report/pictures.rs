@@ -2,6 +2,7 @@
 
 use crate::painted_run::{camera, painted_run};
 use fingerpost::ground_view::GroundPicture;
+use fingerpost::lanes::{EdgeSteps, LaneEvidence};
 use fingerpost::road_surface::{RoadEvidence, RoadSurface, SampleUse};
 use fingerpost::track::{TrackEvidence, TrackOutput};
 use fingerpost::{FrameEvidence, FrameOutput};
@@ -13,6 +14,11 @@ use nalgebra::Point2;
 
 /// All stages' pictures of a black frame with this driving line and nothing else.
 fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
+    with(camera, line, None)
+}
+
+/// The same with what a lane finder saw.
+fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -> StagePictures {
     let grid = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
     let setting = Setting {
         camera: camera.clone(),
@@ -58,7 +64,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
         motion: None,
         signals: None,
         track: &TrackEvidence::default(),
-        lanes: None,
+        lanes,
         departure: None,
         masks: None,
     };
@@ -120,6 +126,51 @@ fn the_ground_pictures_have_left_at_the_left_and_far_at_the_top() {
     let [road, far_from_road] = [12, 40].map(|row| surface.get(60, row).unwrap());
     assert!(road[0] > 200 && road[1] > 180 && road[2] < 100, "road is yellow, near the top: {road:?}");
     assert!(far_from_road[0] < 60 && far_from_road[1] < 60, "no road is dark: {far_from_road:?}");
+}
+
+/// Six tiles of 477 x 149 pixels, two in a line, under titles of 16 pixels.
+#[test]
+fn every_step_of_the_lane_finder_is_shown_and_thin_lines_stay_whole() {
+    const SIZE: (usize, usize) = (640, 200);
+    let plane = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
+        let mut plane = Plane::new(SIZE.0, SIZE.1, 0_u8);
+        rows.for_each(|row| plane.row_mut(row)[columns.clone()].fill(255));
+        plane
+    };
+    // A long piece at the left, and a speck at the right that is too small.
+    let mut dilated = plane(100..104, 0..200);
+    (79..82).for_each(|row| dilated.row_mut(row)[500..510].fill(255));
+    let steps = EdgeSteps {
+        top_row: 280,
+        mean: Plane::new(SIZE.0, SIZE.1, 120),
+        edges: plane(333..334, 0..200),
+        oriented: plane(0..0, 0..0),
+        dilated,
+        labelled: plane(100..104, 0..200),
+        thin: plane(102..103, 0..200),
+    };
+    assert!(with(&camera(), Vec::new(), None).pictures.iter().all(|picture| picture.stage != "lane steps"));
+    let evidence = LaneEvidence { steps, ..LaneEvidence::default() };
+    let pictures = with(&camera(), Vec::new(), Some(&evidence));
+    let picture = stage(&pictures, "lane steps");
+    assert_eq!(picture.size(), (960, 3 * (150 + 16) + 12));
+    let tile = |step: usize, column: usize, row: usize| {
+        let scale = 477.0 / 640.0;
+        let at = |px: usize| (px as f64 * scale) as usize;
+        picture.get(step % 2 * 483 + at(column), step / 2 * 171 + 16 + at(row)).unwrap()
+    };
+    assert_eq!(tile(0, 300, 100), [120; 3], "the grey mean");
+    for row in (0..200).step_by(7) {
+        assert!(tile(1, 333, row)[0] > 200, "row {row} of the edges");
+        assert_eq!(tile(1, 320, row), [0; 3]);
+        assert_eq!(tile(2, 333, row), [0; 3], "no edge has the direction");
+    }
+    let [red, green, blue] = tile(3, 102, 100);
+    assert!(green > 200 && blue < 100, "a piece that is kept: {red} {green} {blue}");
+    let [red, green, blue] = tile(3, 505, 80);
+    assert!(red > 200 && green < 100 && blue < 100, "one that is not: {red} {green} {blue}");
+    assert_eq!((tile(4, 505, 80), tile(4, 102, 100)[0] > 200), ([0; 3], true));
+    assert!(tile(5, 102, 100)[0] > 200);
 }
 
 #[test]

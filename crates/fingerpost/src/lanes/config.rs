@@ -4,15 +4,18 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::departure::DepartureConfig;
-use super::{LaneError, LaneFinder};
+use super::{LaneDetector, LaneError, LaneFinder, SectionTracker};
 
 /// Whether lanes are looked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LaneMethod {
-    /// By their markings (paper 3).
+    /// By their markings' paint, followed on the road (beyond paper 3).
     #[default]
     Markings,
+    /// By straight lines in sections of the picture, joined by a spline (paper 3, as it is written); knows no paint, no lane widths
+    /// and no kinds of markings.
+    Sections,
     /// Not at all.
     Off,
 }
@@ -106,10 +109,11 @@ impl LanesConfig {
     ///
     /// # Errors
     /// [`LaneError`] when its kernels cannot be set up.
-    pub fn finder(&self) -> Result<Option<LaneFinder>, LaneError> {
-        match self.finder {
-            LaneMethod::Markings => LaneFinder::new(self).map(Some),
-            LaneMethod::Off => Ok(None),
-        }
+    pub fn finder(&self) -> Result<Option<Box<dyn LaneDetector>>, LaneError> {
+        Ok(match self.finder {
+            LaneMethod::Markings => Some(Box::new(LaneFinder::new(self)?)),
+            LaneMethod::Sections => Some(Box::new(SectionTracker::new(self)?)),
+            LaneMethod::Off => None,
+        })
     }
 }

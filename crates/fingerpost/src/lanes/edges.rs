@@ -1,8 +1,8 @@
 //! Low and mid level: from a frame to thin lines that may be edges of markings (paper 3, III-A and III-B).
 //!
 //! Grey by the weights of CCIR 601, the mean of the last frames, Canny's edges; of these only what points to a stretch of the
-//! horizon to which a lane can lead, and is brighter on the side away from the vehicle. Then dilation, labels, least area
-//! and thinning.
+//! horizon to which a lane can lead and, where inner edges alone are wanted, is brighter on the side away from the vehicle. Then
+//! dilation, labels, least area and thinning.
 
 mod limits;
 
@@ -18,6 +18,8 @@ use thiserror::Error;
 
 use self::limits::{RowLimits, lay_limits};
 use super::LanesConfig;
+
+pub(super) use self::limits::MarkingEdges;
 use super::region::LaneRegion;
 use super::road_view::RoadView;
 
@@ -59,9 +61,46 @@ pub enum LaneError {
     Picture(#[from] PictureError),
 }
 
-/// Edges of the region, with the buffers that they need.
+/// What the steps up to thin lines made of a frame: one picture a step, whose first row is the region's top (paper 3, figures 4
+/// to 11). Pixels of edges are 255, all others 0.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EdgeSteps {
+    /// The picture's row that is the first of these.
+    pub top_row: usize,
+    /// Grey, the mean of the last frames.
+    pub mean: Plane<u8>,
+    /// All edges.
+    pub edges: Plane<u8>,
+    /// Those whose gradient has a direction that a marking's can have.
+    pub oriented: Plane<u8>,
+    /// The same, joined to their neighbours.
+    pub dilated: Plane<u8>,
+    /// Pieces that are large enough.
+    pub labelled: Plane<u8>,
+    /// The same, thinned to lines: what the Hough transform sees.
+    pub thin: Plane<u8>,
+}
+
+impl EdgeSteps {
+    fn reset(&mut self, top_row: usize, width: usize, rows: usize) {
+        self.top_row = top_row;
+        for plane in [
+            &mut self.mean,
+            &mut self.edges,
+            &mut self.oriented,
+            &mut self.dilated,
+            &mut self.labelled,
+            &mut self.thin,
+        ] {
+            plane.reset(width, rows, 0);
+        }
+    }
+}
+
+/// Finds the edges of the region, with the buffers that it needs.
 #[derive(Debug)]
 pub(super) struct LaneEdges {
+    kept: MarkingEdges,
     buffer: FrameBuffer,
     blur: GaussianBlur,
     canny: Canny,
@@ -69,21 +108,15 @@ pub(super) struct LaneEdges {
     dilation: Dilation,
     components: ConnectedComponents,
     thinning: Thinning,
-    top_row: usize,
     grey: Plane<u8>,
-    mean: Plane<u8>,
     smooth: Plane<u8>,
-    edges: Plane<u8>,
-    oriented: Plane<u8>,
-    dilated: Plane<u8>,
-    labelled: Plane<u8>,
-    thin: Plane<u8>,
     limits: Vec<RowLimits>,
 }
 
 impl LaneEdges {
-    pub(super) fn new(config: &LanesConfig) -> Result<Self, LaneError> {
+    pub(super) fn new(config: &LanesConfig, kept: MarkingEdges) -> Result<Self, LaneError> {
         Ok(Self {
+            kept,
             buffer: FrameBuffer::new(config.buffer_frames),
             blur: GaussianBlur::new(BLUR_PX, 0.0)?,
             canny: Canny::new(params(config, config.canny_high))?,
@@ -91,15 +124,8 @@ impl LaneEdges {
             dilation: Dilation::new(StructuringElement::rectangle(DILATION_PX, DILATION_PX)?),
             components: ConnectedComponents::new(Connectivity::Eight),
             thinning: Thinning::new(),
-            top_row: usize::MAX,
             grey: Plane::default(),
-            mean: Plane::default(),
             smooth: Plane::default(),
-            edges: Plane::default(),
-            oriented: Plane::default(),
-            dilated: Plane::default(),
-            labelled: Plane::default(),
-            thin: Plane::default(),
             limits: Vec::new(),
         })
     }
@@ -107,11 +133,6 @@ impl LaneEdges {
     /// Forgets the frames before.
     pub(super) fn clear(&mut self) {
         self.buffer.clear();
-    }
-
-    /// The picture of thin lines, rows of the region from its top on.
-    pub(super) fn thin(&self) -> &Plane<u8> {
-        &self.thin
     }
 
     /// Finds the lines of a frame. `curvature_per_m` is that of the vehicle's way by its yaw rate, positive left.
@@ -122,36 +143,27 @@ impl LaneEdges {
         view: &RoadView<'_>,
         curvature_per_m: f64,
         frame: &RgbImage,
+        steps: &mut EdgeSteps,
     ) -> Result<(), LaneError> {
         let (width, rows) = (frame.width(), region.base_row - region.top_row);
-        if self.grey.size() != (width, rows) || self.top_row != region.top_row {
-            self.top_row = region.top_row;
+        if steps.thin.size() != (width, rows) || steps.top_row != region.top_row {
+            steps.reset(region.top_row, width, rows);
+            self.grey.reset(width, rows, 0);
+            self.smooth.reset(width, rows, 0);
             self.buffer.clear();
-            for plane in [
-                &mut self.grey,
-                &mut self.mean,
-                &mut self.smooth,
-                &mut self.edges,
-                &mut self.oriented,
-                &mut self.dilated,
-                &mut self.labelled,
-                &mut self.thin,
-            ] {
-                plane.reset(width, rows, 0);
-            }
         }
         grey_of_rows(frame, region.top_row, &mut self.grey)?;
-        self.buffer.add(self.grey.view(), &mut self.mean)?;
-        self.blur.apply(self.mean.view(), &mut self.smooth)?;
+        self.buffer.add(self.grey.view(), &mut steps.mean)?;
+        self.blur.apply(steps.mean.view(), &mut self.smooth)?;
         self.adapt(config)?;
-        self.canny.apply(self.smooth.view(), &mut self.edges)?;
+        self.canny.apply(self.smooth.view(), &mut steps.edges)?;
         lay_limits(&mut self.limits, config, region, view, curvature_per_m, width);
-        self.keep_oriented();
-        self.dilation.apply(self.oriented.view(), &mut self.dilated)?;
-        self.components.find(self.dilated.view());
+        self.keep_oriented(steps);
+        self.dilation.apply(steps.oriented.view(), &mut steps.dilated)?;
+        self.components.find(steps.dilated.view());
         let least = config.min_area_px * width as f64 / AREA_WIDTH_PX;
-        self.components.write_mask(&mut self.labelled, |component| component.area_px as f64 >= least)?;
-        self.thinning.apply(self.labelled.view(), &mut self.thin)?;
+        self.components.write_mask(&mut steps.labelled, |component| component.area_px as f64 >= least)?;
+        self.thinning.apply(steps.labelled.view(), &mut steps.thin)?;
         Ok(())
     }
 
@@ -182,13 +194,14 @@ impl LaneEdges {
         Ok(())
     }
 
-    /// Copies the edges that may be a marking's inner edge.
-    fn keep_oriented(&mut self) {
-        let (width, height) = self.edges.size();
-        let slack_rows = HORIZON_SHARE * (self.top_row + height) as f32;
+    /// Copies the edges that may be a marking's.
+    fn keep_oriented(&self, steps: &mut EdgeSteps) {
+        let EdgeSteps { top_row, edges, oriented, .. } = steps;
+        let (width, height) = edges.size();
+        let slack_rows = HORIZON_SHARE * (*top_row + height) as f32;
         let mut next = 0;
         for y in 0..height {
-            let kept = self.oriented.row_mut(y);
+            let kept = oriented.row_mut(y);
             kept.fill(0);
             if y == 0 || y + 1 == height || width < 3 {
                 continue;
@@ -205,14 +218,14 @@ impl LaneEdges {
                 continue;
             }
             let rows = [self.smooth.row(y - 1), self.smooth.row(y), self.smooth.row(y + 1)];
-            for (block, columns) in self.edges.row(y)[from..to].chunks(BLOCK_PX).enumerate() {
+            for (block, columns) in edges.row(y)[from..to].chunks(BLOCK_PX).enumerate() {
                 // Most blocks hold no edge.
                 if columns.iter().fold(0, |any, &edge| any | edge) == 0 {
                     continue;
                 }
                 for (offset, _) in columns.iter().enumerate().filter(|&(_, &edge)| edge != 0) {
                     let x = from + block * BLOCK_PX + offset;
-                    if limit.accepts(x as f32, y as f32, sobel_at(rows, x), slack_rows) {
+                    if limit.accepts(self.kept, x as f32, y as f32, sobel_at(rows, x), slack_rows) {
                         kept[x] = 255;
                     }
                 }

@@ -8,17 +8,16 @@ use fingerpost_geometry::Camera;
 use self::acquisition::Painted;
 use self::motion::HeldMotion;
 use super::dash_motion::DashMotion;
-use super::edges::{LaneEdges, LaneError};
+use super::edges::{LaneEdges, LaneError, MarkingEdges};
 use super::lane_filter::{LaneFilter, LaneMotion};
 use super::marking::MarkingNotes;
 use super::paint_odds::of_both;
 use super::region::LaneRegion;
 use super::road_view::RoadView;
-use super::sections::SectionLines;
+use super::sections::{LineSelection, SectionLines};
 use super::shape::EdgeShape;
 use super::tracing::{PaintLook, Quality, Reach, Tracer};
 use super::{Lane, LaneEvidence, LaneInput, LanesConfig, Side};
-use crate::vehicle_signals::STANDING_BELOW_MPS;
 
 /// Rows with paint that make an edge a sure one.
 const NEW_ROWS: usize = 9;
@@ -92,8 +91,8 @@ impl LaneFinder {
     pub fn new(config: &LanesConfig) -> Result<Self, LaneError> {
         Ok(Self {
             config: config.clone(),
-            edges: LaneEdges::new(config)?,
-            lines: SectionLines::new()?,
+            edges: LaneEdges::new(config, MarkingEdges::Inner)?,
+            lines: SectionLines::new(LineSelection::ForPaint)?,
             tracer: Tracer::default(),
             filter: LaneFilter::new(),
             followed: Default::default(),
@@ -122,14 +121,9 @@ impl LaneFinder {
         let Self { config, edges, lines, tracer, filter, evidence, .. } = self;
         evidence.region.lay(config, camera, filter.pitch_rad(), input.vehicle.speed_mps);
         let view = RoadView::new(camera, filter.pitch_rad());
-        let curvature = input
-            .vehicle
-            .yaw_rate_rps
-            .zip(input.vehicle.speed_mps)
-            .filter(|(_, speed)| *speed > STANDING_BELOW_MPS);
-        let curvature_per_m = curvature.map_or(0.0, |(yaw_rate, speed)| yaw_rate / speed);
-        edges.find(config, &evidence.region, &view, curvature_per_m, input.frame)?;
-        lines.find(config, &evidence.region, &view, edges.thin());
+        let curvature_per_m = input.way_curvature_per_m();
+        edges.find(config, &evidence.region, &view, curvature_per_m, input.frame, &mut evidence.steps)?;
+        lines.find(config, &evidence.region, &view, &evidence.steps.thin, |_, _, best| best);
         tracer.lay_rows(&evidence.region);
 
         self.follow(camera, input, before);

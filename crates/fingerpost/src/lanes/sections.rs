@@ -3,7 +3,7 @@
 //! Each section is searched on either side of the way ahead; its four strongest lines are candidates. In the lowest section
 //! with any, a candidate must lie within the angles and the distances that a lane's edge can have; of those the innermost
 //! counts, the one with the largest inner angle. Further sections go on from the one before: a line that turns away from it
-//! is dropped.
+//! is dropped, and so is one that begins elsewhere unless lines are chosen as in the paper.
 
 use fingerpost_geometry::Pixel;
 use fingerpost_vision::hough::{HoughError, HoughLines, HoughParams};
@@ -68,21 +68,34 @@ impl LineCandidate {
     }
 }
 
+/// How lines are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LineSelection {
+    /// Weak ones too, where the picture itself is read afterwards; those of further sections by their direction and by where they
+    /// begin.
+    ForPaint,
+    /// As the paper has it, where lines are all that is known: of an accumulator's peaks those above half of the largest
+    /// (`houghpeaks` of MATLAB), lest what runs across a marking from one edge to the other is taken; those of further sections
+    /// by their direction alone.
+    AsInPaper,
+}
+
 /// Finds the candidates of a frame, with the buffers that it needs.
 #[derive(Debug)]
 pub(super) struct SectionLines {
     hough: HoughLines,
+    selection: LineSelection,
     candidates: Vec<LineCandidate>,
 }
 
 impl SectionLines {
-    pub(super) fn new() -> Result<Self, HoughError> {
+    pub(super) fn new(selection: LineSelection) -> Result<Self, HoughError> {
         let params = HoughParams {
             rho_step_px: 1.0,
             theta_step_rad: std::f64::consts::PI / 180.0,
             votes: FEWEST_VOTES,
         };
-        Ok(Self { hough: HoughLines::new(params)?, candidates: Vec::new() })
+        Ok(Self { hough: HoughLines::new(params)?, selection, candidates: Vec::new() })
     }
 
     /// All candidates of the last frame, section by section from the lowest.
@@ -94,19 +107,21 @@ impl SectionLines {
         &mut self.candidates
     }
 
-    /// Finds and judges the lines of all sections in `thin`, whose first row is the region's top.
+    /// Finds and judges the lines of all sections in `thin`, whose first row is the region's top. `settle` is given the best line
+    /// of every side's sections, from the lowest on, and says which line further ones go on from.
     pub(super) fn find(
         &mut self,
         config: &LanesConfig,
         region: &LaneRegion,
         view: &RoadView<'_>,
         thin: &Plane<u8>,
+        mut settle: impl FnMut(Side, usize, Option<LineCandidate>) -> Option<LineCandidate>,
     ) {
         self.candidates.clear();
         for (section, &[upper, lower]) in region.sections.iter().enumerate() {
             let middle_row = (upper + lower) as f64 / 2.0;
             let ahead = ahead_column(view, middle_row, thin.width());
-            for side in [Side::Left, Side::Right] {
+            for side in Side::BOTH {
                 let (x, width) = match side {
                     Side::Left => (0, ahead),
                     Side::Right => (ahead, thin.width() - ahead),
@@ -115,18 +130,21 @@ impl SectionLines {
                 self.collect(side, section, rect, region.top_row, thin);
             }
         }
-        for side in [Side::Left, Side::Right] {
-            self.judge(config, view, side);
+        for side in Side::BOTH {
+            self.judge(config, view, (side, region.sections.len()), &mut settle);
         }
     }
 
     fn collect(&mut self, side: Side, section: usize, rect: Rect, top_row: usize, thin: &Plane<u8>) {
         let Ok(part) = thin.view().crop(rect) else { return };
         let (upper, lower) = ((top_row + rect.y) as f64, (top_row + rect.y + rect.height) as f64);
-        let least = (VOTE_SHARE * rect.height as f64) as u32;
+        let mut least = (VOTE_SHARE * rect.height as f64) as u32;
         let first = self.candidates.len();
         let same_px = SAME_LINE_SHARE * thin.width() as f64;
         for line in self.hough.find(part) {
+            if self.selection == LineSelection::AsInPaper {
+                least = least.max(line.votes.div_ceil(2));
+            }
             if line.votes < least || self.candidates.len() - first == STRONGEST {
                 break;
             }
@@ -154,14 +172,21 @@ impl SectionLines {
         }
     }
 
-    /// Judges the candidates of a side, section by section from the lowest.
-    fn judge(&mut self, config: &LanesConfig, view: &RoadView<'_>, side: Side) {
+    /// Judges the candidates of a side in so many sections, from the lowest on.
+    fn judge(
+        &mut self,
+        config: &LanesConfig,
+        view: &RoadView<'_>,
+        (side, sections): (Side, usize),
+        settle: &mut impl FnMut(Side, usize, Option<LineCandidate>) -> Option<LineCandidate>,
+    ) {
         let mut before: Option<LineCandidate> = None;
-        let sections = self.candidates.last().map_or(0, |last| last.section + 1);
         for section in 0..sections {
             let of_section = |c: &LineCandidate| c.side == side && c.section == section;
+            let selection = self.selection;
             for candidate in self.candidates.iter_mut().filter(|c| of_section(c)) {
-                candidate.verdict = verdict(config, view, candidate, before.as_ref());
+                candidate.verdict =
+                    verdict(config, view, candidate, before.as_ref().map(|line| (line, selection)));
             }
             // The largest inner angle is the edge nearest to the vehicle.
             let best = self
@@ -169,10 +194,11 @@ impl SectionLines {
                 .iter_mut()
                 .filter(|c| of_section(c) && c.verdict == LineVerdict::NotInnermost)
                 .max_by(|a, b| a.inner_angle_rad().total_cmp(&b.inner_angle_rad()));
-            if let Some(best) = best {
+            let best = best.map(|best| {
                 best.verdict = LineVerdict::Kept;
-                before = Some(*best);
-            }
+                *best
+            });
+            before = settle(side, section, best).or(before);
         }
     }
 }
@@ -191,7 +217,7 @@ fn verdict(
     config: &LanesConfig,
     view: &RoadView<'_>,
     candidate: &LineCandidate,
-    before: Option<&LineCandidate>,
+    before: Option<(&LineCandidate, LineSelection)>,
 ) -> LineVerdict {
     let (Some(near), Some(far)) =
         (view.ground_of_pixel(candidate.lower_px), view.ground_of_pixel(candidate.upper_px))
@@ -208,10 +234,13 @@ fn verdict(
     if before.is_none() && !(-0.2..=config.max_offset_m).contains(&left_m) {
         return LineVerdict::Distance;
     }
-    if let Some(before) = before {
+    if let Some((before, selection)) = before {
         let turn = candidate.inner_angle_rad() - before.inner_angle_rad();
         if turn.abs() > config.max_turn_deg.to_radians() {
             return LineVerdict::Turns;
+        }
+        if selection == LineSelection::AsInPaper {
+            return LineVerdict::NotInnermost;
         }
         let end =
             view.ground_of_pixel(Pixel::new(extended(before, candidate.lower_px.v), candidate.lower_px.v));

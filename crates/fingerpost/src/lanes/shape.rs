@@ -87,15 +87,7 @@ impl EdgeShape {
         }
         self.push_knot(&view, filter, side, Pixel::new(middle, base));
         self.spline.fit(&self.knots);
-        edge.points_px.clear();
-        let Some(first) = self.spline.points().first().map(|knot| knot[0]) else { return };
-        let step = (POINT_ROWS_SHARE * camera.height() as f64).max(2.0);
-        let mut row = base;
-        while row > first {
-            edge.points_px.extend(self.spline.at(row).map(|u| Pixel::new(u, row)));
-            row -= step;
-        }
-        edge.points_px.extend(self.spline.at(first).map(|u| Pixel::new(u, first)));
+        draw(&self.spline, base, camera.height(), &mut edge.points_px);
     }
 
     fn push_knot(&mut self, view: &RoadView<'_>, filter: &LaneFilter, side: Side, near: Pixel) {
@@ -103,6 +95,19 @@ impl EdgeShape {
         let left_m = |ahead_m: f64| filter.left_at(side, ahead_m) + unevenness.left_m(ahead_m);
         self.knots.extend(column_at(view, left_m, near).map(|u| [near.v, u]));
     }
+}
+
+/// Sets `points_px` to places along a spline of columns over rows, from `base` up to the spline's first row.
+pub(super) fn draw(spline: &Pchip, base: f64, picture_height: usize, points_px: &mut Vec<Pixel>) {
+    points_px.clear();
+    let Some(first) = spline.points().first().map(|knot| knot[0]) else { return };
+    let step = (POINT_ROWS_SHARE * picture_height as f64).max(2.0);
+    let mut row = base;
+    while row > first {
+        points_px.extend(spline.at(row).map(|u| Pixel::new(u, row)));
+        row -= step;
+    }
+    points_px.extend(spline.at(first).map(|u| Pixel::new(u, first)));
 }
 
 /// The column in the row of `near` of a curve that lies so far left so far ahead, metres.

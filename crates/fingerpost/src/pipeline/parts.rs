@@ -107,7 +107,7 @@ impl Parts {
     ) -> Result<Option<Box<dyn LaneDetector>>, PipelineError> {
         Ok(match self.lane_finder.take() {
             Some(finder) => Some(finder),
-            None => config.lanes.finder()?.map(|finder| Box::new(finder) as Box<dyn LaneDetector>),
+            None => config.lanes.finder()?,
         })
     }
 }

@@ -7,6 +7,7 @@
 )]
 
 mod road;
+mod sections;
 mod settings;
 
 use fingerpost::lanes::{Lane, LaneError, LaneFinder, LaneInput, LanesConfig, Side};

@@ -19,6 +19,15 @@ const HORIZON_M: f64 = 2000.0;
 /// Rows between those for which limits are computed; in between they are interpolated.
 const LIMIT_ROWS: usize = 8;
 
+/// Which of a marking's two edges are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::lanes) enum MarkingEdges {
+    /// The one on the vehicle's side.
+    Inner,
+    /// Both, as in the paper, which tells them apart by their inner angles.
+    Both,
+}
+
 /// Columns between which an edge of a row may lie and to which it may lead.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct RowLimits {
@@ -102,17 +111,38 @@ impl RowLimits {
         }
     }
 
-    /// Whether an edge with this gradient is brighter on the outside and leads to the horizon's stretch.
-    pub(super) fn accepts(&self, x: f32, y: f32, [gx, gy]: [f32; 2], slack_rows: f32) -> bool {
+    /// Whether an edge with this gradient leads to the horizon's stretch, and is brighter on the outside where it must be an
+    /// inner one.
+    pub(super) fn accepts(
+        &self,
+        kept: MarkingEdges,
+        x: f32,
+        y: f32,
+        [gx, gy]: [f32; 2],
+        slack_rows: f32,
+    ) -> bool {
         // Brighter to the left on the left of the vehicle, to the right on its right.
         let outward = if x < self.ahead { -gx } else { gx };
-        if outward <= 0.0 {
-            return false;
+        match kept {
+            MarkingEdges::Inner => outward > 0.0 && self.leads_to_horizon(x, y, gy / gx, slack_rows),
+            MarkingEdges::Both => outward != 0.0 && self.has_direction(x, y, gy / gx),
         }
-        let slope = gy / gx;
+    }
+
+    /// Whether an edge that moves so many columns to the right for each row up comes to the horizon's stretch.
+    fn leads_to_horizon(&self, x: f32, y: f32, slope: f32, slack_rows: f32) -> bool {
         let up = y - self.horizon_row;
         let at_horizon = x + slope * up;
         let slack = slope.abs() * slack_rows + up * (1.0 + slope * slope) * DIRECTION_RAD;
         at_horizon > self.horizon_from - slack && at_horizon < self.horizon_to + slack
+    }
+
+    /// Whether such an edge has a direction in the picture between those to the ends of the horizon's stretch (paper 3: a range of
+    /// angles with a safety range). Unlike where it comes to the horizon this tells what is nearly level.
+    fn has_direction(&self, x: f32, y: f32, slope: f32) -> bool {
+        let up = y - self.horizon_row;
+        let [right_rad, left_rad] = [self.horizon_to, self.horizon_from].map(|column| up.atan2(column - x));
+        let along_rad = 1.0_f32.atan2(slope);
+        along_rad > right_rad - DIRECTION_RAD && along_rad < left_rad + DIRECTION_RAD
     }
 }

@@ -60,11 +60,12 @@ fn region(camera: &Camera) -> LaneRegion {
 fn found(lines: &[Line], way_curvature_per_m: f64) -> Plane<u8> {
     let camera = camera();
     let config = LanesConfig::default();
-    let mut edges = LaneEdges::new(&config).unwrap();
+    let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
     let view = RoadView::new(&camera, 0.0);
     let frame = picture(&camera, lines);
-    edges.find(&config, &region(&camera), &view, way_curvature_per_m, &frame).unwrap();
-    edges.thin().clone()
+    let mut steps = EdgeSteps::default();
+    edges.find(&config, &region(&camera), &view, way_curvature_per_m, &frame, &mut steps).unwrap();
+    steps.thin
 }
 
 /// Columns at which a row of the region has an edge.
@@ -168,11 +169,11 @@ fn specks_are_dropped() {
     for v in 380..384 {
         frame.row_mut(v)[3 * 200..3 * 204].fill(230);
     }
-    let mut edges = LaneEdges::new(&config).unwrap();
-    let view = RoadView::new(&camera, 0.0);
-    edges.find(&config, &region(&camera), &view, 0.0, &frame).unwrap();
-    assert!(edges.oriented.as_slice().iter().any(|edge| *edge != 0), "the speck has edges of that kind");
-    assert!(edges.thin().as_slice().iter().all(|edge| *edge == 0));
+    let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
+    let (view, mut steps) = (RoadView::new(&camera, 0.0), EdgeSteps::default());
+    edges.find(&config, &region(&camera), &view, 0.0, &frame, &mut steps).unwrap();
+    assert!(steps.oriented.as_slice().iter().any(|edge| *edge != 0), "the speck has edges of that kind");
+    assert!(steps.thin.as_slice().iter().all(|edge| *edge == 0));
 }
 
 #[test]
@@ -180,7 +181,8 @@ fn the_buffer_fills_while_the_region_stays() {
     let camera = camera();
     let config = LanesConfig { reaction_time_s: 1.0, most_range_m: 60.0, ..LanesConfig::default() };
     let view = RoadView::new(&camera, 0.0);
-    let mut edges = LaneEdges::new(&config).unwrap();
+    let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
+    let mut steps = EdgeSteps::default();
     let mut region = LaneRegion::default();
     let grey = |level: u8| {
         let mut frame = RgbImage::new(WIDTH, HEIGHT);
@@ -191,8 +193,8 @@ fn the_buffer_fills_while_the_region_stays() {
     for (index, level) in [60, 120, 60, 120, 60, 120, 60, 120].into_iter().enumerate() {
         let speed_mps = 37.0 + f64::from(index as u32 % 3) - 1.0;
         region.lay(&config, &camera, 0.002 * f64::from(index as u32 % 2), Some(speed_mps));
-        edges.find(&config, &region, &view, 0.0, &grey(level)).unwrap();
-        let mean = edges.mean.row(0)[0];
+        edges.find(&config, &region, &view, 0.0, &grey(level), &mut steps).unwrap();
+        let mean = steps.mean.row(0)[0];
         assert!(index < 3 || (71..=109).contains(&mean), "frame {index}: {mean} is no mean of three");
     }
 }
@@ -217,11 +219,12 @@ fn more_frames_in_the_buffer_leave_less_noise_beside_a_faint_line() {
     };
     let seen = [1, 3, 10].map(|buffer_frames| {
         let config = LanesConfig { buffer_frames, ..LanesConfig::default() };
-        let mut edges = LaneEdges::new(&config).unwrap();
+        let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
+        let (view, mut steps) = (RoadView::new(&camera, 0.0), EdgeSteps::default());
         for frame in 0..10 {
-            edges.find(&config, &region(&camera), &RoadView::new(&camera, 0.0), 0.0, &noisy(frame)).unwrap();
+            edges.find(&config, &region(&camera), &view, 0.0, &noisy(frame), &mut steps).unwrap();
         }
-        let thin = edges.thin();
+        let thin = &steps.thin;
         assert!(share_along(thin, |_| 1.7, 5.0, 20.0) > 0.95, "{buffer_frames} frames show the line");
         thin.as_slice().iter().filter(|edge| **edge != 0).count()
     });
@@ -281,10 +284,19 @@ fn an_edge_must_be_brighter_outside_and_lead_to_the_horizons_stretch() {
     };
     // Both lines lead to (320, 0): from the left its normal points left and up, from the right right and up.
     for (x, outside) in [(220.0, [-50.0, -50.0]), (420.0, [50.0, -50.0])] {
-        assert!(limit.accepts(x, 100.0, outside, 0.0));
-        assert!(!limit.accepts(x, 100.0, outside.map(|g: f32| -g), 0.0), "bright on the inside");
-        assert!(!limit.accepts(x, 100.0, [outside[0], 0.0], 0.0), "upright, 100 px beside the stretch");
-        assert!(!limit.accepts(x, 100.0, [outside[0], -outside[1]], 0.0), "leads away");
+        let inside = outside.map(|g: f32| -g);
+        assert!(!limit.accepts(MarkingEdges::Inner, x, 100.0, inside, 0.0), "bright on the inside");
+        assert!(limit.accepts(MarkingEdges::Both, x, 100.0, inside, 0.0), "a marking's outer edge");
+        for kept in [MarkingEdges::Inner, MarkingEdges::Both] {
+            assert!(limit.accepts(kept, x, 100.0, outside, 0.0));
+            assert!(
+                !limit.accepts(kept, x, 100.0, [outside[0], 0.0], 0.0),
+                "upright, 100 px beside the stretch"
+            );
+            assert!(!limit.accepts(kept, x, 100.0, [outside[0], -outside[1]], 0.0), "leads away");
+            assert!(!limit.accepts(kept, 220.0, 100.0, [0.0, -50.0], 0.0), "level");
+        }
+        let nearly_level = [0.1 * outside[0], outside[1]];
+        assert!(!limit.accepts(MarkingEdges::Both, x, 100.0, nearly_level, 0.0), "six degrees off level");
     }
-    assert!(!limit.accepts(220.0, 100.0, [0.0, -50.0], 0.0), "level");
 }

@@ -52,8 +52,8 @@ fn candidates(lines: &[Line]) -> (LaneRegion, Vec<LineCandidate>) {
             }
         }
     }
-    let mut sections = SectionLines::new().unwrap();
-    sections.find(&config, &region, &view, &thin);
+    let mut sections = SectionLines::new(LineSelection::ForPaint).unwrap();
+    sections.find(&config, &region, &view, &thin, |_, _, best| best);
     (region, sections.candidates().to_vec())
 }
 
@@ -91,6 +91,7 @@ fn candidate(side: Side, near: (f64, f64), far: (f64, f64)) -> LineCandidate {
 
 fn judged(candidate: &LineCandidate, before: Option<&LineCandidate>) -> LineVerdict {
     let camera = camera();
+    let before = before.map(|before| (before, LineSelection::ForPaint));
     verdict(&LanesConfig::default(), &RoadView::new(&camera, 0.0), candidate, before)
 }
 
