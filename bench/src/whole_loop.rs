@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost::Config;
-use fingerpost::driving_line::DrivingLine;
+use fingerpost::driving_line::MaskCurve;
 use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache};
 use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
@@ -133,14 +133,14 @@ impl Loop {
             &trapezium.camera,
         )?;
         let feature = crossroads(trapezium.side_m())?;
-        let line = DrivingLine::new(&config.driving_line, &config.vehicle, &feature)?;
+        let curve = MaskCurve::new(&config.feature_mask, &config.vehicle, &feature)?;
         let masks = MaskCache::new(
             &config.feature_mask,
             config.track.alignment.kerb_radius_m,
             &config.vehicle,
             view.grid(),
             &feature,
-            line.as_ref(),
+            curve.as_ref(),
         );
         let middle = 0.5 * trapezium.side_px as f64;
         let p_in_vehicle = view.grid().vehicle_from_ground(GroundPixel { column: middle, row: middle });

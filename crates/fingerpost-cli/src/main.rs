@@ -8,6 +8,7 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
+mod centreline_record;
 mod demo;
 mod driver;
 mod evaluate;

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use fingerpost::camera_state::{CameraEvidence, CameraState};
-use fingerpost::centreline::Centreline;
 use fingerpost::matching::{Match, Participation};
 use fingerpost::motion::Motion;
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
@@ -13,12 +12,13 @@ use fingerpost::vehicle_signals::{Disagreement, SignalSource, SignalsEvidence, T
 use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
-    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
-    FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
-    RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FrameRecord,
+    MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState, RivalRecord,
+    RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
+use crate::centreline_record::{centreline_record, no_centreline_name};
 use crate::lanes_record::lanes_record;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -87,7 +87,8 @@ pub(crate) fn frame_record(
             .iter()
             .map(|curvature| rounded(*curvature, DIGITS))
             .collect(),
-        centreline: output.centreline.as_ref().map(centreline_record),
+        centreline: output.centreline.as_ref().map(|found| centreline_record(found, evidence.centreline)),
+        no_centreline: evidence.centreline.none_because.map(|why| no_centreline_name(why).to_owned()),
         lanes: output.lane.as_ref().map(|lane| lanes_record(lane, output.departure.as_ref())),
         fix: None,
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
@@ -118,6 +119,7 @@ pub(crate) fn broken_record(
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
+        no_centreline: None,
         lanes: None,
         fix: None,
         route_m: before.and_then(|record| record.route_m),
@@ -171,15 +173,6 @@ fn mount_record(mount: &MountEstimate, frame: u64) -> MountRecord {
             by_deg: degrees(found.by_rad),
             most_deg: degrees(found.most_rad),
         }),
-    }
-}
-
-fn centreline_record(centreline: &Centreline) -> CentrelineRecord {
-    CentrelineRecord {
-        offset_m: rounded(centreline.offset_m, DIGITS),
-        sigma_m: Some(rounded(centreline.sigma_m, DIGITS)),
-        heading_rad: rounded(centreline.heading_rad, ANGLE_DIGITS),
-        steer_rad: rounded(centreline.steer_rad, ANGLE_DIGITS),
     }
 }
 

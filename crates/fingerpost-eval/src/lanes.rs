@@ -9,7 +9,7 @@
 //!
 //! - A region of interest of N rows is the N lowest rows of the picture, whose centres lie at H - 1 to H - N.
 //! - Rows of it that the truth's edge does not reach are not evaluated, and the sum is divided by the number of rows that
-//!   are. An edge of which the truth reaches no row of the region is not evaluated.
+//!   are ([`LpdDivisor`] has the equation as printed, too). An edge of which the truth reaches no row of the region is not evaluated.
 //! - If the output lacks a single row that is evaluated, the edge is false in that frame and has no deviation. So it is in a
 //!   frame that the run has no record of.
 //! - The threshold is compared with the deviation itself, in squared pixels, as the paper's text says, though its authors
@@ -21,6 +21,7 @@
 mod deviation;
 mod edge;
 mod error;
+mod measure;
 mod pairs;
 mod tusimple;
 
@@ -31,17 +32,13 @@ use serde::Serialize;
 
 pub use self::edge::column_at_row;
 pub use self::error::LaneError;
+pub use self::measure::{LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneMeasure, LpdDivisor};
 pub use self::pairs::lane_picture_px;
 pub use self::tusimple::{TuSimpleScores, evaluate_tusimple};
 
-use self::deviation::{Deviation, deviation};
+use self::deviation::{Deviation, Region, deviation};
 use self::pairs::check_frames;
 use self::tusimple::scores_of_truth;
-
-/// Rows of the paper's regions of interest, from the picture's base.
-pub const LANE_ROI_ROWS: [u32; 4] = [100, 120, 140, 150];
-/// The paper's thresholds of the Lane Position Deviation, squared pixels.
-pub const LANE_THRESHOLDS_PX2: [f64; 3] = [10.0, 15.0, 20.0];
 
 /// A region of interest with a threshold: edges told truly and falsely, and equation 2.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -120,7 +117,7 @@ type EdgePair<'a> = (&'a [[f64; 2]], &'a [[f64; 2]]);
 
 /// Compares a run's lane edges with truth, by frame.
 ///
-/// `picture_px` is the size of the pictures ([`lane_picture_px`]).
+/// `picture_px` is the size of the pictures ([`lane_picture_px`]), `measure` the regions of interest and thresholds.
 ///
 /// # Errors
 /// [`LaneError`] when frames do not ascend, a frame of the run has no truth, or all of the truth's edges lie above a region.
@@ -128,6 +125,7 @@ pub fn evaluate_lanes(
     records: &[FrameRecord],
     truth: &[TruthRecord],
     picture_px: [u32; 2],
+    measure: &LaneMeasure,
 ) -> Result<LaneEvaluation, LaneError> {
     check_frames(records, truth)?;
     let by_frame: BTreeMap<u64, &FrameRecord> = records.iter().map(|record| (record.frame, record)).collect();
@@ -141,13 +139,15 @@ pub fn evaluate_lanes(
         .collect();
     let is_marked = pairs.iter().any(|pair| !pair.0.is_empty());
     let (mut cells, mut deviations) = (Vec::new(), Vec::new());
-    for roi_rows in LANE_ROI_ROWS.into_iter().filter(|_| is_marked) {
+    for &roi_rows in measure.roi_rows.iter().filter(|_| is_marked) {
+        let region = Region { height: picture_px[1], roi_rows, divisor: measure.divisor };
         let found: Vec<Deviation> =
-            pairs.iter().filter_map(|(truth, run)| deviation(truth, run, picture_px[1], roi_rows)).collect();
+            pairs.iter().filter_map(|(truth, run)| deviation(truth, run, &region)).collect();
         if found.is_empty() {
             return Err(LaneError::NoEdges { roi_rows });
         }
-        cells.extend(LANE_THRESHOLDS_PX2.map(|threshold_px2| cell(roi_rows, threshold_px2, &found)));
+        let thresholds = measure.thresholds_px2.iter();
+        cells.extend(thresholds.map(|threshold_px2| cell(roi_rows, *threshold_px2, &found)));
         deviations.push(deviations_of(roi_rows, &found));
     }
     let unseen = |pair: &&EdgePair<'_>| pair.0.is_empty();

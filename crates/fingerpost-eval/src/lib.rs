@@ -27,7 +27,8 @@ pub use first_detections::first_detections;
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
 pub use lanes::{
     LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneError, LaneEvaluation, LaneMean,
-    TuSimpleScores, column_at_row, evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
+    LaneMeasure, LpdDivisor, TuSimpleScores, column_at_row, evaluate_lanes, evaluate_tusimple,
+    lane_picture_px, mean_of_lanes,
 };
 pub use motion::{MotionEvaluation, evaluate_motion};
 pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
+use crate::centreline::CentrelineRecord;
 use crate::lanes::LanesRecord;
 
 /// Where the search for a route feature stands (paper 1, section VI).
@@ -58,8 +59,12 @@ pub struct FrameRecord {
     /// Signed curvature at each point of the driving line, 1/m, positive to the left.
     #[serde(default)]
     pub driving_line_curvature_per_m: Vec<f64>,
-    /// The road's middle from its surface alone.
+    /// The road's middle near the vehicle, and where to steer; none where it is not known.
     pub centreline: Option<CentrelineRecord>,
+    /// Why there is no centreline: `nothing_shown`, `no_edges`, `too_few_sections`, `unsure`, `off`; none where there is one and
+    /// in broken frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_centreline: Option<String>,
     /// Lane edges.
     pub lanes: Option<LanesRecord>,
     /// The vehicle's place on the map.
@@ -325,20 +330,6 @@ impl Display for MountFaultRecord {
             "the camera was turned by {by_deg:.1} degrees ({angle}) about frame {since_frame}; calibrate its mount anew"
         )
     }
-}
-
-/// The road's middle near the vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct CentrelineRecord {
-    /// How far the middle lies to the left of the rear axle's middle, metres.
-    pub offset_m: f64,
-    /// Standard deviation of the offset, metres; none in records that do not tell it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_m: Option<f64>,
-    /// The road's direction against the vehicle's, radians.
-    pub heading_rad: f64,
-    /// Advised steering direction, radians.
-    pub steer_rad: f64,
 }
 
 /// The vehicle's place on the map.

@@ -7,6 +7,7 @@
 mod camera_file;
 mod camera_yaml;
 mod campaign;
+mod centreline;
 mod frame_record;
 mod lanes;
 mod lines;
@@ -20,10 +21,11 @@ mod tusimple;
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
+pub use centreline::{CentrelineRecord, WaysRecord};
 pub use frame_record::{
-    CameraRecord, CameraRecordState, CentrelineRecord, ContrastRecord, DisagreementRecord, FeatureRecord,
-    FixRecord, FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
+    FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
+    RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,

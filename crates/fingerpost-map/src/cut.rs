@@ -13,7 +13,9 @@ use nalgebra::Vector2;
 use crate::course::Courses;
 use crate::leaving::leaves_after_m;
 use crate::path::Path;
-use crate::{Arm, ArmRole, FeatureKind, FeatureOptions, LatLon, RoadGraph, Route, RouteError, RouteFeature};
+use crate::{
+    Arm, ArmRole, Direction, FeatureKind, FeatureOptions, LatLon, RoadGraph, Route, RouteError, RouteFeature,
+};
 
 /// What a node of a bend loses in sharpness for each metre farther along, radians: 2 degrees. The turn about a node grows by that
 /// and more from where a bend begins, and by less than the 4 degrees by which nodes 3 m apart make it uneven behind.
@@ -106,6 +108,10 @@ impl Cutter<'_> {
 
     fn arm(&self, role: ArmRole, node: usize, segment: usize, course: Vec<usize>) -> Option<Arm> {
         let attributes = self.graph.attributes_of(segment);
+        let mut beside = attributes.beside;
+        if self.graph.away_from(segment, node) == Direction::Backward {
+            beside.reverse();
+        }
         let course_line = Polyline::new(course.iter().map(|&node| self.courses.place(node))).ok()?;
         let reach_m = self.options.direction_m.min(course_line.length_m());
         Some(Arm {
@@ -114,6 +120,7 @@ impl Cutter<'_> {
             points: course.iter().map(|&node| self.graph.nodes()[node].at).collect(),
             width_m: attributes.width_m,
             surface: attributes.surface.clone(),
+            beside,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{LatLon, RoadClass};
+use crate::{LatLon, RoadClass, Roadside};
 
 /// A junction, side road or bend of a route.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +48,8 @@ pub struct Arm {
     pub width_m: f64,
     /// Surface as tagged.
     pub surface: Option<String>,
+    /// What lies on its left and right when one looks outwards from the node.
+    pub beside: [Roadside; 2],
 }
 
 /// Part of an arm in the route.

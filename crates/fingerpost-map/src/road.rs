@@ -1,11 +1,12 @@
 //! Which ways a vehicle may drive on, and what is known about them: class, direction, width, surface.
 //!
 //! Tags mean what the OpenStreetMap wiki says they mean (pages Key:highway, Key:access, Key:oneway, Key:width,
-//! Key:lanes). Private roads are kept: farms, mines and works are where this is driven.
+//! Key:lanes, Key:width:carriageway). Private roads are kept: farms, mines and works are where this is driven.
 
 use std::collections::BTreeMap;
 
 use crate::label::cleaned;
+use crate::{Parking, Roadside};
 
 /// Class of a drivable road: OSM's `highway` values, links with the road they lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -79,6 +80,9 @@ const NARROWEST_ONE_WAY_M: f64 = 3.5;
 pub(crate) const PLAUSIBLE_WIDTH_M: std::ops::RangeInclusive<f64> = 1.5..=60.0;
 /// Lane counts beyond this are typing errors.
 const MOST_LANES: f64 = 16.0;
+/// Width that a row of cars takes and that of a lane for bicycles, metres: German practice again (2.0 m and 1.5 m).
+const PARKED_CAR_M: f64 = 2.0;
+const CYCLE_LANE_M: f64 = 1.5;
 /// Metres in a foot (international foot).
 const FOOT_M: f64 = 0.3048;
 /// Inches in a foot.
@@ -134,6 +138,8 @@ pub struct RoadAttributes {
     pub width_m: f64,
     /// Permitted direction.
     pub travel: Travel,
+    /// What lies on its left and right, in the way's direction.
+    pub beside: [Roadside; 2],
 }
 
 impl RoadAttributes {
@@ -145,13 +151,15 @@ impl RoadAttributes {
             return None;
         }
         let travel = travel(tags, class);
+        let beside = Roadside::from_tags(tags, travel);
         let named = |key| tag(key).map(cleaned).filter(|name| !name.is_empty());
         Some(Self {
             class,
             name: named("name").or_else(|| named("ref")),
             surface: named("surface"),
-            width_m: width_m(tags, class, travel),
+            width_m: width_m(tags, class, travel, &beside),
             travel,
+            beside,
         })
     }
 }
@@ -175,15 +183,33 @@ fn travel(tags: &BTreeMap<String, String>, class: RoadClass) -> Travel {
     }
 }
 
-fn width_m(tags: &BTreeMap<String, String>, class: RoadClass, travel: Travel) -> f64 {
+fn width_m(tags: &BTreeMap<String, String>, class: RoadClass, travel: Travel, beside: &[Roadside; 2]) -> f64 {
     let defaults = class.defaults();
-    let tagged = tags.get("width").and_then(|text| parse_width_m(text));
+    // The first one says which width it means; the last is a guess.
+    let tagged = ["width:carriageway", "width", "est_width"]
+        .iter()
+        .find_map(|key| tags.get(*key).and_then(|text| parse_width_m(text)));
     let lanes = tags.get("lanes").and_then(|text| text.trim().parse::<f64>().ok());
-    let by_lanes = lanes.filter(|n| *n >= 1.0 && *n <= MOST_LANES).map(|n| n * defaults.lane_width_m);
+    let by_lanes = lanes
+        .filter(|n| *n >= 1.0 && *n <= MOST_LANES)
+        .map(|n| n * defaults.lane_width_m + beside_lanes_m(beside));
     tagged.or(by_lanes).unwrap_or(match (travel, class) {
         (Travel::Both, _) | (_, RoadClass::Motorway | RoadClass::Link) => defaults.width_m,
         _ => (defaults.width_m / 2.0).max(NARROWEST_ONE_WAY_M.min(defaults.width_m)),
     })
+}
+
+/// What `lanes` leaves out of a carriageway: lanes for bicycles and parked cars, metres.
+fn beside_lanes_m(beside: &[Roadside; 2]) -> f64 {
+    let side_m = |side: &Roadside| {
+        let parked_m = match side.parking {
+            Some(Parking::OnRoad) => PARKED_CAR_M,
+            Some(Parking::HalfOnKerb) => 0.5 * PARKED_CAR_M,
+            _ => 0.0,
+        };
+        parked_m + if side.cycle_lane == Some(true) { CYCLE_LANE_M } else { 0.0 }
+    };
+    beside.iter().map(side_m).sum()
 }
 
 /// A `width` tag in metres: "5.5", "5,5 m", "16'", "16'3\"", "16 ft"; `None` for what is no plausible width.

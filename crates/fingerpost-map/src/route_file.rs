@@ -2,8 +2,8 @@
 //!
 //! One LineString is the route, in the order of driving; a Point is a route feature. Coordinates are longitude and
 //! latitude, WGS 84. Of the angles, `turn_deg` is positive to the left; `bearing_deg` is a compass bearing, clockwise from
-//! north, of leaving the node along the arm. Files written by hand may leave out `name` and `surface`, and may hold
-//! whatever else. Widths are 1.5 to 60 m, angles -360 to 360 degrees; a place that contradicts its `route_m`, an arm that does
+//! north, of leaving the node along the arm; `left` and `right` of an arm say what lies beside its road, seen from the node,
+//! where the map says something. Files written by hand may leave these out, and `name` and `surface`, and may hold whatever else. Widths are 1.5 to 60 m, angles -360 to 360 degrees; a place that contradicts its `route_m`, an arm that does
 //! not begin at its feature or leaves it in another direction than its bearing, and a turn that is not that of its arms are
 //! refused. Bearings are converted as if north were the same all along the route, which over 10 km errs by
 //! about a tenth of a degree.
@@ -15,7 +15,7 @@ use thiserror::Error;
 use crate::label::cleaned;
 use crate::road::PLAUSIBLE_WIDTH_M;
 use crate::route_check::check_places;
-use crate::{Arm, ArmRole, FeatureKind, LatLon, Route, RouteFeature, RoutePoint};
+use crate::{Arm, ArmRole, FeatureKind, LatLon, Roadside, Route, RouteFeature, RoutePoint};
 
 /// Why text is no route.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -112,6 +112,10 @@ struct ArmRecord {
     width_m: f64,
     #[serde(default)]
     surface: Option<String>,
+    #[serde(default, skip_serializing_if = "Roadside::is_silent")]
+    left: Roadside,
+    #[serde(default, skip_serializing_if = "Roadside::is_silent")]
+    right: Roadside,
     points: Vec<Position>,
 }
 
@@ -272,6 +276,8 @@ impl ArmRecord {
             bearing_deg: rounded(turned_about(arm.bearing_rad.to_degrees()), ANGLE_DIGITS),
             width_m: rounded(arm.width_m, METRE_DIGITS),
             surface: arm.surface.clone(),
+            left: arm.beside[0],
+            right: arm.beside[1],
             points: arm.points.iter().map(|&at| Position(at)).collect(),
         }
     }
@@ -296,6 +302,7 @@ impl ArmRecord {
             points: self.points.into_iter().map(|Position(at)| at).collect(),
             width_m: self.width_m,
             surface: self.surface.as_deref().map(cleaned),
+            beside: [self.left, self.right],
         })
     }
 }

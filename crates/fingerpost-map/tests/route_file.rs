@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use fingerpost_map::{
-    Arm, ArmRole, FeatureKind, LatLon, Route, RouteFeature, RouteFileError, RoutePoint, read_route,
+    Arm, ArmRole, FeatureKind, LatLon, Parking, Route, RouteFeature, RouteFileError, RoutePoint, read_route,
     write_route,
 };
 use serde_json::Value;
@@ -15,7 +15,14 @@ fn at(lat_deg: f64, lon_deg: f64) -> LatLon {
 
 fn arm(role: ArmRole, bearing_rad: f64, end: LatLon) -> Arm {
     let surface = (role == ArmRole::Exit).then(|| "asphalt".to_owned());
-    Arm { role, bearing_rad, points: vec![at(48.5, 8.5), end], width_m: 5.5, surface }
+    Arm {
+        role,
+        bearing_rad,
+        points: vec![at(48.5, 8.5), end],
+        width_m: 5.5,
+        surface,
+        beside: Default::default(),
+    }
 }
 
 /// Northwards to a junction, then left; a side road leaves to the east.
@@ -176,4 +183,23 @@ fn a_route_that_is_no_number_is_not_written() {
     broken = route();
     broken.line[0].at.lat_deg = f64::INFINITY;
     assert!(matches!(write_route(&broken), Err(RouteFileError::Json { .. })));
+}
+
+#[test]
+fn what_lies_beside_an_arm_is_written_and_read_and_silence_is_not() {
+    let with = |role: &str, beside: &str| {
+        let text = format!("\"role\": \"{role}\"");
+        BY_HAND.replacen(&text, &format!("{text}, {beside}"), 1)
+    };
+    let route =
+        read_route(&with("side", r#""left": {"pavement": true, "parking": "half_on_kerb"}"#)).unwrap();
+    let [left, right] = route.features[0].arms[2].beside;
+    assert_eq!((left.pavement, left.parking), (Some(true), Some(Parking::HalfOnKerb)));
+    assert!(right.is_silent());
+    let written = write_route(&route).unwrap();
+    assert!(written.contains(r#""left":{"pavement":true,"parking":"half_on_kerb"}"#), "{written}");
+    assert_eq!(written.matches("\"left\"").count(), 1);
+    assert_eq!(read_route(&written).unwrap(), route);
+    let error = read_route(&with("side", r#""right": {"kerb": "high"}"#)).unwrap_err().to_string();
+    assert!(error.contains("high"), "{error}");
 }

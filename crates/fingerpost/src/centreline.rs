@@ -8,33 +8,50 @@
 //! A line counts only where the probability falls across it, and an edge only where one width fits the others, which leaves
 //! out crossings and yards.
 //!
+//! At a corner no one curve holds the edges: the road that leads to it is held as it was, and when the rear axle is past it the
+//! next begins where the surface shows it (`settle`). Where the road turns says the route's feature, where one is followed
+//! (`guide`), and elsewhere how much road lies under the ways on (`way`). The direction to steer in is that of the feature's
+//! driving line or of the likeliest way.
+//!
 //! Limits: the road's surface must be told from its verges, and the offset be sure to half a metre; where it is not, there is
-//! no centreline, and the evidence says why. On the corner of a turn, where two roads meet, the middle is that of the one
-//! whose edges are seen. Without a motion the road is taken to go on as before.
+//! no centreline, and the evidence says why. Without a motion the road is taken to go on as before.
 
+mod band;
 mod config;
 mod fit;
+mod guide;
+mod output;
 mod section;
+mod settle;
+mod turn;
+mod way;
 
 use std::ops::Range;
 
 use fingerpost_geometry::GroundGrid;
-use fingerpost_vision::canny::{Canny, CannyError, CannyParams, GradientNorm};
-use fingerpost_vision::error::PictureError;
-use fingerpost_vision::hough::{HoughError, HoughLines, HoughParams};
+use fingerpost_vision::canny::{Canny, CannyParams, GradientNorm};
+use fingerpost_vision::hough::{HoughLines, HoughParams};
 use fingerpost_vision::picture::{Plane, Rect, ValidityMask};
 use nalgebra::Point2;
-use thiserror::Error;
 
 pub use config::CentrelineConfig;
+pub use guide::Guide;
+pub use output::{
+    Centreline, CentrelineError, CentrelineEvidence, NoCentreline, SectionEvidence, SectionUse, SteerBy,
+};
 pub use section::RoadEdge;
+pub use turn::{Corner, RoadLine};
+pub use way::{WayKind, Ways};
 
-use self::fit::Course;
+use self::band::{Keeping, Shown};
+use self::fit::{Course, Lasts};
 use self::section::{Finder, Window};
+use self::settle::settle;
+use self::way::WayFinder;
 use crate::ground_view::GroundView;
 use crate::motion::Motion;
 use crate::road_surface::RoadSurface;
-use crate::vehicle::VehicleConfig;
+use crate::vehicle::{Traffic, VehicleConfig};
 
 /// Step of the lines' angles, radians: a degree moves the end of a section by two pixels.
 const THETA_STEP_RAD: f64 = 1.0 / 57.3;
@@ -45,100 +62,22 @@ const MIN_ROWS: usize = 8;
 /// is remembered.
 const BORDER_PX: usize = 3;
 
-/// The road's middle near the vehicle.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Centreline {
-    /// How far left of the rear axle's middle it passes, metres.
-    pub offset_m: f64,
-    /// Standard deviation of the offset, metres; never zero.
-    pub sigma_m: f64,
-    /// Its direction there against the vehicle's, radians, positive to the left.
-    pub heading_rad: f64,
-    /// Its curvature, 1/m, positive to the left.
-    pub curvature_per_m: f64,
-    /// Width of the road, metres.
-    pub width_m: f64,
-    /// Direction to steer in, radians, positive to the left: towards the vehicle's place on the road at the look-ahead.
-    pub steer_rad: f64,
-}
+/// Length of road on which a vehicle moves over into its lane, metres: drivers take 4 to 6 s for a lane (Toledo and Zohar 2007),
+/// 40 m at the pace of a side street.
+const MOVING_OVER_M: f64 = 40.0;
 
-impl Centreline {
-    /// How far left of the vehicle's centre line it is at some distance ahead, metres.
-    pub fn left_m(&self, forward_m: f64) -> f64 {
-        self.offset_m
-            + self.heading_rad.tan() * forward_m
-            + 0.5 * self.curvature_per_m * forward_m * forward_m
-    }
-}
-
-/// What a section of the window shows.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SectionEvidence {
-    /// Where it begins and ends ahead of the rear axle, metres.
-    pub forward_m: [f64; 2],
-    /// Left and right edge of the road, where they were found.
-    pub edges: [Option<RoadEdge>; 2],
-    /// Whether it took part.
-    pub section_use: SectionUse,
-}
-
-/// What became of a section.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum SectionUse {
-    /// Neither edge was found.
-    #[default]
-    NoEdges,
-    /// Its edges are not where those of the others have them.
-    OtherWidth,
-    /// One edge took part.
-    OneEdge,
-    /// Both edges took part.
-    BothEdges,
-}
-
-/// Why there is no centreline.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoCentreline {
-    /// The camera shows nothing, or nothing new.
-    NothingShown,
-    /// No section has both edges.
-    NoEdges,
-    /// Too few sections agree.
-    TooFewSections,
-    /// They agree, but do not yet say where the road's middle passes the vehicle.
-    Unsure,
-    /// It is switched off.
-    Off,
-}
-
-/// How the centreline was found.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct CentrelineEvidence {
-    /// The sections, near to far.
-    pub sections: Vec<SectionEvidence>,
-    /// Why there is none.
-    pub none_because: Option<NoCentreline>,
-}
-
-/// A centreline that cannot be looked for.
-#[derive(Debug, Error)]
-pub enum CentrelineError {
-    /// The thresholds of the edges do not work.
-    #[error("centreline: {0}")]
-    Canny(#[from] CannyError),
-    /// The lines' steps do not work.
-    #[error("centreline: {0}")]
-    Hough(#[from] HoughError),
-    /// The window does not fit the picture.
-    #[error("centreline: {0}")]
-    Picture(#[from] PictureError),
-}
+/// How much less sure a road is that is carried on unseen, metres for each metre: of motion, as for kept edges.
+const HELD_SIGMA: f64 = 0.015;
+/// A road farther from the vehicle's direction has no place beside the rear axle, radians (80 degrees).
+const ACROSS_RAD: f64 = 1.4;
+/// Rounds in which the road behind a corner is settled when it begins: each makes its steps finer by a half or more.
+const SETTLE_ROUNDS: usize = 3;
 
 /// The stage with its buffers.
 #[derive(Debug)]
 pub struct CentrelineFinder {
     config: CentrelineConfig,
-    left_share: f64,
+    traffic: Traffic,
     grid: GroundGrid,
     /// The window in the ground view; its rows are a whole number of sections.
     rect: Rect,
@@ -149,6 +88,10 @@ pub struct CentrelineFinder {
     /// Row and columns of the window about the border of what the camera sees.
     border: Vec<(usize, Range<usize>)>,
     course: Course,
+    corner: Option<Corner>,
+    /// The road's middle as edges last told it, and how sure that is across it, metres.
+    before_corner: Option<(RoadLine, f64)>,
+    ways: WayFinder,
     evidence: CentrelineEvidence,
 }
 
@@ -177,7 +120,7 @@ impl CentrelineFinder {
             votes: (config.min_line_share * section_rows as f64) as u32,
         };
         Ok(Self {
-            left_share: vehicle.traffic.left_share(),
+            traffic: vehicle.traffic,
             grid,
             rect,
             section_rows,
@@ -190,12 +133,18 @@ impl CentrelineFinder {
             edges: Plane::new(rect.width, rect.height, 0),
             border: border(view.validity(), rect),
             course: Course::default(),
-            evidence: CentrelineEvidence { sections: Vec::with_capacity(sections), none_because: None },
+            corner: None,
+            before_corner: None,
+            ways: WayFinder::default(),
+            evidence: CentrelineEvidence {
+                sections: Vec::with_capacity(sections),
+                ..CentrelineEvidence::default()
+            },
             config: config.clone(),
         })
     }
 
-    /// The road's middle on this surface, if its edges are sound, after the vehicle's motion since the surface before.
+    /// The road's middle on this surface, if it is known, after the vehicle's motion since the surface before.
     ///
     /// # Errors
     /// [`CentrelineError::Picture`] when the surface is not of the finder's ground view.
@@ -204,18 +153,73 @@ impl CentrelineFinder {
         surface: &RoadSurface,
         motion: Option<&Motion>,
     ) -> Result<(Option<Centreline>, &CentrelineEvidence), CentrelineError> {
+        self.find_guided(surface, motion, None)
+    }
+
+    /// The same where the route's feature ahead is followed: it says where the road turns, and its driving line where to steer.
+    ///
+    /// # Errors
+    /// [`CentrelineError::Picture`] when the surface is not of the finder's ground view.
+    pub fn find_guided(
+        &mut self,
+        surface: &RoadSurface,
+        motion: Option<&Motion>,
+        guide: Option<&Guide<'_>>,
+    ) -> Result<(Option<Centreline>, &CentrelineEvidence), CentrelineError> {
         self.evidence.sections.clear();
-        self.course.move_on(motion);
-        let found = if self.config.enabled { self.find_in_window(surface)? } else { Err(NoCentreline::Off) };
+        (self.evidence.ways, self.evidence.corner) = (None, None);
+        let found = if self.config.enabled {
+            self.move_on(motion);
+            self.pass_corner(surface, guide);
+            self.find_in_window(surface)?.map(|road| self.steered(surface, road, guide))
+        } else {
+            Err(NoCentreline::Off)
+        };
         self.evidence.none_because = found.err();
+        self.evidence.corner = self.corner;
         Ok((found.ok(), &self.evidence))
     }
 
     /// In place of [`CentrelineFinder::find`] where there is no surface of this frame.
     pub(crate) fn pass_over(&mut self) -> &CentrelineEvidence {
         self.evidence.sections.clear();
+        (self.evidence.ways, self.evidence.corner) = (None, None);
         self.evidence.none_because = Some(NoCentreline::NothingShown);
         &self.evidence
+    }
+
+    /// Moves what is known with the vehicle.
+    fn move_on(&mut self, motion: Option<&Motion>) {
+        let lasts = if self.corner.is_some() { Lasts::RoundCorner } else { Lasts::Along };
+        self.course.move_on(motion, lasts);
+        let Some(motion) = motion else { return };
+        let (moved, ahead_m) =
+            (motion.previous_from_current.inverse(), motion.previous_from_current.translation.x.abs());
+        self.corner = self.corner.map(|corner| corner.moved(&moved));
+        self.before_corner =
+            self.before_corner.map(|(line, sigma_m)| (line.moved(&moved), sigma_m + HELD_SIGMA * ahead_m));
+    }
+
+    /// Takes the corner of the route's feature for that of the road; behind a corner the road begins anew.
+    fn pass_corner(&mut self, surface: &RoadSurface, guide: Option<&Guide<'_>>) {
+        let guided = guide.and_then(|guide| guide.corner);
+        if let Some(corner) = guided.filter(|corner| !corner.is_passed()) {
+            self.corner = Some(corner);
+        }
+        let Some(corner) = self.corner.take_if(|corner| corner.is_passed()) else { return };
+        self.course.begin(&corner.exit(), [corner.sigma_m, corner.sigma_rad]);
+        self.before_corner = None;
+        for _ in 0..SETTLE_ROUNDS {
+            self.settle(surface);
+        }
+    }
+
+    /// Lays the road that is believed where the surface shows it: across the vehicle's direction it has no edges in the sections.
+    fn settle(&mut self, surface: &RoadSurface) {
+        let shown = shown(surface, &self.grid);
+        let (line, sigma) =
+            settle(&shown, self.ways.log_odds(), &self.course.road(), self.course.line_sigma());
+        self.course.begin(&line, sigma);
     }
 
     fn find_in_window(
@@ -233,19 +237,67 @@ impl CentrelineFinder {
         }
         let window = Window { probability, known };
         let finder = Finder { config: &self.config, window, grid: self.grid, top: self.rect.y };
+        let corner_m = self.corner.map(|corner| corner.begins_m(self.course.width_m()));
         for index in 1..=self.rect.height / self.section_rows {
             let top = self.rect.height - index * self.section_rows;
             let rect = Rect { x: 0, y: top, width: self.rect.width, height: self.section_rows };
             let lines = self.hough.find(self.edges.view().crop(rect)?);
-            self.evidence.sections.push(finder.section(lines, rect, &self.course));
+            let mut section = finder.section(lines, rect, &self.course);
+            if corner_m.is_some_and(|corner_m| section.forward_m[1] > corner_m) {
+                (section.edges, section.section_use) = ([None; 2], SectionUse::BeyondCorner);
+            }
+            self.evidence.sections.push(section);
         }
-        let course = &mut self.course;
-        Ok(course.take(&self.config, &mut self.evidence.sections).map(|curve| {
-            let ahead_m = self.config.look_ahead_m;
-            let aim_m = curve.left_m(ahead_m) + self.left_share * curve.width_m;
-            Centreline { steer_rad: aim_m.atan2(ahead_m), ..curve }
-        }))
+        let taken = self.course.take(&self.config, &mut self.evidence.sections);
+        Ok(taken
+            .inspect(|road| self.before_corner = Some((road.line(), road.across_sigma_m())))
+            .or_else(|why| self.without_edges(surface).ok_or(why)))
     }
+
+    /// The road's middle where no edges tell it: up to a corner on as it was, less and less surely, and elsewhere by the surface.
+    fn without_edges(&mut self, surface: &RoadSurface) -> Option<Centreline> {
+        let held = self.corner.and(self.before_corner);
+        if let Some((line, sigma_m)) = held.filter(|(line, _)| line.heading_rad.abs() < ACROSS_RAD) {
+            return Some(Centreline {
+                offset_m: line.offset_m(),
+                sigma_m: sigma_m / line.heading_rad.cos(),
+                heading_rad: line.heading_rad,
+                width_m: self.course.width_m(),
+                ..Centreline::default()
+            });
+        }
+        if self.course.is_known() {
+            self.settle(surface);
+        }
+        self.course.believed()
+    }
+
+    /// The road's middle with the direction to steer in.
+    fn steered(&mut self, surface: &RoadSurface, road: Centreline, guide: Option<&Guide<'_>>) -> Centreline {
+        let look_ahead_m = self.config.look_ahead_m;
+        let keeping = Keeping {
+            look_ahead_m,
+            lane_left_m: self.traffic.lane_left_m(road.width_m),
+            share: (look_ahead_m / MOVING_OVER_M).min(1.0),
+        };
+        if let Some((steer_rad, steer_sigma_rad)) = guide.and_then(|guide| guide.direction(&keeping)) {
+            return Centreline { steer_rad, steer_sigma_rad, steer_by: SteerBy::DrivingLine, ..road };
+        }
+        let shown = shown(surface, &self.grid);
+        let nearest_m = self.grid.near_m();
+        let remembered = self.corner.filter(|corner| corner.begins_m(road.width_m) < nearest_m);
+        let ways = self.ways.find(&shown, &road, remembered.as_ref(), &keeping);
+        if guide.is_none() {
+            self.corner = ways.corner;
+        }
+        self.evidence.ways = Some(ways);
+        let (steer_rad, steer_sigma_rad) = (ways.bearing_rad, ways.sigma_rad);
+        Centreline { steer_rad, steer_sigma_rad, steer_by: SteerBy::Road, ..road }
+    }
+}
+
+fn shown<'a>(surface: &'a RoadSurface, grid: &'a GroundGrid) -> Shown<'a> {
+    Shown { probability: surface.probability.view(), known: surface.known().plane().view(), grid }
 }
 
 /// The pixels of a window about the border of what the camera sees.

@@ -1,26 +1,33 @@
 //! Driving line: the way through a feature that the vehicle can steer.
 //!
-//! Paper 1, section V-B: a quadratic Bezier curve from the approach over the feature to the exit. The approach and
-//! exit points are set back from the node until the tightest curvature respects the vehicle's turning circle; for a
-//! symmetric curve that turns by theta the set-back d gives the radius d cos^2(theta/2) / sin(theta/2). Where that would
-//! take the curve's ends too far, its corner is given less weight instead: a rational curve of the same three points
-//! grows rounder as the weight falls, until at cos(theta/2) it is the arc of a circle of radius d / tan(theta/2) (Farin:
-//! Curves and surfaces for CAGD, 2002, section 12.5).
+//! Paper 1, section V-B: a quadratic Bezier curve from the approach over the feature to the exit, whose ends are set back from
+//! the node until it respects the vehicle's turning circle. Here it follows the lane and the corner that is there (`corner`):
+//! the lanes' middles are its tangents, and its radius is that of a path concentric with the kerb, wider only where the
+//! turning circle asks for it and the road has room. With its corner weighted by cos(turn / 2) a rational curve of the
+//! papers' three points is the arc of that radius (Farin: Curves and surfaces for CAGD, 2002, section 12.5).
 //!
-//! Limits: where even the arc is too tight, as a circle of 25 m at a right angle, a line that the vehicle can drive would leave
-//! the road. The line then stays, and [`DrivingLine::within_turning_circle`] and the frame's `why` say it.
+//! What a feature is found by is not this line but the papers' own curve ([`MaskCurve`]).
+//!
+//! Limits: where the arc is still too tight, as a circle of 25 m at a right angle, a line that the vehicle can drive would
+//! leave the road. The line then stays, and [`DrivingLine::within_turning_circle`] and the frame's `why` say it. The kerb is an
+//! arc, as assumed or measured; a chamfer is taken for one.
 
 mod conic;
+mod corner;
+mod mask_curve;
 
 use fingerpost_geometry::{GeometryError, Polyline};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
+pub use self::mask_curve::MaskCurve;
+
 use self::conic::Conic;
+use self::corner::Corner;
 
 /// Settings of the driving line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -29,7 +36,7 @@ pub struct DrivingLineConfig {
     /// Shortest distance of the curve's ends from the node, metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub min_setback_m: f64,
-    /// Longest distance of the curve's ends from the node, metres: farther away a wide curve leaves the road.
+    /// Longest distance of the curve's ends from the node, metres: farther away the next junction may begin.
     #[schemars(range(min = 0.5, max = 40.0))]
     pub max_setback_m: f64,
     /// Distance between the points that are handed out, metres.
@@ -42,7 +49,7 @@ pub struct DrivingLineConfig {
 
 impl Default for DrivingLineConfig {
     fn default() -> Self {
-        Self { min_setback_m: 3.0, max_setback_m: 12.0, step_m: 0.5, lead_m: 15.0 }
+        Self { min_setback_m: 3.0, max_setback_m: 20.0, step_m: 0.5, lead_m: 15.0 }
     }
 }
 
@@ -67,11 +74,14 @@ pub struct DrivingLine {
 const CURVE_PIECES: usize = 64;
 /// Distance on either side of a point of approach or exit over which its curvature is measured, metres.
 const CORNER_SPREAD_M: f64 = 3.0;
-/// Growth of the set-back from one try to the next, metres.
-const SETBACK_STEP_M: f64 = 0.25;
+/// Times that a curve is widened, a twentieth each, until it is as wide as is needed.
+const MOST_WIDENED: usize = 8;
+/// Radius of the kerbs where none is known, metres: German residential streets join with 4 to 6 m (RASt 06, table 45).
+pub const ASSUMED_KERB_M: f64 = 4.0;
 
 impl DrivingLine {
-    /// The driving line of `vehicle` through `feature`; none when the feature has no approach or exit.
+    /// The driving line of `vehicle` through `feature` round kerbs of [`ASSUMED_KERB_M`]; none when the feature has no approach
+    /// or exit.
     ///
     /// # Errors
     /// [`GeometryError`] when the arms leave no room for a curve.
@@ -80,22 +90,37 @@ impl DrivingLine {
         vehicle: &VehicleConfig,
         feature: &FeatureModel,
     ) -> Result<Option<Self>, GeometryError> {
+        Self::round_kerb(config, vehicle, feature, ASSUMED_KERB_M)
+    }
+
+    /// The same round a kerb of this radius between approach and exit, metres.
+    ///
+    /// # Errors
+    /// [`GeometryError`] when the arms leave no room for a curve.
+    pub fn round_kerb(
+        config: &DrivingLineConfig,
+        vehicle: &VehicleConfig,
+        feature: &FeatureModel,
+        kerb_radius_m: f64,
+    ) -> Result<Option<Self>, GeometryError> {
         let (Some(approach), Some(exit)) = (feature.approach(), feature.exit()) else { return Ok(None) };
-        let share = vehicle.traffic.left_share();
-        let inbound = approach.course.reversed().offset(share * approach.width_m)?;
-        let outbound = exit.course.offset(share * exit.width_m)?;
-        // The offset lines end and begin beside the node; there the curve's corner lies.
-        let mut setback_m = config.min_setback_m;
-        let mut curve = conic(&inbound, &outbound, setback_m);
-        while curve.tightest_radius_m() < vehicle.turning_radius_m
-            && setback_m + SETBACK_STEP_M <= config.max_setback_m.max(config.min_setback_m)
-        {
-            setback_m += SETBACK_STEP_M;
-            curve = conic(&inbound, &outbound, setback_m);
+        let lane_m = |width_m: f64| vehicle.traffic.lane_left_m(width_m);
+        let inbound = approach.course.reversed().offset(lane_m(approach.width_m))?;
+        let outbound = exit.course.offset(lane_m(exit.width_m))?;
+        let mut corner = Corner::of(vehicle, feature.kind, [approach, exit], kerb_radius_m);
+        let mut setbacks_m = corner.setbacks_m(config, &inbound, &outbound);
+        let mut curve = corner.curve(&inbound, &outbound, setbacks_m);
+        // Between arms that bend the curve is tighter somewhere than its arc.
+        for _ in 0..MOST_WIDENED {
+            if curve.tightest_radius_m() >= corner.needed_m() {
+                break;
+            }
+            corner.widen();
+            setbacks_m = corner.setbacks_m(config, &inbound, &outbound);
+            curve = corner.curve(&inbound, &outbound, setbacks_m);
         }
-        curve.round_up_to(vehicle.turning_radius_m);
-        let sampled = Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))?;
-        let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setback_m);
+        let sampled = sampled(&curve)?;
+        let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setbacks_m);
         Ok(Some(Self {
             control: curve.control,
             curve: sampled,
@@ -107,8 +132,9 @@ impl DrivingLine {
     }
 
     /// Whether the vehicle can drive it.
-    pub const fn within_turning_circle(&self) -> bool {
-        self.tightest_radius_m >= self.turning_radius_m
+    pub fn within_turning_circle(&self) -> bool {
+        // An arc of just that radius is, whatever its last digit says.
+        self.tightest_radius_m >= self.turning_radius_m * (1.0 - 1e-9)
     }
 
     /// Where the curve begins, feature frame, metres.
@@ -122,33 +148,9 @@ impl DrivingLine {
     }
 }
 
-/// The papers' curve with its ends this far from the node.
-fn conic(inbound: &Polyline, outbound: &Polyline, setback_m: f64) -> Conic {
-    let (start, inward) = inbound.at(inbound.length_m() - setback_m);
-    let (end, outward) = outbound.at(setback_m);
-    let corner = crossing(start, inward, end, outward).unwrap_or_else(|| {
-        let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
-        Point2::from(0.5 * (before.coords + after.coords))
-    });
-    Conic::bezier([start, corner, end])
-}
-
-/// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
-/// the roads along their own direction.
-fn crossing(
-    start: Point2<f64>,
-    inward: Vector2<f64>,
-    end: Point2<f64>,
-    outward: Vector2<f64>,
-) -> Option<Point2<f64>> {
-    let sine = inward.perp(&outward);
-    // Under 6 degrees the crossing runs away along the road.
-    if sine.abs() < 0.1 {
-        return None;
-    }
-    let gap = end - start;
-    let (along, back) = (gap.perp(&outward) / sine, gap.perp(&inward) / sine);
-    (along > 0.0 && back < 0.0).then(|| start + inward * along)
+/// The curve in [`CURVE_PIECES`].
+fn sampled(curve: &Conic) -> Result<Polyline, GeometryError> {
+    Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))
 }
 
 fn hand_out(
@@ -157,17 +159,17 @@ fn hand_out(
     curve: &Conic,
     sampled: &Polyline,
     outbound: &Polyline,
-    setback_m: f64,
+    [before_m, behind_m]: [f64; 2],
 ) -> (Vec<Point2<f64>>, Vec<f64>) {
     let step = config.step_m.max(0.05);
     let lead = (config.lead_m / step).floor() as usize;
     let mut points: Vec<Point2<f64>> =
-        (1..=lead).rev().map(|i| inbound.at(inbound.length_m() - setback_m - step * i as f64).0).collect();
+        (1..=lead).rev().map(|i| inbound.at(inbound.length_m() - before_m - step * i as f64).0).collect();
     let pieces = (sampled.length_m() / step).ceil().max(1.0) as usize;
     let parameters: Vec<f64> =
         (0..=pieces).map(|i| parameter_at(sampled, sampled.length_m() * i as f64 / pieces as f64)).collect();
     points.extend(parameters.iter().map(|&t| curve.at(t)));
-    points.extend((1..=lead).map(|i| outbound.at(setback_m + step * i as f64).0));
+    points.extend((1..=lead).map(|i| outbound.at(behind_m + step * i as f64).0));
     let reach = (CORNER_SPREAD_M / step).ceil() as usize;
     let curvature = (0..points.len())
         .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {

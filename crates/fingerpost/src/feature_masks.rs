@@ -1,8 +1,8 @@
 //! Feature masks: a route feature as row spans of the ground view.
 //!
 //! Paper 1, section V-A; paper 2, sections 3.2, 3.3, 4 and "Extension of feature masks". One sub-mask an arm, drawn
-//! along the arm's own nodes out to beyond the ground view's edge, and one of the driving line at the vehicle's own
-//! width. Spans are relative to the feature's node, so that one drawing serves every place at the same heading;
+//! along the arm's own nodes out to beyond the ground view's edge, and one of the papers' driving path curve at the
+//! vehicle's own width. Spans are relative to the feature's node, so that one drawing serves every place at the same heading;
 //! drawings are kept by heading. Beside the arms lie strips where their verges are expected (`verge.rs`).
 
 mod verge;
@@ -17,7 +17,7 @@ use nalgebra::{Isometry2, Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::driving_line::DrivingLine;
+use crate::driving_line::MaskCurve;
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
@@ -33,6 +33,12 @@ pub struct FeatureMaskConfig {
     /// Step between headings at which masks are drawn, degrees.
     #[schemars(range(min = 0.1, max = 5.0))]
     pub heading_step_deg: f64,
+    /// Shortest distance of the ends of the papers' curve from the node, metres.
+    #[schemars(range(min = 0.5, max = 20.0))]
+    pub curve_min_setback_m: f64,
+    /// Longest distance of the ends of the papers' curve from the node, metres: farther away a wide curve leaves the road.
+    #[schemars(range(min = 0.5, max = 40.0))]
+    pub curve_max_setback_m: f64,
     /// Width of a band in which an arm's verge is looked for, metres.
     #[schemars(range(min = 0.1, max = 2.0))]
     pub verge_width_m: f64,
@@ -50,6 +56,8 @@ impl Default for FeatureMaskConfig {
         Self {
             arm_width_share: 0.25,
             heading_step_deg: 0.5,
+            curve_min_setback_m: 3.0,
+            curve_max_setback_m: 12.0,
             verge_width_m: 0.5,
             verge_from_share: 0.8,
             verge_reach_m: 2.0,
@@ -67,7 +75,7 @@ pub enum SubMaskKind {
         /// Index of the arm in the feature's model.
         index: usize,
     },
-    /// The driving line at the vehicle's width.
+    /// The papers' driving path curve at the vehicle's width.
     DrivingLine,
 }
 
@@ -134,7 +142,7 @@ pub struct MaskCache {
 }
 
 impl MaskCache {
-    /// A cache for `feature`, whose kerbs have the radius `kerb_radius_m` (metres), and its driving line on the raster
+    /// A cache for `feature`, whose kerbs have the radius `kerb_radius_m` (metres), and the papers' curve through it on the raster
     /// `grid`.
     pub fn new(
         config: &FeatureMaskConfig,
@@ -142,7 +150,7 @@ impl MaskCache {
         vehicle: &VehicleConfig,
         grid: &GroundGrid,
         feature: &FeatureModel,
-        line: Option<&DrivingLine>,
+        curve: Option<&MaskCurve>,
     ) -> Self {
         // From any place in view an arm this long leaves the view.
         let reach_m = (grid.far_m() - grid.near_m()).hypot(2.0 * grid.half_width_m());
@@ -161,7 +169,7 @@ impl MaskCache {
             .collect();
         Self {
             arms,
-            curve: line.map(|line| line.curve.clone()),
+            curve: curve.map(|curve| curve.curve.clone()),
             arm_width_m: config.arm_width_share * vehicle.width_m,
             line_width_m: vehicle.width_m + 2.0 * vehicle.margin_m,
             heading_step_rad: config.heading_step_deg.to_radians(),

@@ -15,7 +15,7 @@ use thiserror::Error;
 
 use crate::calibration_check::{self, CalibrationFault};
 use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
-use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder};
+use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
@@ -58,12 +58,12 @@ pub enum Stage {
     Mount,
     /// Ground view to road probability.
     Road,
-    /// Road probability to the road's middle.
-    Centreline,
     /// Masks, match and track.
     Match,
     /// Driving line in the vehicle frame.
     DrivingLine,
+    /// Road probability and driving line to the road's middle and the direction to steer in.
+    Centreline,
     /// The lane by its markings.
     Lanes,
 }
@@ -294,9 +294,6 @@ impl Pipeline {
         let road = self.detector.detect(input, surface)?;
         finished(Stage::Road);
 
-        let (centreline, centreline_evidence) = self.centreline.find(surface, motion)?;
-        finished(Stage::Centreline);
-
         let laid = self.matcher.lay(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion, camera: ego.camera, dt_s: ego.dt_s, speed_mps: ego.vehicle.speed_mps };
@@ -306,10 +303,15 @@ impl Pipeline {
 
         output.motion = ego.motion;
         output.vehicle = ego.vehicle;
-        output.centreline = centreline;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);
         output.place_driving_line(tracker.stops());
         finished(Stage::DrivingLine);
+
+        let guide = output.guide(tracker.stops());
+        let (centreline, centreline_evidence) =
+            self.centreline.find_guided(surface, motion, guide.as_ref())?;
+        output.centreline = centreline;
+        finished(Stage::Centreline);
 
         let input =
             LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
@@ -323,6 +325,7 @@ impl Pipeline {
             signals: signals.is_some().then_some(&ego.signals_evidence),
             lane: output.lane.as_ref().zip(lanes.evidence),
             turns_through: lanes.turns_through,
+            ways: centreline_evidence.ways.as_ref(),
             departure: output.departure.as_ref(),
         }
         .write_to(&mut output.why);
@@ -371,6 +374,12 @@ impl Pipeline {
 }
 
 impl FrameOutput {
+    /// What the followed feature says of the road.
+    fn guide(&self, stops: &[RouteStop]) -> Option<Guide<'_>> {
+        let followed = self.track.followed.as_ref()?;
+        Some(Guide::new(&stops.get(followed.index)?.model, followed, &self.driving_line))
+    }
+
     /// Lays the followed feature's driving line where the feature is; the part behind the vehicle is left out.
     fn place_driving_line(&mut self, stops: &[RouteStop]) {
         self.driving_line.clear();

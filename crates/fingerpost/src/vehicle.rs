@@ -16,12 +16,29 @@ pub enum Traffic {
     Centre,
 }
 
+/// Least width of a lane, metres: below 2.75 m lanes are laid out for cars only (RASt 06, section 6.1.1; residential roads of
+/// 5.5 m have two of it).
+const LEAST_LANE_M: f64 = 2.75;
+
 impl Traffic {
-    /// How far left of a road's middle the vehicle drives, as a share of the road's width.
+    /// How far left of a road's middle the papers' curve is laid, as a share of the road's width.
     pub const fn left_share(self) -> f64 {
         match self {
             Self::Left => 0.25,
             Self::Right => -0.25,
+            Self::Centre => 0.0,
+        }
+    }
+
+    /// How far left of a road's middle the vehicle's lane is, metres, on a two-way road of this width: the middle of its half, or
+    /// of the outermost of the lanes for which the half has room.
+    pub fn lane_left_m(self, road_width_m: f64) -> f64 {
+        let half_m = 0.5 * road_width_m.max(0.0);
+        let lanes = (half_m / LEAST_LANE_M).floor().max(1.0);
+        let outermost_m = half_m * (1.0 - 0.5 / lanes);
+        match self {
+            Self::Left => outermost_m,
+            Self::Right => -outermost_m,
             Self::Centre => 0.0,
         }
     }
@@ -47,5 +64,20 @@ pub struct VehicleConfig {
 impl Default for VehicleConfig {
     fn default() -> Self {
         Self { width_m: 1.8, margin_m: 0.1, turning_radius_m: 5.0, traffic: Traffic::Right }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wide_road_has_a_lane_along_its_edge() {
+        // One lane a side; 7 m a side have room for two of 3.5 m.
+        for (width_m, lane_m) in [(4.0, 1.0), (6.0, 1.5), (8.0, 2.0), (14.0, 5.25)] {
+            assert!((Traffic::Left.lane_left_m(width_m) - lane_m).abs() < 1e-9, "{width_m}");
+            assert!((Traffic::Right.lane_left_m(width_m) + lane_m).abs() < 1e-9, "{width_m}");
+            assert!(Traffic::Centre.lane_left_m(width_m).abs() < 1e-9);
+        }
     }
 }

@@ -7,8 +7,9 @@ use std::fmt::{self, Display, Formatter, Write};
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, FollowedWords, Frames, Hundredths, LackWords, LaneWords,
     MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords, Threshold,
-    TooTightWords,
+    TooTightWords, WaysWords,
 };
+use crate::centreline::Ways;
 use crate::driving_line::DrivingLine;
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
@@ -35,6 +36,8 @@ pub(crate) struct Why<'a> {
     pub(crate) lane: Option<(&'a Lane, &'a LaneEvidence)>,
     /// Whether no lane is looked for because the vehicle turns through a junction.
     pub(crate) turns_through: bool,
+    /// Which ways the road goes on, where its surface was asked.
+    pub(crate) ways: Option<&'a Ways>,
     /// How the vehicle moves towards the lane's edges, where that is known.
     pub(crate) departure: Option<&'a DepartureOutput>,
 }
@@ -60,6 +63,9 @@ impl Display for Why<'_> {
             write!(f, "{}", SignalsWords(signals))?;
         }
         self.write_feature(f)?;
+        if let Some(ways) = self.ways.filter(|ways| ways.open().count() > 1) {
+            write!(f, "; {}", WaysWords(ways))?;
+        }
         if self.turns_through {
             f.write_str("; no lane is claimed while the vehicle turns through the junction")?;
         }
@@ -149,7 +155,9 @@ impl Why<'_> {
                 " by dead reckoning, not confirmed for {frames} of {}: {words}",
                 Frames(self.config.lost_frames)
             ),
-            Decision::Arrived => f.write_str(": the driving line's start reached the bottom of the view"),
+            Decision::Arrived => {
+                f.write_str(": the start of the curve through it reached the bottom of the view")
+            }
             Decision::Passing => f.write_str(": on the driving line through it"),
             _ => write!(f, ": {words}"),
         }?;

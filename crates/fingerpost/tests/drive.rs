@@ -60,7 +60,7 @@ fn check_found(drive: &Drive) {
         assert!(error.norm() < 0.35, "{truth}: off by {error}, {}", output.why);
         arrived |= output.track.state == State::Arrived;
     }
-    assert!(arrived, "the driving line's start reached the bottom of the view");
+    assert!(arrived, "the curve's start reached the bottom of the view");
 }
 
 /// A T-junction that is left by `exit`, with the other arm aside.

@@ -13,10 +13,14 @@ use painted::{Junction, Place, route};
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 
 fn line(exit: &[Place], vehicle: &VehicleConfig) -> DrivingLine {
-    let junction = Junction { kind: FeatureKind::Junction, approach: SOUTH, exit, sides: &[], width_m: 6.0 };
+    line_round(exit, vehicle, 6.0, 4.0)
+}
+
+fn line_round(exit: &[Place], vehicle: &VehicleConfig, width_m: f64, kerb_m: f64) -> DrivingLine {
+    let junction = Junction { kind: FeatureKind::Junction, approach: SOUTH, exit, sides: &[], width_m };
     let (route, _) = route(&junction);
     let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
-    DrivingLine::new(&DrivingLineConfig::default(), vehicle, &model).unwrap().unwrap()
+    DrivingLine::round_kerb(&DrivingLineConfig::default(), vehicle, &model, kerb_m).unwrap().unwrap()
 }
 
 fn centred(turning_radius_m: f64) -> VehicleConfig {
@@ -24,15 +28,45 @@ fn centred(turning_radius_m: f64) -> VehicleConfig {
 }
 
 #[test]
-fn the_set_back_gives_the_turning_circle() {
-    // d = R sin(45 deg) / cos^2(45 deg) = 1.414 R for a right angle.
+fn the_line_goes_round_the_kerb_in_its_lane() {
+    // Roads of 6 m whose kerbs have 4 m: from the inner edge a lane's middle is 1.5 or 4.5 m away, the road's 3 m.
+    let (east, west): (&[Place], &[Place]) = (&[(0.0, 0.0), (60.0, 0.0)], &[(0.0, 0.0), (-60.0, 0.0)]);
+    for (exit, traffic, to_edge_m) in [
+        (east, Traffic::Right, 1.5),
+        (west, Traffic::Right, 4.5),
+        (west, Traffic::Left, 1.5),
+        (east, Traffic::Centre, 3.0),
+    ] {
+        for kerb_m in [1.0, 4.0, 10.0] {
+            let vehicle = VehicleConfig { traffic, turning_radius_m: 2.0, ..VehicleConfig::default() };
+            let line = line_round(exit, &vehicle, 6.0, kerb_m);
+            let side = exit[1].0.signum();
+            // Inside of the turn, in the feature frame: behind the node, to the right of a way that leads east.
+            let kerb_centre = Point2::new(-3.0 - kerb_m, -side * (3.0 + kerb_m));
+            for i in 0..=10 {
+                let at = line.curve.at(0.1 * f64::from(i) * line.curve.length_m()).0;
+                let from_kerb_m = (at - kerb_centre).norm() - kerb_m;
+                assert!((from_kerb_m - to_edge_m).abs() < 0.02, "{traffic:?} {kerb_m}: {from_kerb_m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_turning_circle_widens_the_line_where_there_is_room() {
     for radius in [4.0, 5.0, 7.0] {
         let line = line(&[(0.0, 0.0), (60.0, 0.0)], &centred(radius));
-        let setback = -line.start().x;
-        assert!((setback - 2_f64.sqrt() * radius).abs() < 0.26, "{setback} for {radius}");
-        assert!(line.within_turning_circle() && line.tightest_radius_m >= radius);
-        assert!(line.start().y.abs() < 1e-3 && (line.end() - Point2::new(0.0, -setback)).norm() < 1e-3);
+        assert!(line.within_turning_circle());
+        assert!((line.tightest_radius_m - 7.0).abs() < 1e-3, "the kerb is wider: {}", line.tightest_radius_m);
+        assert!(line.start().y.abs() < 1e-3 && (line.end() - Point2::new(0.0, -7.0)).norm() < 1e-3);
     }
+}
+
+#[test]
+fn a_road_of_two_lanes_a_side_is_driven_along_its_edge() {
+    let line = line_round(&[(0.0, 0.0), (60.0, 0.0)], &VehicleConfig::default(), 14.0, 4.0);
+    assert!((line.start().y + 5.25).abs() < 1e-3, "the right one of two lanes of 3.5 m: {}", line.start());
+    assert!((line.end().x + 5.25).abs() < 1e-3, "{}", line.end());
 }
 
 #[test]
@@ -42,9 +76,10 @@ fn a_wide_vehicle_gets_a_rounder_curve_and_not_a_longer_one() {
         assert!(line.within_turning_circle(), "{} for {radius}", line.tightest_radius_m);
         assert!(-line.start().x <= 12.0, "{}", line.start());
     }
-    // No line on the road is as wide as that.
+    // No line on the road is as wide as that: the body's inner side, 1 m from its middle, touches the kerb of 4 m on an arc of
+    // (3 sqrt(2) + 4 (sqrt(2) - 1) - 1) / (sqrt(2) - 1) m.
     let line = line(&[(0.0, 0.0), (60.0, 0.0)], &centred(25.0));
-    assert!(!line.within_turning_circle() && line.tightest_radius_m > 11.9);
+    assert!(!line.within_turning_circle() && (line.tightest_radius_m - 11.828).abs() < 0.01);
 }
 
 #[test]
@@ -79,8 +114,10 @@ fn curvature_is_positive_to_the_left_and_zero_straight_on() {
     let tightest = |line: &DrivingLine| {
         line.curvature_per_m.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
     };
-    assert!(tightest(&line(&[(0.0, 0.0), (-60.0, 0.0)], &centred(5.0))) > 0.15, "left");
-    assert!(tightest(&line(&[(0.0, 0.0), (60.0, 0.0)], &centred(5.0))) < -0.15, "right");
+    // Three metres from the inner edge, whose kerb has 4 m.
+    let [left, right] =
+        [-60.0, 60.0].map(|east_m| tightest(&line(&[(0.0, 0.0), (east_m, 0.0)], &centred(5.0))));
+    assert!((left - 1.0 / 7.0).abs() < 1e-4 && (right + 1.0 / 7.0).abs() < 1e-4, "{left} {right}");
     assert!(tightest(&line(&[(0.0, 0.0), (0.0, 60.0)], &centred(5.0))).abs() < 1e-6, "straight on");
 }
 

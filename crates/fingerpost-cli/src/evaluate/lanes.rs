@@ -5,10 +5,10 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueEnum};
 use fingerpost_eval::{
-    LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneEvaluation, LaneMean, TuSimpleScores, evaluate_lanes,
-    evaluate_tusimple, lane_picture_px, mean_of_lanes,
+    LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneEvaluation, LaneMean, LaneMeasure, LpdDivisor, TuSimpleScores,
+    evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
 };
 use fingerpost_format::{Summary, TuSimpleRecord, from_json_lines};
 use fingerpost_io::read_truth;
@@ -17,11 +17,11 @@ use serde::Serialize;
 
 use self::table::{clip_table, mean_table, tusimple_line};
 use super::records;
-use crate::arguments::PictureSize;
+use crate::arguments::{PictureSize, number};
 use crate::{output, output_path};
 
-/// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest of 100, 120, 140 and 150 rows
-/// and thresholds of 10, 15 and 20 squared pixels, and the scores of the TuSimple benchmark.
+/// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest and thresholds, by default those of paper 3 (100,
+/// 120, 140 and 150 rows; 10, 15 and 20 squared pixels), and the scores of the TuSimple benchmark.
 ///
 /// An edge is true in a frame when the mean squared distance from its truth, along the region's rows that the truth
 /// reaches, is at most the threshold; it is false otherwise, and where the run has no edge in any of those rows, or no
@@ -40,6 +40,18 @@ pub(crate) struct LanesArgs {
     /// Labels in the form of the TuSimple benchmark, a line for every frame of the one RUN, instead of --truth.
     #[arg(long, value_name = "FILE", group = "reference", conflicts_with = "plot")]
     tusimple: Option<PathBuf>,
+    /// Rows of the regions of interest, from the picture's base, 1 to 65535.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', conflicts_with = "tusimple", default_values_t = LANE_ROI_ROWS,
+          value_parser = clap::value_parser!(u32).range(1..=65_535))]
+    roi_rows: Vec<u32>,
+    /// Thresholds of the Lane Position Deviation, squared pixels, 0 to 1e9.
+    #[arg(long, value_name = "PX2,...", value_delimiter = ',', conflicts_with = "tusimple", default_values_t = LANE_THRESHOLDS_PX2,
+          value_parser = number(0.0, 1e9, "threshold", "squared pixels"))]
+    thresholds: Vec<f64>,
+    /// What the sum of an edge's squared distances is divided by: the rows that the truth reaches, or all rows of the region, as
+    /// equation 1 of paper 3 is printed.
+    #[arg(long, value_enum, default_value = "evaluated", conflicts_with = "tusimple")]
+    lpd_divisor: Divisor,
     /// Size of the pictures, where neither run nor truth says it.
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     picture_size: Option<PictureSize>,
@@ -51,7 +63,32 @@ pub(crate) struct LanesArgs {
     json: bool,
 }
 
+/// What the sum of an edge's squared distances is divided by.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Divisor {
+    /// The rows that the truth reaches.
+    Evaluated,
+    /// All rows of the region.
+    Region,
+}
+
 impl LanesArgs {
+    fn measure(&self) -> LaneMeasure {
+        let mut measure = LaneMeasure {
+            roi_rows: self.roi_rows.clone(),
+            thresholds_px2: self.thresholds.clone(),
+            divisor: match self.lpd_divisor {
+                Divisor::Evaluated => LpdDivisor::EvaluatedRows,
+                Divisor::Region => LpdDivisor::Region,
+            },
+        };
+        measure.roi_rows.sort_unstable();
+        measure.roi_rows.dedup();
+        measure.thresholds_px2.sort_by(f64::total_cmp);
+        measure.thresholds_px2.dedup();
+        measure
+    }
+
     fn picture_px(&self) -> Option<[u32; 2]> {
         self.picture_size.map(|size| [size.width as u32, size.height as u32])
     }
@@ -87,6 +124,12 @@ pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
         return tusimple(args, labels);
     }
     if let Some(plot) = &args.plot {
+        let LaneMeasure { roi_rows, thresholds_px2, .. } = args.measure();
+        if roi_rows.len() < 2 || thresholds_px2.len() < 2 {
+            bail!(
+                "--plot needs two --roi-rows and two --thresholds at the least, or there is no surface; give more or leave it out"
+            );
+        }
         let runs: Vec<PathBuf> = args.runs.iter().flat_map(|run| output_path::run_files(run)).collect();
         output_path::check_file(plot, args.truth.iter().chain(&runs).map(PathBuf::as_path))?;
     }
@@ -97,30 +140,30 @@ pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
             args.truth.len()
         );
     }
-    let given = args.picture_px();
+    let (given, measure) = (args.picture_px(), args.measure());
     let clips: Vec<Clip> = args
         .runs
         .iter()
         .zip(&args.truth)
-        .map(|(run, truth)| clip(run, truth, given))
+        .map(|(run, truth)| clip(run, truth, given, &measure))
         .collect::<Result<_>>()?;
     let evaluations: Vec<LaneEvaluation> = clips.iter().map(|clip| clip.evaluation.clone()).collect();
     let mean = mean_of_lanes(&evaluations);
     let mut text: String = clips
         .iter()
-        .map(|clip| clip_table(&clip.run.display().to_string(), &clip.evaluation))
+        .map(|clip| clip_table(&clip.run.display().to_string(), &clip.evaluation, &measure))
         .collect::<Vec<_>>()
         .join("\n");
     if let Some(mean) = mean.as_ref().filter(|mean| mean.clips > 1) {
         text.push('\n');
-        text.push_str(&mean_table(mean));
+        text.push_str(&mean_table(mean, &measure));
     }
     say(args, text.trim_end())?;
     if let Some(path) = &args.plot {
         let mean = mean.as_ref().context(
             "no truth has lane edges, so that there is no accuracy to plot; leave out --plot or name a marked drive",
         )?;
-        fingerpost_io::write_file(path, surface_svg(&surface(mean)))?;
+        fingerpost_io::write_file(path, surface_svg(&surface(mean, &measure)))?;
         output::message(&format!("the surface is {}", path.display()));
     }
     if args.json { output::print_json(&LaneNumbers { clips, mean }) } else { Ok(()) }
@@ -139,11 +182,11 @@ fn tusimple(args: &LanesArgs, labels: &Path) -> Result<()> {
     if args.json { output::print_json(&TuSimpleNumbers { run, tusimple }) } else { Ok(()) }
 }
 
-fn clip(run: &Path, truth: &Path, given: Option<[u32; 2]>) -> Result<Clip> {
+fn clip(run: &Path, truth: &Path, given: Option<[u32; 2]>, measure: &LaneMeasure) -> Result<Clip> {
     let records = records(run)?;
     let marked = read_truth(truth)?;
     let evaluation = lane_picture_px(picture_px(run)?, &marked, given)
-        .and_then(|picture_px| evaluate_lanes(&records, &marked, picture_px))
+        .and_then(|picture_px| evaluate_lanes(&records, &marked, picture_px, measure))
         .with_context(|| format!("{} against {}", run.display(), truth.display()))?;
     Ok(Clip { run: run.to_owned(), truth: truth.to_owned(), evaluation })
 }
@@ -170,16 +213,16 @@ fn say(args: &LanesArgs, text: &str) -> Result<()> {
 }
 
 /// Figure 21 of paper 3.
-fn surface(mean: &LaneMean) -> SurfacePlot {
+fn surface(mean: &LaneMean, measure: &LaneMeasure) -> SurfacePlot {
     let accuracies: Vec<f64> = mean.cells.iter().map(|cell| cell.accuracy_pct).collect();
     let of = if mean.clips == 1 { "one clip".to_owned() } else { format!("{} clips", mean.clips) };
     SurfacePlot {
         title: format!("Accuracy of the lane edges, mean of {of}"),
         x_label: "deviation threshold, px²".to_owned(),
-        xs: LANE_THRESHOLDS_PX2.to_vec(),
+        xs: measure.thresholds_px2.clone(),
         y_label: "ROI, rows".to_owned(),
-        ys: LANE_ROI_ROWS.map(f64::from).to_vec(),
+        ys: measure.roi_rows.iter().copied().map(f64::from).collect(),
         z_label: "accuracy, %".to_owned(),
-        percent: accuracies.chunks(LANE_THRESHOLDS_PX2.len()).map(<[f64]>::to_vec).collect(),
+        percent: accuracies.chunks(measure.thresholds_px2.len()).map(<[f64]>::to_vec).collect(),
     }
 }

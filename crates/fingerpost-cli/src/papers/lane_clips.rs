@@ -5,7 +5,7 @@
 
 use anyhow::Result;
 use fingerpost::{Config, Pipeline, Sensors};
-use fingerpost_eval::evaluate_lanes;
+use fingerpost_eval::{LaneMeasure, evaluate_lanes};
 use fingerpost_sim::{
     Conditions, DrivingManner, DrivingPlan, RoadCourse, SimConfig, Simulator, windscreen_camera,
 };
@@ -80,7 +80,7 @@ pub(super) fn measure(
         records.push(frame_record(time, output, &evidence, &[], Default::default()));
         truth.push(frame.truth);
     }
-    let evaluation = evaluate_lanes(&records, &truth, PICTURE_PX)?;
+    let evaluation = evaluate_lanes(&records, &truth, PICTURE_PX, &LaneMeasure::default())?;
     let cells = evaluation.cells.iter();
     Ok(Some(cells.map(|cell| (cell_name(cell.roi_rows, cell.threshold_px2), cell.accuracy_pct)).collect()))
 }

@@ -4,7 +4,7 @@
 //! good as it tells the one from the other, whatever threshold is chosen.
 
 use anyhow::Result;
-use fingerpost::driving_line::DrivingLine;
+use fingerpost::driving_line::MaskCurve;
 use fingerpost::feature_masks::{MaskCache, node_pixel};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::matching::{LaidSurface, Match, Matcher, Participation};
@@ -57,9 +57,9 @@ impl MaskReading {
         let grid = *pipeline.view().grid();
         let kerb_radius_m = config.track.alignment.kerb_radius_m;
         let shape = |model: &FeatureModel| -> Result<Shape> {
-            let line = DrivingLine::new(&config.driving_line, &config.vehicle, model)?;
             let (mask, vehicle) = (&config.feature_mask, &config.vehicle);
-            let masks = MaskCache::new(mask, kerb_radius_m, vehicle, &grid, model, line.as_ref());
+            let curve = MaskCurve::new(mask, vehicle, model)?;
+            let masks = MaskCache::new(mask, kerb_radius_m, vehicle, &grid, model, curve.as_ref());
             Ok(Shape { model: model.clone(), masks })
         };
         Ok(Self {

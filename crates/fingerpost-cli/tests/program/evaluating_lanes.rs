@@ -79,6 +79,35 @@ fn table_json_and_surface() {
 }
 
 #[test]
+fn regions_thresholds_and_divisor_as_asked() {
+    let folder = TempDir::new().unwrap();
+    let (run, truth) = made(folder.path(), "run", 4.0);
+    let line = format!("evaluate lanes {run} --truth {truth} --roi-rows 360,200 --thresholds 15,5");
+    let accuracies = |line: &str| -> Vec<(u64, f64, f64)> {
+        let numbers: Value =
+            serde_json::from_str(&call_line(&format!("{line} --json")).done().stdout).unwrap();
+        let cells = numbers["clips"][0]["cells"].as_array().unwrap().clone();
+        let of = |cell: &Value, name: &str| cell[name].as_f64().unwrap();
+        cells
+            .iter()
+            .map(|cell| {
+                (cell["roi_rows"].as_u64().unwrap(), of(cell, "threshold_px2"), of(cell, "accuracy_pct"))
+            })
+            .collect()
+    };
+    // 16 px² over the truth's 180 rows; over 200 rows that are 14.4, over 360 half of it.
+    let by_rows = [(200, 5.0, 50.0), (200, 15.0, 50.0), (360, 5.0, 50.0), (360, 15.0, 50.0)];
+    assert_eq!(accuracies(&line), by_rows);
+    let printed = accuracies(&format!("{line} --lpd-divisor region"));
+    assert_eq!(printed, [(200, 5.0, 50.0), (200, 15.0, 100.0), (360, 5.0, 50.0), (360, 15.0, 100.0)]);
+    assert!(call_line(&line).done().stdout.contains("<= 5 px²"));
+    let plot = folder.path().join("plot.svg");
+    call_line(&format!("evaluate lanes {run} --truth {truth} --roi-rows 100 --plot {}", plot.display()))
+        .refused(1, &["--roi-rows", "surface"]);
+    call_line(&format!("evaluate lanes {run} --truth {truth} --roi-rows 0")).refused(2, &["roi-rows"]);
+}
+
+#[test]
 fn labels_of_the_benchmark() {
     let folder = TempDir::new().unwrap();
     let (run, _) = made(folder.path(), "run", 0.0);

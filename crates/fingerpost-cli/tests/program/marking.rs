@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use fingerpost_eval::{column_at_row, evaluate_lanes};
+use fingerpost_eval::{LaneMeasure, column_at_row, evaluate_lanes};
 use fingerpost_format::{
     FrameRecord, LanesRecord, MarksFile, Side, TrackState, TruthRecord, TuSimpleRecord, from_json_lines,
     marks_from_json,
@@ -151,8 +151,12 @@ fn the_shipped_marks_evaluate() {
                 .map(|t| FrameRecord { frame: t.frame, lanes: Some(lanes(t)), ..bare.clone() })
                 .collect()
         };
-        let accuracy =
-            |off| evaluate_lanes(&run(off), &truth, file.picture_px).unwrap().mean_accuracy_pct.unwrap();
+        let accuracy = |off| {
+            evaluate_lanes(&run(off), &truth, file.picture_px, &LaneMeasure::default())
+                .unwrap()
+                .mean_accuracy_pct
+                .unwrap()
+        };
         assert!((accuracy(3.0) - 100.0).abs() < 1e-9, "{name}");
         // 16 squared pixels: true at the threshold of 20 alone.
         assert!((accuracy(4.0) - 100.0 / 3.0).abs() < 1e-9, "{name}");

@@ -1,5 +1,5 @@
 use fingerpost_eval::{
-    EvalError, LaneError, evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
+    EvalError, LaneError, LaneMeasure, evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
 };
 use fingerpost_format::{FrameRecord, LanesRecord, TrackState, TruthRecord, TuSimpleRecord};
 
@@ -42,7 +42,7 @@ fn accuracy_and_deviation_by_hand() {
         seen(2, edge(195.5, 1.0), edge(700.0, -1.5)),
         // Frame 3 has no record.
     ];
-    let found = evaluate_lanes(&run, &drive, PICTURE_PX).unwrap();
+    let found = evaluate_lanes(&run, &drive, PICTURE_PX, &LaneMeasure::default()).unwrap();
     // Seven edges; true are at 10: 9 and 0, at 15 the same, at 20: 16 too.
     let counts: Vec<_> = found.cells.iter().map(|cell| (cell.true_positives, cell.false_positives)).collect();
     assert_eq!(counts, [[(2, 5), (2, 5), (3, 4)]; 4].concat());
@@ -61,7 +61,9 @@ fn accuracy_and_deviation_by_hand() {
 fn a_larger_region_sees_more_of_an_edge_that_leaves_its_truth() {
     // Off by 0.05 px for every row above the base.
     let run = [seen(0, edge(200.0, 1.05), Vec::new())];
-    let found = evaluate_lanes(&run, &[truth(0, edge(200.0, 1.0), Vec::new())], PICTURE_PX).unwrap();
+    let found =
+        evaluate_lanes(&run, &[truth(0, edge(200.0, 1.0), Vec::new())], PICTURE_PX, &LaneMeasure::default())
+            .unwrap();
     for (deviation, rows) in found.deviations.iter().zip([100.0, 120.0, 140.0, 150.0]) {
         // The mean of the squares of 0 to rows - 1 is (rows - 1) (2 rows - 1) / 6.
         let lpd = 0.05_f64.powi(2) * (rows - 1.0) * (2.0 * rows - 1.0) / 6.0;
@@ -83,7 +85,7 @@ fn lanes_where_there_are_no_markings_are_false() {
         record(3, TrackState::NoRoute),
         // Frame 4 has no record: nothing is claimed there, and nothing is right.
     ];
-    let found = evaluate_lanes(&run, &unmarked, PICTURE_PX).unwrap();
+    let found = evaluate_lanes(&run, &unmarked, PICTURE_PX, &LaneMeasure::default()).unwrap();
     assert_eq!((found.unmarked_frames, found.false_lane_frames), (4, 2));
     close(found.false_lanes_pct.unwrap(), 50.0);
     assert_eq!((found.edges_not_in_truth, found.false_edges), (10, 3));
@@ -91,7 +93,7 @@ fn lanes_where_there_are_no_markings_are_false() {
 
     // A frame with a marking on one side is marked, and the mean is that of marked clips.
     let half = [truth(0, edge(200.0, 1.0), Vec::new()), truth(1, Vec::new(), Vec::new())];
-    let marked = evaluate_lanes(&run[..2], &half, PICTURE_PX).unwrap();
+    let marked = evaluate_lanes(&run[..2], &half, PICTURE_PX, &LaneMeasure::default()).unwrap();
     assert_eq!((marked.unmarked_frames, marked.false_lane_frames, marked.false_edges), (1, 0, 1));
     close(marked.mean_accuracy_pct.unwrap(), 100.0);
     assert_eq!(mean_of_lanes(std::slice::from_ref(&found)), None);
@@ -102,10 +104,16 @@ fn lanes_where_there_are_no_markings_are_false() {
 #[test]
 fn the_mean_counts_every_clip_the_same() {
     let good = [truth(0, edge(200.0, 1.0), edge(800.0, -1.0))];
-    let all = evaluate_lanes(&[seen(0, edge(200.0, 1.0), edge(800.0, -1.0))], &good, PICTURE_PX).unwrap();
+    let all = evaluate_lanes(
+        &[seen(0, edge(200.0, 1.0), edge(800.0, -1.0))],
+        &good,
+        PICTURE_PX,
+        &LaneMeasure::default(),
+    )
+    .unwrap();
     let many: Vec<_> = (0..3).map(|frame| truth(frame, edge(200.0, 1.0), edge(800.0, -1.0))).collect();
     let half: Vec<_> = (0..3).map(|frame| seen(frame, edge(202.0, 1.0), Vec::new())).collect();
-    let half = evaluate_lanes(&half, &many, PICTURE_PX).unwrap();
+    let half = evaluate_lanes(&half, &many, PICTURE_PX, &LaneMeasure::default()).unwrap();
     let mean = mean_of_lanes(&[all, half]).unwrap();
     close(mean.mean_accuracy_pct, 75.0);
     close(mean.cells[0].accuracy_pct, 75.0);
@@ -119,10 +127,19 @@ fn truth_of_other_frames_or_pictures_is_refused() {
     let drive = [truth(0, edge(200.0, 1.0), Vec::new()), truth(1, edge(200.0, 1.0), Vec::new())];
     let run = [seen(2, edge(200.0, 1.0), Vec::new())];
     let no_truth = EvalError::NoTruth { frame: 2, truths: 2, first: 0, last: 1 };
-    assert_eq!(evaluate_lanes(&run, &drive, PICTURE_PX), Err(LaneError::Frames(no_truth)));
-    assert_eq!(evaluate_lanes(&[], &drive, PICTURE_PX), Err(LaneError::Frames(EvalError::NoFrames)));
+    assert_eq!(
+        evaluate_lanes(&run, &drive, PICTURE_PX, &LaneMeasure::default()),
+        Err(LaneError::Frames(no_truth))
+    );
+    assert_eq!(
+        evaluate_lanes(&[], &drive, PICTURE_PX, &LaneMeasure::default()),
+        Err(LaneError::Frames(EvalError::NoFrames))
+    );
     let far = [truth(2, vec![[200.0, 400.0], [210.0, 390.0]], Vec::new())];
-    assert_eq!(evaluate_lanes(&run, &far, PICTURE_PX), Err(LaneError::NoEdges { roi_rows: 100 }));
+    assert_eq!(
+        evaluate_lanes(&run, &far, PICTURE_PX, &LaneMeasure::default()),
+        Err(LaneError::NoEdges { roi_rows: 100 })
+    );
 
     let other = Some([640, 480]);
     assert_eq!(lane_picture_px(None, &drive, None), Err(LaneError::NoPictureSize));
@@ -198,7 +215,7 @@ fn labels_that_do_not_fit_are_refused() {
 fn edges_in_pictures_are_scored_like_labels() {
     let drive = [truth(0, edge(200.0, 0.0), edge(800.0, 0.0)), truth(1, Vec::new(), Vec::new())];
     let run = [seen(0, edge(210.0, 0.0), edge(830.0, 0.0)), seen(1, Vec::new(), Vec::new())];
-    let scores = evaluate_lanes(&run, &drive, PICTURE_PX).unwrap().tusimple.unwrap();
+    let scores = evaluate_lanes(&run, &drive, PICTURE_PX, &LaneMeasure::default()).unwrap().tusimple.unwrap();
     assert_eq!(scores.pictures, 1);
     close(scores.accuracy, 0.5);
     close(scores.false_positives, 0.5);

@@ -190,3 +190,25 @@ fn a_bend_next_to_a_junction_is_part_of_it() {
     assert_eq!(near_bend(111.0), [(2, FeatureKind::SideRoad)], "the exit arm's course holds the bend");
     assert_eq!(near_bend(130.0), [(2, FeatureKind::SideRoad), (3, FeatureKind::Bend)]);
 }
+
+#[test]
+fn what_lies_beside_an_arm_is_seen_from_its_node() {
+    // A road east with a pavement on the left of its way, drawn from its far end; one north drawn from the node.
+    let graph = Town::default()
+        .node(1, 0.0, 0.0)
+        .node(2, 80.0, 0.0)
+        .node(3, 0.0, 80.0)
+        .node(4, -80.0, 0.0)
+        .way(10, &[2, 1], &["highway=residential", "sidewalk=left"])
+        .way(11, &[1, 3], &["highway=residential", "sidewalk:left=yes"])
+        .way(12, &[4, 1], &["highway=residential"])
+        .graph();
+    let features = features(&graph, (-70.0, 0.0), (70.0, 0.0), &FeatureOptions::default());
+    let pavements = |role: ArmRole| {
+        let arm = features[0].arms.iter().find(|arm| arm.role == role).unwrap();
+        arm.beside.map(|side| side.pavement)
+    };
+    assert_eq!(pavements(ArmRole::Exit), [Some(false), Some(true)]);
+    assert_eq!(pavements(ArmRole::Side), [Some(true), None]);
+    assert_eq!(pavements(ArmRole::Approach), [None, None]);
+}

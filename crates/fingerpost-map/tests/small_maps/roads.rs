@@ -73,6 +73,11 @@ fn width_goes_from_tag_to_lanes_to_class() {
     close(width_m(&["highway=residential", "width=4.2", "lanes=3"]), 4.2);
     close(width_m(&["highway=residential", "width=nonsense", "lanes=3"]), 8.25);
     close(width_m(&["highway=residential", "lanes=0"]), 5.5);
+    close(width_m(&["highway=residential", "width=9", "width:carriageway=6"]), 6.0);
+    close(width_m(&["highway=residential", "est_width=5", "width=nonsense"]), 5.0);
+    // `lanes` leaves out lanes for bicycles and parked cars.
+    close(width_m(&["highway=residential", "lanes=2", "parking:right=lane", "cycleway:both=lane"]), 10.5);
+    close(width_m(&["highway=residential", "lanes=2", "parking:both=half_on_kerb"]), 7.5);
     close(width_m(&["highway=secondary"]), 6.5);
     close(width_m(&["highway=secondary", "oneway=yes"]), 3.5);
     close(width_m(&["highway=track", "oneway=yes"]), 3.0);

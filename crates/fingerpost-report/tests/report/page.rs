@@ -79,6 +79,7 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
+        no_centreline: None,
         lanes: None,
         fix: None,
         route_m: None,

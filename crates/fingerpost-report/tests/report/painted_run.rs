@@ -140,6 +140,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         driving_line_m: Vec::new(),
         driving_line_curvature_per_m: Vec::new(),
         centreline: None,
+        no_centreline: None,
         lanes: None,
         fix: None,
         route_m: output.track.route_m,

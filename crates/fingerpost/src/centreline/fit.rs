@@ -10,7 +10,8 @@ use std::f64::consts::LN_2;
 
 use nalgebra::{Matrix4, Point2, Vector4};
 
-use super::{Centreline, CentrelineConfig, NoCentreline, SectionEvidence, SectionUse};
+use super::turn::RoadLine;
+use super::{Centreline, CentrelineConfig, NoCentreline, RoadEdge, SectionEvidence, SectionUse};
 use crate::motion::Motion;
 
 /// How far the road's width in a section may be from that of most, as a share: beyond, a side road or a yard begins.
@@ -20,6 +21,8 @@ const WIDTH_TOLERANCE: f64 = 0.2;
 const EDGE_SIGMA_M: f64 = 0.15;
 const AHEAD_SIGMA: f64 = 0.015;
 const MOVED_SIGMA: f64 = 0.015;
+/// Contrast of a road that stands out clearly, at which an edge is off by no more than that.
+const CLEAR_CONTRAST: f64 = 0.8;
 /// Before anything is known: how far off the road's middle may be, metres, its slope, its curvature, 1/m, a bend of 30 m,
 /// and its width, metres.
 const FIRST_SIGMA: [f64; 4] = [10.0, 0.3, 0.03, 5.0];
@@ -27,6 +30,9 @@ const FIRST_SIGMA: [f64; 4] = [10.0, 0.3, 0.03, 5.0];
 const FIRST_WIDTH_M: f64 = 7.0;
 /// How far the width may be from that of before, metres, in a frame.
 const WIDTH_SIGMA_M: f64 = 1.0;
+/// How far ahead an edge may be shown too far, metres for each square metre: a fifth of a degree of pitch from 1.5 m above the
+/// road, what a suspension adds. Of an edge that lies askew it is also beside.
+const PITCH_PER_M: f64 = 0.0023;
 /// How far off the direction of a section's edge is, one standard deviation, as a slope.
 const SLOPE_SIGMA: f64 = 0.1;
 /// How far an edge may be from the curve, metres, beside what the curve itself may be off.
@@ -44,6 +50,9 @@ const FORGOTTEN_M: f64 = 6.0;
 /// How far behind the rear axle edges are kept, metres, and how far apart the places are from which they are.
 const KEPT_BEHIND_M: f64 = 8.0;
 const KEPT_EVERY_M: f64 = 1.0;
+/// Edges of a road farther from the vehicle's direction are not kept, as a slope (10 degrees): seen askew they are beside their
+/// place by what the pitch puts them too far, and the more so the more they are turned away.
+const KEPT_SLOPE: f64 = 0.176;
 /// Quality from which a motion is believed, and metres of wander in a frame without one.
 const MIN_MOTION_QUALITY: f64 = 0.05;
 const BLIND_STEP_M: f64 = 0.1;
@@ -51,10 +60,24 @@ const BLIND_STEP_M: f64 = 0.1;
 const KEPT_TURN_RAD: f64 = 0.5;
 /// How far from the vehicle an edge says half as much of the curve, metres.
 const REACH_M: f64 = 10.0;
+/// How far off the road behind a corner may be when its first edges are taken: its offset, metres, its slope, its curvature, 1/m
+/// (maps have nodes where a road leaves the straight by half a metre in 20 m), and its width, metres, a sixth.
+const BEGIN_SIGMA: [f64; 2] = [0.5, 0.1];
+const BEGIN_CURVATURE_SIGMA: f64 = 0.0025;
+const BEGIN_WIDTH_SIGMA_M: f64 = 1.0;
 /// How far off the offset may be to be told, metres.
 const MAX_SIGMA_M: f64 = 0.5;
 /// Rounds in which edges off the curve are left out.
 const ROUNDS: usize = 3;
+
+/// How long a road is believed of which no edges are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lasts {
+    /// For [`FORGOTTEN_M`].
+    Along,
+    /// As long as it is sure: at a corner there are none.
+    RoundCorner,
+}
 
 /// An edge of the road where a section showed it, in the vehicle's frame.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +93,15 @@ pub(super) struct EdgePoint {
     section: usize,
 }
 
+/// A road that begins behind a corner.
+#[derive(Debug, Clone)]
+struct Begun {
+    curve: Vector4<f64>,
+    covariance: Matrix4<f64>,
+    /// Driven since, metres: farther, edges behind each other tell all of it.
+    ago_m: f64,
+}
+
 /// The road's middle as far as it is known.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
@@ -78,6 +110,8 @@ pub(super) struct Course {
     covariance: Matrix4<f64>,
     /// Whether edges have told them.
     known: bool,
+    /// What is known of the curve beside all edges: the road behind a corner, from what lay ahead before it.
+    begun: Option<Begun>,
     /// Whether the motion since the frame before is known; if not, the curve of before is all that is left of it.
     moved: bool,
     /// Edges of frames before.
@@ -96,6 +130,7 @@ impl Default for Course {
             curve: Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M),
             covariance: first_covariance(),
             known: false,
+            begun: None,
             moved: false,
             kept: Vec::with_capacity(MOST_KEPT),
             fresh: Vec::new(),
@@ -107,6 +142,11 @@ impl Default for Course {
 }
 
 impl Course {
+    /// The road's width, metres.
+    pub(super) fn width_m(&self) -> f64 {
+        self.curve[3]
+    }
+
     /// Where the road's middle is expected at some distance ahead, metres to the left, and its slope there.
     pub(super) fn at(&self, forward_m: f64) -> [f64; 2] {
         [self.middle_m(forward_m), self.curve[1] + self.curve[2] * forward_m]
@@ -114,8 +154,8 @@ impl Course {
 
     /// Moves all with the vehicle. Without a motion edges cannot be kept; the curve is taken to go on as before, as that of
     /// a fast road does.
-    pub(super) fn move_on(&mut self, motion: Option<&Motion>) {
-        if self.unseen_m >= FORGOTTEN_M {
+    pub(super) fn move_on(&mut self, motion: Option<&Motion>, lasts: Lasts) {
+        if self.unseen_m >= FORGOTTEN_M && lasts == Lasts::Along {
             self.forget();
             return;
         }
@@ -142,10 +182,23 @@ impl Course {
         moved[(0, 1)] = ahead_m;
         moved[(0, 2)] = 0.5 * ahead_m * ahead_m;
         moved[(1, 2)] = ahead_m;
-        self.curve = moved * self.curve - Vector4::new(pose.translation.y, turn_rad, 0.0, 0.0);
         let wander = Vector4::from(WANDER_PER_M);
-        self.covariance = moved * self.covariance * moved.transpose()
-            + Matrix4::from_diagonal(&wander.component_mul(&wander)) * ahead_m.abs();
+        let wandered = Matrix4::from_diagonal(&wander.component_mul(&wander)) * ahead_m.abs();
+        let carried = |curve: &Vector4<f64>, covariance: &Matrix4<f64>| {
+            let mut carried = moved * curve;
+            carried[0] -= pose.translation.y;
+            carried[1] = (carried[1].atan() - turn_rad).tan();
+            (carried, moved * covariance * moved.transpose() + wandered)
+        };
+        (self.curve, self.covariance) = carried(&self.curve, &self.covariance);
+        self.begun = self.begun.take().filter(|begun| begun.ago_m < REACH_M).map(|begun| {
+            let (curve, covariance) = carried(&begun.curve, &begun.covariance);
+            // Straight on, as it began.
+            let curvature = begun.covariance[(2, 2)];
+            let mut covariance = covariance;
+            covariance[(2, 2)] = curvature;
+            Begun { curve, covariance, ago_m: begun.ago_m + ahead_m.abs() }
+        });
         self.unseen_m += ahead_m.abs();
         self.unkept_m += ahead_m.abs();
     }
@@ -178,29 +231,19 @@ impl Course {
         }
         self.fresh.retain(|edge| is_near(edge, &curve, &covariance));
         let agree = self.mark_section_use(sections);
-        let sigma_m = covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
-        let [offset_m, slope, curvature_per_m, width_m] = curve.into();
+        let [offset_m, _, _, width_m] = curve.into();
         let on_road = offset_m.abs() <= 0.5 * width_m;
         let is_road = (config.min_width_m..=config.max_width_m).contains(&width_m);
         if agree < MIN_SECTIONS || !on_road || !is_road {
             return Err(NoCentreline::TooFewSections);
         }
         (self.curve, self.covariance, self.known, self.unseen_m) = (curve, covariance, true, 0.0);
-        if self.unkept_m >= KEPT_EVERY_M && self.kept.len() + self.fresh.len() <= MOST_KEPT {
+        let is_along = self.curve[1].abs() < KEPT_SLOPE;
+        if is_along && self.unkept_m >= KEPT_EVERY_M && self.kept.len() + self.fresh.len() <= MOST_KEPT {
             self.kept.extend(&self.fresh);
             self.unkept_m = 0.0;
         }
-        if sigma_m > MAX_SIGMA_M {
-            return Err(NoCentreline::Unsure);
-        }
-        Ok(Centreline {
-            offset_m,
-            sigma_m,
-            heading_rad: slope.atan(),
-            curvature_per_m,
-            width_m,
-            steer_rad: 0.0,
-        })
+        self.believed().ok_or(NoCentreline::Unsure)
     }
 
     /// Lists the edges of these sections in place of the last frame's.
@@ -213,7 +256,7 @@ impl Course {
                     place: Point2::new(forward_m, edge.left_m),
                     side,
                     slope: edge.slope,
-                    sigma_m: EDGE_SIGMA_M + AHEAD_SIGMA * forward_m,
+                    sigma_m: edge_sigma_m(&edge, forward_m),
                     turned_rad: 0.0,
                     section: index,
                 }));
@@ -238,8 +281,50 @@ impl Course {
         agree
     }
 
+    /// Begins anew with a straight road of the width of before, along a line whose offset (metres) and direction (radians) are so
+    /// sure.
+    pub(super) fn begin(&mut self, line: &RoadLine, [sigma_m, sigma_rad]: [f64; 2]) {
+        let slope = line.heading_rad.tan();
+        self.curve = Vector4::new(line.offset_m(), slope, 0.0, self.curve[3]);
+        let slope_sigma = sigma_rad * (1.0 + slope * slope);
+        let sigma = Vector4::new(sigma_m, slope_sigma, BEGIN_CURVATURE_SIGMA, BEGIN_WIDTH_SIGMA_M);
+        self.covariance = Matrix4::from_diagonal(&sigma.component_mul(&sigma));
+        // For edges to correct: all of it was seen from before the corner, askew.
+        let loose = sigma.sup(&Vector4::new(BEGIN_SIGMA[0], BEGIN_SIGMA[1], 0.0, 0.0));
+        let covariance = Matrix4::from_diagonal(&loose.component_mul(&loose));
+        self.begun = Some(Begun { curve: self.curve, covariance, ago_m: 0.0 });
+        self.kept.clear();
+        (self.known, self.unseen_m, self.unkept_m) = (true, 0.0, KEPT_EVERY_M);
+    }
+
+    /// Standard deviations of offset, metres, and direction, radians.
+    pub(super) fn line_sigma(&self) -> [f64; 2] {
+        let sigma = |i: usize| self.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt();
+        [sigma(0), sigma(1) / (1.0 + self.curve[1] * self.curve[1])]
+    }
+
+    /// Whether anything is known of it.
+    pub(super) const fn is_known(&self) -> bool {
+        self.known
+    }
+
+    /// The curve, however sure it is.
+    pub(super) fn road(&self) -> Centreline {
+        let [offset_m, slope, curvature_per_m, width_m] = self.curve.into();
+        let sigma_m = self.covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
+        let heading_rad = slope.atan();
+        Centreline { offset_m, sigma_m, heading_rad, curvature_per_m, width_m, ..Centreline::default() }
+    }
+
+    /// The curve whether or not this frame's edges tell it; none where its offset is not known or not sure enough.
+    pub(super) fn believed(&self) -> Option<Centreline> {
+        let road = self.road();
+        (self.known && road.sigma_m <= MAX_SIGMA_M / road.heading_rad.cos()).then_some(road)
+    }
+
     fn forget(&mut self) {
         self.kept.clear();
+        self.begun = None;
         self.curve = Vector4::new(0.0, 0.0, 0.0, FIRST_WIDTH_M);
         (self.covariance, self.known) = (first_covariance(), false);
         (self.unseen_m, self.unkept_m) = (0.0, KEPT_EVERY_M);
@@ -261,6 +346,9 @@ impl Course {
             expected.fixed_rows_mut::<3>(0).fill(0.0);
             prior = first_covariance();
             prior[(3, 3)] = WIDTH_SIGMA_M * WIDTH_SIGMA_M;
+            if let Some(begun) = &self.begun {
+                (expected, prior) = (begun.curve, begun.covariance);
+            }
         }
         let mut information = prior.try_inverse()?;
         let mut vector = information * expected;
@@ -292,6 +380,12 @@ impl Course {
         self.widths.sort_unstable_by(f64::total_cmp);
         self.widths.get(self.widths.len() / 2).copied()
     }
+}
+
+/// How far off an edge is, one standard deviation, metres: the less the road stands out from what is beside it, the more.
+fn edge_sigma_m(edge: &RoadEdge, forward_m: f64) -> f64 {
+    let across_m = EDGE_SIGMA_M * (CLEAR_CONTRAST / edge.contrast).max(1.0) + AHEAD_SIGMA * forward_m;
+    across_m.hypot(edge.slope * PITCH_PER_M * forward_m * forward_m)
 }
 
 /// Whether an edge is where the curve has it.

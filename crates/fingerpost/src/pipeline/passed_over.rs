@@ -45,6 +45,7 @@ impl Pipeline {
             signals: signals.is_some().then_some(&signals_evidence),
             lane: None,
             turns_through: false,
+            ways: None,
             departure: None,
         }
         .write_to(&mut output.why);

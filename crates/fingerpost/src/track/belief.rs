@@ -8,7 +8,7 @@
 //! over the stretches of the arms, of which a share h is hidden, and the cells of the ground beside each, with l a cell's log-odds of
 //! road, d its signed distance from the edge of the road at that place, q the share of such ground that looks like road and b that of ground of which nothing is known. Against it stands the
 //! same of a plain road without the feature. Searching while neither is sure, tracking once the feature is there and its place
-//! is known well enough to steer by, arrived when the driving line's start reaches the bottom of the view, lost when the
+//! is known well enough to steer by, arrived when the start of their curve reaches the bottom of the view, lost when the
 //! probability goes elsewhere. A feature that was arrived at is measured on until it lies behind, while the next is searched for.
 //! Where the vehicle is along the route is part of it (`route_belief.rs`).
 //!
@@ -37,7 +37,7 @@ use super::{
     Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State, TrackConfig, TrackEvidence,
     TrackOutput,
 };
-use crate::driving_line::DrivingLine;
+use crate::driving_line::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::CameraAttitude;
@@ -373,16 +373,16 @@ fn lack(config: &TrackConfig, moments: &Moments, stage: Stage) -> Option<Lack> {
     }
 }
 
-/// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
+/// The papers' rule: when the start of their curve reaches the bottom of the view, the vehicle has arrived.
 fn has_begun(stop: &RouteStop, moments: &Moments, bottom_m: f64) -> bool {
-    let start = stop.line.as_ref().map_or(Point2::origin(), DrivingLine::start);
+    let start = stop.mask_curve.as_ref().map_or(Point2::origin(), MaskCurve::start);
     (moments.vehicle_from_feature * start).x <= bottom_m
 }
 
-/// Whether the vehicle's origin is past the end of the line through the feature.
+/// Whether the vehicle's origin is past the end of the papers' curve through the feature.
 fn passed(stops: &[RouteStop], feature: &FeatureInView) -> bool {
     let stop = stops.get(feature.index);
-    let end = stop.and_then(|stop| stop.line.as_ref()).map_or(Point2::origin(), DrivingLine::end);
+    let end = stop.and_then(|stop| stop.mask_curve.as_ref()).map_or(Point2::origin(), MaskCurve::end);
     feature
         .belief
         .pose()

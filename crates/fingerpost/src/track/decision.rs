@@ -155,7 +155,7 @@ pub enum Decision {
         /// Index of the feature.
         index: usize,
     },
-    /// The driving line's start reached the bottom of the view.
+    /// The start of the papers' curve reached the bottom of the view.
     Arrived,
     /// The vehicle is on its way through.
     Passing,

@@ -6,7 +6,7 @@ use fingerpost_map::{Route, RouteFeature, TangentPlane};
 use super::TrackConfig;
 use super::alignment::ArmPieces;
 use super::belief::junction_shape::JunctionShape;
-use crate::driving_line::{DrivingLine, DrivingLineConfig};
+use crate::driving_line::{DrivingLine, DrivingLineConfig, MaskCurve};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
 use crate::ground_view::Viewpoint;
@@ -18,8 +18,10 @@ use crate::vehicle::VehicleConfig;
 pub struct RouteStop {
     /// Its model.
     pub model: FeatureModel,
-    /// The driving line through it; none without approach and exit.
+    /// The driving line through it, to steer along; none without approach and exit.
     pub line: Option<DrivingLine>,
+    /// The papers' curve through it, by which it is found and arrived at; none without approach and exit.
+    pub mask_curve: Option<MaskCurve>,
     pub(super) masks: MaskCache,
     pub(super) arms: Vec<ArmPieces>,
     /// Outline of its road, and of the road if the feature were not there.
@@ -77,19 +79,21 @@ pub(super) fn route_stops(
         let before = i.checked_sub(1).and_then(|before| route.features.get(before));
         let reach_m = [own_m(before), own_m(route.features.get(i + 1))];
         let model = FeatureModel::new(feature, &map)?;
-        let line = DrivingLine::new(setting.driving_line, setting.vehicle, &model)?;
+        let kerb_radius_m = setting.track.alignment.kerb_radius_m;
+        let line = DrivingLine::round_kerb(setting.driving_line, setting.vehicle, &model, kerb_radius_m)?;
+        let mask_curve = MaskCurve::new(setting.masks, setting.vehicle, &model)?;
         let masks = MaskCache::new(
             setting.masks,
-            setting.track.alignment.kerb_radius_m,
+            kerb_radius_m,
             setting.vehicle,
             setting.grid,
             &model,
-            line.as_ref(),
+            mask_curve.as_ref(),
         );
         let arms = ArmPieces::of(&setting.track.alignment, &model);
         let shape = JunctionShape::of(&model, reach_m);
         let plain_shape = JunctionShape::without_feature(&model, reach_m);
-        stops.push(RouteStop { model, line, masks, arms, shape, plain_shape });
+        stops.push(RouteStop { model, line, mask_curve, masks, arms, shape, plain_shape });
     }
     Ok((stops, Some(line_in_map)))
 }

@@ -20,7 +20,7 @@ use super::{
     Decision, ExpectedAhead, FeatureStep, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State,
     TrackConfig, TrackEvidence, TrackOutput,
 };
-use crate::driving_line::DrivingLine;
+use crate::driving_line::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::route_progress::RouteProgress;
@@ -167,12 +167,12 @@ impl Tracker {
         }
     }
 
-    /// The papers' rule: when the driving line's start reaches the bottom of the view, the vehicle has arrived.
+    /// The papers' rule: when the start of their curve reaches the bottom of the view, the vehicle has arrived.
     fn arrive(&mut self, laid: &LaidSurface<'_>, evidence: &mut TrackEvidence) -> State {
         let (Mode::Tracking { filter, .. }, Some(stop)) = (&self.mode, self.stops.get(self.next)) else {
             return State::Tracking;
         };
-        let start = stop.line.as_ref().map_or(Point2::origin(), DrivingLine::start);
+        let start = stop.mask_curve.as_ref().map_or(Point2::origin(), MaskCurve::start);
         let bottom_m = laid.grid().near_m().max(self.nearest_seen_m);
         // The frame of detection is reported as tracking first.
         if matches!(evidence.decision, Decision::Detected) || (filter.pose() * start).x > bottom_m {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::centreline::{WayKind, Ways};
 use crate::lanes::departure::Silence;
 use crate::mount::{MountAngle, MountContradiction};
 use crate::track::Missing;
@@ -66,6 +67,7 @@ fn feature_words(decision: Decision) -> String {
         signals: None,
         lane: None,
         turns_through: false,
+        ways: None,
         departure: None,
     };
     why.to_string()
@@ -132,4 +134,11 @@ fn a_feature_that_is_not_taken_says_what_speaks_against_it() {
     assert!(words.contains("it is expected elsewhere"), "{words}");
     let words = feature_words(Decision::EdgesElsewhere { index: 0, p: 0.9, gated: 3 });
     assert!(words.contains("P(F) 0.90 at the best place, but 3 edges of its arms"), "{words}");
+}
+
+#[test]
+fn a_road_that_forks_is_said_with_its_ways() {
+    let ways = Ways { probability: [0.52, 0.0, 0.48], kind: WayKind::Left, ..Ways::default() };
+    let words = WaysWords(&ways).to_string();
+    assert_eq!(words, "the road ahead is ambiguous: to the left 0.52, to the right 0.48");
 }

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use fingerpost_map::FeatureKind;
 
 use crate::camera_state::{CameraEvidence, CameraState};
+use crate::centreline::{WayKind, Ways};
 use crate::feature_masks::SubMaskKind;
 use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
@@ -60,6 +61,26 @@ impl Display for MountContradictionWords<'_> {
             by_rad.to_degrees(),
             most_rad.to_degrees()
         )
+    }
+}
+
+/// The ways on which the road may go on as a sentence has them.
+pub(super) struct WaysWords<'a>(pub(super) &'a Ways);
+
+impl Display for WaysWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("the road ahead is ambiguous")?;
+        let mut before = ": ";
+        for kind in self.0.open() {
+            let (way, probability) = match kind {
+                WayKind::Left => ("to the left", self.0.probability[0]),
+                WayKind::On => ("on", self.0.probability[1]),
+                WayKind::Right => ("to the right", self.0.probability[2]),
+            };
+            write!(f, "{before}{way} {probability:.2}")?;
+            before = ", ";
+        }
+        Ok(())
     }
 }
 

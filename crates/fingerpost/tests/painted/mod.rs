@@ -107,6 +107,7 @@ pub fn route(junction: &Junction<'_>) -> (Route, Vector2<f64>) {
         points: points.iter().map(at).collect(),
         width_m: junction.width_m,
         surface: None,
+        beside: Default::default(),
     };
     let mut arms = vec![arm(ArmRole::Approach, junction.approach), arm(ArmRole::Exit, junction.exit)];
     arms.extend(junction.sides.iter().map(|points| arm(ArmRole::Side, points)));
@@ -143,6 +144,7 @@ pub fn route_past(sides: &[(f64, Place)], [start, end]: [f64; 2], width_m: f64) 
             points: vec![at(0.0, north), at(x, y)],
             width_m,
             surface: None,
+            beside: Default::default(),
         };
         RouteFeature {
             id: i as i64 + 1,

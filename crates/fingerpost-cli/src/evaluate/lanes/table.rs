@@ -2,17 +2,15 @@
 
 use std::fmt::Write;
 
-use fingerpost_eval::{
-    LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneEvaluation, LaneMean, TuSimpleScores,
-};
+use fingerpost_eval::{LaneCell, LaneDeviation, LaneEvaluation, LaneMean, LaneMeasure, TuSimpleScores};
 
 /// One clip.
-pub(super) fn clip_table(name: &str, evaluation: &LaneEvaluation) -> String {
+pub(super) fn clip_table(name: &str, evaluation: &LaneEvaluation, measure: &LaneMeasure) -> String {
     let LaneEvaluation { picture_px: [width, height], frames, .. } = evaluation;
     let mut text = format!("{name}: {frames} frames of {width} x {height} pixels\n");
     // Writing to a string cannot fail.
     if let Some(accuracy_pct) = evaluation.mean_accuracy_pct {
-        text.push_str(&deviation_rows(evaluation));
+        text.push_str(&deviation_rows(evaluation, measure));
         let _ = writeln!(text, "mean accuracy {accuracy_pct:.2} %");
     } else {
         text.push_str("no lane edges in the truth\n");
@@ -39,9 +37,11 @@ pub(super) fn clip_table(name: &str, evaluation: &LaneEvaluation) -> String {
 }
 
 /// A row for every region of interest.
-fn deviation_rows(evaluation: &LaneEvaluation) -> String {
-    let mut text = format!("{}    RMSD px    s.d. px    no output\n", head());
-    for (cells, deviation) in evaluation.cells.chunks(LANE_THRESHOLDS_PX2.len()).zip(&evaluation.deviations) {
+fn deviation_rows(evaluation: &LaneEvaluation, measure: &LaneMeasure) -> String {
+    let mut text = format!("{}    RMSD px    s.d. px    no output\n", head(measure));
+    for (cells, deviation) in
+        evaluation.cells.chunks(measure.thresholds_px2.len()).zip(&evaluation.deviations)
+    {
         let LaneDeviation { edges, edges_without_output, .. } = deviation;
         let mean = number(deviation.rmsd_mean_px);
         let spread = number(deviation.rmsd_standard_deviation_px);
@@ -53,9 +53,9 @@ fn deviation_rows(evaluation: &LaneEvaluation) -> String {
 }
 
 /// The mean of several clips.
-pub(super) fn mean_table(mean: &LaneMean) -> String {
-    let mut text = format!("mean of {} clips\n{}    RMSD px\n", mean.clips, head());
-    for (cells, rmsd_px) in mean.cells.chunks(LANE_THRESHOLDS_PX2.len()).zip(&mean.rmsd_mean_px) {
+pub(super) fn mean_table(mean: &LaneMean, measure: &LaneMeasure) -> String {
+    let mut text = format!("mean of {} clips\n{}    RMSD px\n", mean.clips, head(measure));
+    for (cells, rmsd_px) in mean.cells.chunks(measure.thresholds_px2.len()).zip(&mean.rmsd_mean_px) {
         let _ = writeln!(text, "{}    {:>7}", row(cells), number(*rmsd_px));
     }
     let _ = writeln!(text, "mean accuracy {:.2} %", mean.mean_accuracy_pct);
@@ -70,9 +70,10 @@ pub(super) fn tusimple_line(scores: &TuSimpleScores) -> String {
     )
 }
 
-fn head() -> String {
-    let thresholds = LANE_THRESHOLDS_PX2.map(|threshold| format!("{:>10}", format!("<= {threshold} px²")));
-    format!("ROI rows  {}", thresholds.join("  "))
+fn head(measure: &LaneMeasure) -> String {
+    let thresholds = measure.thresholds_px2.iter();
+    let thresholds = thresholds.map(|threshold| format!("{:>10}", format!("<= {threshold} px²")));
+    format!("ROI rows  {}", thresholds.collect::<Vec<_>>().join("  "))
 }
 
 fn row(cells: &[LaneCell]) -> String {

@@ -6,7 +6,7 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::Point2;
 
 use super::*;
-use crate::driving_line::{DrivingLine, DrivingLineConfig};
+use crate::driving_line::MaskCurve;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::feature_model::ArmModel;
 use crate::matching::{MatchConfig, Matcher};
@@ -116,9 +116,9 @@ fn plain(
 fn rows_at_a_time_find_what_one_by_one_finds() {
     let grid = GroundGrid::new(4.0, 20.0, 8.0, 0.1).unwrap();
     let (feature, vehicle) = (crossroads(), VehicleConfig::default());
-    let line = DrivingLine::new(&DrivingLineConfig::default(), &vehicle, &feature).unwrap();
+    let curve = MaskCurve::new(&FeatureMaskConfig::default(), &vehicle, &feature).unwrap();
     let mut masks =
-        MaskCache::new(&FeatureMaskConfig::default(), 4.0, &vehicle, &grid, &feature, line.as_ref());
+        MaskCache::new(&FeatureMaskConfig::default(), 4.0, &vehicle, &grid, &feature, curve.as_ref());
     let mut matcher = Matcher::new(&MatchConfig::default(), &grid);
     let config = TrackConfig::default();
     let mut search = CandidateSearch::default();

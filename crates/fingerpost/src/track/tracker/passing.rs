@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use super::confirming::Bracketing;
 use super::searching::edges_elsewhere;
 use super::{Mode, PASSED_M, Passing, Tracker};
-use crate::driving_line::DrivingLine;
+use crate::driving_line::MaskCurve;
 use crate::matching::LaidSurface;
 use crate::track::{Decision, RouteStop, State, TrackEvidence};
 
@@ -61,12 +61,12 @@ impl Tracker {
     }
 }
 
-/// Whether the vehicle's origin is past the end of the line through the feature.
+/// Whether the vehicle's origin is past the end of the papers' curve through the feature.
 fn passed(stops: &[RouteStop], passing: &Passing) -> bool {
     let end = stops
         .get(passing.index)
-        .and_then(|stop| stop.line.as_ref())
-        .map_or(Point2::origin(), DrivingLine::end);
+        .and_then(|stop| stop.mask_curve.as_ref())
+        .map_or(Point2::origin(), MaskCurve::end);
     let end_in_vehicle = passing.filter.pose() * end;
     let node_in_vehicle = passing.filter.pose() * Point2::origin();
     end_in_vehicle.x < 0.0 && node_in_vehicle.x < PASSED_M

@@ -1,0 +1,140 @@
+//! The corner that a driving line goes round: how wide it can be taken in the lane, and where its curve begins and ends.
+
+use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
+use fingerpost_map::FeatureKind;
+use nalgebra::{Point2, Vector2};
+
+use super::{Conic, DrivingLineConfig};
+use crate::feature_model::ArmModel;
+use crate::vehicle::VehicleConfig;
+
+/// How far the nodes of a map lie from the middle of a road that bends between them, metres: a bend that is drawn as one
+/// corner leaves it by as much.
+const MAP_CUT_M: f64 = 0.4;
+/// Tangents under this angle, radians (6 degrees), cross somewhere along the road.
+const STRAIGHT_RAD: f64 = 0.1;
+/// Sharper turns have no arc between two lanes of use, radians (170 degrees).
+const SHARPEST_RAD: f64 = 2.97;
+/// Rounds in which the ends are moved until both are as far from the corner as the arc's tangents are long; on straight arms
+/// one is enough.
+const ROUNDS: usize = 4;
+
+/// The turn from an approach into an exit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Corner {
+    /// Radius on the way that is concentric with the kerb, metres.
+    lane_radius_m: f64,
+    /// Radius at which the vehicle's inner side touches the kerb, metres.
+    most_radius_m: f64,
+    /// The vehicle's turning circle, metres.
+    turning_radius_m: f64,
+    /// Farther from the node than this the lanes have not crossed yet, metres.
+    beyond_crossing_m: f64,
+}
+
+impl Corner {
+    /// From an approach into an exit of a feature round a kerb of this radius, metres.
+    pub(super) fn of(
+        vehicle: &VehicleConfig,
+        kind: FeatureKind,
+        [approach, exit]: [&ArmModel; 2],
+        kerb_m: f64,
+    ) -> Self {
+        let turn_rad = wrap_angle(exit.direction_rad() - approach.direction_rad() + std::f64::consts::PI);
+        let cos = (0.5 * turn_rad.abs().min(SHARPEST_RAD)).cos();
+        // From the lane's middle to the edge on the inside of the turn.
+        let to_edge_m =
+            |arm: &ArmModel| 0.5 * arm.width_m - turn_rad.signum() * vehicle.traffic.lane_left_m(arm.width_m);
+        let to_edge_m = 0.5 * (to_edge_m(approach) + to_edge_m(exit));
+        // An arc of radius r leaves the corner of its tangents by r (1 / cos - 1).
+        let cut_m = |radius_m: f64| radius_m * (1.0 / cos - 1.0);
+        let bend_m = if kind == FeatureKind::Bend { MAP_CUT_M / cut_m(1.0).max(1e-6) } else { 0.0 };
+        let side_m = 0.5 * vehicle.width_m + vehicle.margin_m;
+        let room_m = to_edge_m / cos + cut_m(kerb_m) - side_m;
+        Self {
+            lane_radius_m: (kerb_m + to_edge_m).max(bend_m),
+            most_radius_m: room_m.max(0.0) / cut_m(1.0).max(1e-6),
+            turning_radius_m: vehicle.turning_radius_m,
+            beyond_crossing_m: (0.5 * (approach.width_m + exit.width_m)) / cos,
+        }
+    }
+
+    /// The radius that the curve ought to have, metres.
+    fn radius_m(self) -> f64 {
+        self.lane_radius_m.max(self.turning_radius_m.min(self.most_radius_m))
+    }
+
+    /// The radius that the vehicle needs and the road has room for, metres.
+    pub(super) fn needed_m(self) -> f64 {
+        self.turning_radius_m.min(self.most_radius_m) * (1.0 - 1e-9)
+    }
+
+    /// Makes it a twentieth wider.
+    pub(super) fn widen(&mut self) {
+        self.lane_radius_m = 1.05 * self.radius_m();
+    }
+
+    /// How far before the end of the inbound and behind the start of the outbound line the curve begins and ends, metres.
+    pub(super) fn setbacks_m(
+        self,
+        config: &DrivingLineConfig,
+        inbound: &Polyline,
+        outbound: &Polyline,
+    ) -> [f64; 2] {
+        let (least_m, most_m) = (config.min_setback_m, config.max_setback_m.max(config.min_setback_m));
+        let mut setbacks_m = [self.beyond_crossing_m.clamp(least_m, most_m); 2];
+        for _ in 0..ROUNDS {
+            let [start, end] = ends(inbound, outbound, setbacks_m);
+            let Some(corner) = crossing(start, end) else { break };
+            let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
+            let tangent_m = self.radius_m() * (0.5 * turn_rad).tan();
+            let legs_m = [(corner - start.0).dot(&start.1), (end.0 - corner).dot(&end.1)];
+            let wanted_m = [0, 1].map(|i| setbacks_m[i] + tangent_m - legs_m[i]);
+            // Both legs stay as long as each other, or the curve is no arc.
+            let short_m = [0, 1].map(|i| (wanted_m[i] - most_m).max(0.0));
+            let short_m = short_m[0].max(short_m[1]);
+            let long_m = [0, 1].map(|i| (least_m - wanted_m[i]).max(0.0));
+            let long_m = if short_m > 0.0 { 0.0 } else { long_m[0].min(long_m[1]) };
+            setbacks_m = wanted_m.map(|m| (m - short_m + long_m).max(0.0));
+        }
+        setbacks_m
+    }
+
+    /// The curve with these ends: the papers' three points, as round as an arc.
+    pub(super) fn curve(self, inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
+        let mut curve = three_points(inbound, outbound, setbacks_m);
+        curve.round_up_to(self.radius_m());
+        curve
+    }
+}
+
+/// The papers' curve with its ends so far before the end of the inbound and behind the start of the outbound line, metres.
+pub(super) fn three_points(inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
+    let [start, end] = ends(inbound, outbound, setbacks_m);
+    // Else between the ends of the offset lines, which lie beside the node.
+    let corner = crossing(start, end).unwrap_or_else(|| {
+        let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
+        Point2::from(0.5 * (before.coords + after.coords))
+    });
+    Conic::bezier([start.0, corner, end.0])
+}
+
+/// Place and direction of a line's end.
+type End = (Point2<f64>, Vector2<f64>);
+
+fn ends(inbound: &Polyline, outbound: &Polyline, [before_m, behind_m]: [f64; 2]) -> [End; 2] {
+    [inbound.at(inbound.length_m() - before_m), outbound.at(behind_m)]
+}
+
+/// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
+/// the roads along their own direction.
+fn crossing((start, inward): End, (end, outward): End) -> Option<Point2<f64>> {
+    let sine = inward.perp(&outward);
+    // Under this angle the crossing runs away along the road.
+    if sine.abs() < STRAIGHT_RAD {
+        return None;
+    }
+    let gap = end - start;
+    let (along, back) = (gap.perp(&outward) / sine, gap.perp(&inward) / sine);
+    (along > 0.0 && back < 0.0).then(|| start + inward * along)
+}
