@@ -31,8 +31,8 @@ pub struct MotionSample {
 pub struct Motion {
     /// Time, seconds.
     pub time_s: f64,
-    /// Length of the way, metres, backwards counted as well.
-    pub way_m: f64,
+    /// Distance driven, metres; reversing counts as well.
+    pub driven_m: f64,
     /// Place, metres.
     pub place_m: Vector2<f64>,
     /// Turn, radians to the left.
@@ -47,7 +47,7 @@ impl Default for Motion {
     fn default() -> Self {
         Self {
             time_s: 0.0,
-            way_m: 0.0,
+            driven_m: 0.0,
             place_m: Vector2::zeros(),
             turn_rad: 0.0,
             place_by_bias: Vector2::zeros(),
@@ -70,7 +70,8 @@ impl Motion {
         let by_turn = Vector3::new(0.5 * left.x * forward_m, 0.5 * left.y * forward_m, 1.0);
         let (along, across) = (Vector3::new(ahead.x, ahead.y, 0.0), Vector3::new(left.x, left.y, 0.0));
         // A scale error is the same all through a turn: squared over the whole, not over its parts.
-        let scale = TURN_SCALE.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
+        let scale =
+            TURN_SCALE.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
         self.covariance = moved * self.covariance * moved.transpose()
             + by_turn * by_turn.transpose() * (YAW_RATE_NOISE.powi(2) * time_s + scale)
             + along * along.transpose() * (FORWARD_NOISE.powi(2) * forward_m.abs())
@@ -79,6 +80,6 @@ impl Motion {
         self.place_m += ahead * forward_m;
         self.turn_rad += turn_rad;
         self.time_s += time_s;
-        self.way_m += forward_m.abs();
+        self.driven_m += forward_m.abs();
     }
 }

@@ -1,7 +1,5 @@
 //! Numbers that follow from a seed.
 
-use std::f64::consts::TAU;
-
 /// An endless row of numbers: SplitMix64 (G. Steele, D. Lea and C. Flood, "Fast splittable pseudorandom number generators",
 /// OOPSLA 2014).
 #[derive(Debug, Clone)]
@@ -26,11 +24,5 @@ impl Random {
     pub(crate) fn unit(&mut self) -> f64 {
         // 53 bits are what an f64 in [0, 1) can hold.
         (self.next() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
-    }
-
-    /// The next number of a normal distribution with mean 0 (Box and Muller).
-    pub(crate) fn normal(&mut self, sigma: f64) -> f64 {
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
-        sigma * radius * (TAU * self.unit()).cos()
     }
 }

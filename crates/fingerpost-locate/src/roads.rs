@@ -18,20 +18,17 @@ pub(crate) struct Edge {
     pub(crate) prior: f64,
 }
 
-/// All directed edges, and which of them a segment of the graph belongs to.
+/// All directed edges.
 #[derive(Debug, Clone)]
 pub(crate) struct Roads {
     edges: Vec<Edge>,
-    /// For each segment of the graph: its edge in the segment's own direction, the reverse edge, and the arc length of the
-    /// segment's start on the former, metres.
-    of_segment: Vec<([u32; 2], f64)>,
 }
 
 impl Roads {
     pub(crate) fn of(graph: &RoadGraph) -> Self {
         let mut chains = Chains::of(graph);
         chains.link();
-        Self { edges: chains.edges, of_segment: chains.of_segment }
+        Self { edges: chains.edges }
     }
 
     pub(crate) fn edges(&self) -> &[Edge] {
@@ -41,13 +38,6 @@ impl Roads {
     pub(crate) fn edge(&self, edge: u32) -> &Edge {
         &self.edges[edge as usize]
     }
-
-    /// The directed edges through a place of the graph's segment: each with the arc length of the place, metres.
-    pub(crate) fn through(&self, segment: usize, along_m: f64) -> [(u32, f64); 2] {
-        let (edges, start_m) = self.of_segment[segment];
-        let forward_m = start_m + along_m;
-        [(edges[0], forward_m), (edges[1], self.edge(edges[1]).line.length_m() - forward_m)]
-    }
 }
 
 struct Chains<'a> {
@@ -55,21 +45,21 @@ struct Chains<'a> {
     edges: Vec<Edge>,
     /// Node at each edge's start and end.
     ends: Vec<[usize; 2]>,
-    of_segment: Vec<([u32; 2], f64)>,
+    /// Whether a segment of the graph is part of an edge already.
+    taken: Vec<bool>,
 }
 
 impl<'a> Chains<'a> {
     fn of(graph: &'a RoadGraph) -> Self {
-        let unset = ([u32::MAX; 2], 0.0);
         let mut chains =
-            Self { graph, edges: Vec::new(), ends: Vec::new(), of_segment: vec![unset; graph.segments().len()] };
+            Self { graph, edges: Vec::new(), ends: Vec::new(), taken: vec![false; graph.segments().len()] };
         // From junctions and ends first; what is left then are closed rings.
         for ring in [false, true] {
             for segment in 0..graph.segments().len() {
                 for direction in [Direction::Forward, Direction::Backward] {
                     let start = chains.tail(segment, direction);
                     let begins = ring || !chains.goes_through(start);
-                    if begins && chains.of_segment[segment].0[0] == u32::MAX {
+                    if begins && !chains.taken[segment] {
                         chains.follow(segment, direction);
                     }
                 }
@@ -95,21 +85,19 @@ impl<'a> Chains<'a> {
             let towards = opposite(away);
             [self.graph.permits(segment, away), self.graph.permits(segment, towards)]
         };
-        let ([one_away, one_towards], [other_away, other_towards]) = (allowed(one, into), allowed(other, onto));
+        let ([one_away, one_towards], [other_away, other_towards]) =
+            (allowed(one, into), allowed(other, onto));
         one != other && back == into && one_towards == other_away && one_away == other_towards
     }
 
     fn follow(&mut self, segment: usize, direction: Direction) {
-        let index = self.edges.len() as u32;
         let (mut segment, mut direction) = (segment, direction);
         let start = self.tail(segment, direction);
-        let travel = [self.graph.permits(segment, direction), self.graph.permits(segment, opposite(direction))];
+        let travel =
+            [self.graph.permits(segment, direction), self.graph.permits(segment, opposite(direction))];
         let mut points = vec![self.graph.nodes()[start].p_in_map];
-        let mut placed: Vec<(usize, Direction, f64)> = Vec::new();
-        let mut along_m = 0.0;
         let end = loop {
-            placed.push((segment, direction, along_m));
-            along_m += self.graph.segments()[segment].length_m;
+            self.taken[segment] = true;
             let head = self.graph.head(segment, direction);
             points.push(self.graph.nodes()[head].p_in_map);
             if head == start || !self.goes_through(head) {
@@ -121,15 +109,6 @@ impl<'a> Chains<'a> {
             (segment, direction) = (next, self.graph.away_from(next, head));
         };
         let Ok(line) = Polyline::new(points) else { return };
-        let length_m = line.length_m();
-        for (segment, direction, along_m) in placed {
-            self.of_segment[segment] = match direction {
-                Direction::Forward => ([index, index + 1], along_m),
-                Direction::Backward => {
-                    ([index + 1, index], length_m - along_m - self.graph.segments()[segment].length_m)
-                }
-            };
-        }
         let prior = |allowed: bool| if allowed { 1.0 } else { WRONG_WAY };
         let reverse = line.reversed();
         self.edges.push(Edge { line, exits: Vec::new(), prior: prior(travel[0]) });
@@ -156,5 +135,62 @@ const fn opposite(direction: Direction) -> Direction {
     match direction {
         Direction::Forward => Direction::Backward,
         Direction::Backward => Direction::Forward,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fingerpost_map::OsmData;
+
+    /// A road of three nodes from west to east, with a one-way street to the north at its east end and a road on to the east.
+    fn crossing() -> Roads {
+        let node = |id: i64, lat: f64, lon: f64| format!("<node id=\"{id}\" lat=\"{lat}\" lon=\"{lon}\"/>");
+        let way = |id: i64, nodes: &[i64], tags: &str| {
+            let nodes: String = nodes.iter().map(|id| format!("<nd ref=\"{id}\"/>")).collect();
+            format!("<way id=\"{id}\">{nodes}<tag k=\"highway\" v=\"residential\"/>{tags}</way>")
+        };
+        let nodes = [(1, 0.0, 0.0), (2, 0.0, 0.001), (3, 0.0, 0.002), (4, 0.001, 0.002), (5, 0.0, 0.003)];
+        let nodes: String = nodes.iter().map(|&(id, lat, lon)| node(id, lat, lon)).collect();
+        let ways =
+            way(1, &[1, 2, 3], "") + &way(2, &[3, 4], "<tag k=\"oneway\" v=\"yes\"/>") + &way(3, &[3, 5], "");
+        let text = format!("<osm version=\"0.6\">{nodes}{ways}</osm>");
+        Roads::of(&RoadGraph::from_osm(&OsmData::from_bytes(text.as_bytes()).unwrap()).unwrap())
+    }
+
+    #[test]
+    fn a_node_of_one_road_is_no_junction() {
+        let roads = crossing();
+        assert_eq!(roads.edges().len(), 6);
+        let lengths: Vec<f64> = roads.edges().iter().map(|edge| edge.line.length_m().round()).collect();
+        assert_eq!(lengths.iter().filter(|length_m| (**length_m - 223.0).abs() < 0.5).count(), 2);
+    }
+
+    #[test]
+    fn exits_leave_where_the_edge_ends_and_never_turn_back() {
+        let roads = crossing();
+        for (index, edge) in roads.edges().iter().enumerate() {
+            let end = edge.line.points().last().unwrap();
+            let total: f64 = edge.exits.iter().map(|(_, probability)| probability).sum();
+            assert!(edge.exits.is_empty() || (total - 1.0).abs() < 1e-12);
+            for &(exit, _) in &edge.exits {
+                assert_ne!(exit, index as u32 ^ 1);
+                assert!((roads.edge(exit).line.points()[0] - end).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn nobody_expects_a_one_way_street_to_be_entered_from_its_end() {
+        let roads = crossing();
+        let northward = |edge: &Edge| edge.line.points()[1].y - edge.line.points()[0].y > 50.0;
+        let southward = |edge: &Edge| edge.line.points()[1].y - edge.line.points()[0].y < -50.0;
+        assert!(roads.edges().iter().filter(|edge| northward(edge)).all(|edge| edge.prior > 0.9));
+        assert!(roads.edges().iter().filter(|edge| southward(edge)).all(|edge| edge.prior < 0.1));
+        // From the west: straight on or to the north.
+        let from_west =
+            roads.edges().iter().find(|edge| edge.line.length_m() > 200.0 && edge.exits.len() == 2);
+        let exits = &from_west.unwrap().exits;
+        assert!((exits[0].1 - 0.5).abs() < 1e-12 && (exits[1].1 - 0.5).abs() < 1e-12);
     }
 }

@@ -1,7 +1,8 @@
 //! What a hypothesis knows of the vehicle, as a Gaussian.
 
-use nalgebra::{Matrix2, Matrix2x6, Point2, SMatrix, SVector, Vector2};
+use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
 
+use crate::hypothesis::log_normal;
 use crate::odometry::Motion;
 
 /// Numbers of a state.
@@ -26,13 +27,13 @@ const SCALE_DRIFT: f64 = 6e-5;
 /// Drift of a MEMS gyroscope's bias, rad/s over the square root of a second: 0.01 degrees a second in a minute.
 const BIAS_DRIFT: f64 = 2.3e-5;
 
-/// How the vehicle's offset from the map's line changes: a first-order Gauss-Markov process along the way.
+/// How the vehicle's offset from the map's line changes: a first-order Gauss-Markov process over the distance driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct OffsetModel {
     /// Standard deviation, metres.
     pub(crate) sigma_m: f64,
-    /// Way over which it keeps 1/e, metres.
-    pub(crate) way_m: f64,
+    /// Distance over which it keeps 1/e, metres.
+    pub(crate) distance_m: f64,
     /// Turn over which it keeps 1/e, radians: another road has another error.
     pub(crate) turn_rad: f64,
 }
@@ -69,7 +70,7 @@ impl State {
         let mut pose = self.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
         pose += noise;
         let kept = offset.kept(motion);
-        self.covariance[(SCALE, SCALE)] += SCALE_DRIFT.powi(2) * motion.way_m;
+        self.covariance[(SCALE, SCALE)] += SCALE_DRIFT.powi(2) * motion.driven_m;
         self.covariance[(BIAS, BIAS)] += BIAS_DRIFT.powi(2) * motion.time_s;
         self.covariance[(OFFSET, OFFSET)] += offset.sigma_m.powi(2) * (1.0 - kept * kept);
     }
@@ -88,7 +89,7 @@ impl State {
         mean
     }
 
-    /// The way moved, in the map's plane.
+    /// The step moved, in the map's plane.
     fn step(&self, motion: &Motion) -> Vector2<f64> {
         let by = motion.place_m + motion.place_by_bias * self.mean[BIAS];
         rotated(by, self.mean[HEADING]) * (1.0 + self.mean[SCALE])
@@ -110,28 +111,24 @@ impl State {
         jacobian
     }
 
-    /// Takes in two measurements: `innovation` is what was measured beyond what was expected, `by_state` the derivative of the
-    /// expectation, `noise` the measurement's covariance. `None` and unchanged where they cannot be weighed.
-    pub(crate) fn take_in(
-        &mut self,
-        innovation: Vector2<f64>,
-        by_state: &Matrix2x6<f64>,
-        noise: Matrix2<f64>,
-    ) -> Option<()> {
-        let crossed = self.covariance * by_state.transpose();
-        let expected = by_state * crossed + noise;
-        let gain = crossed * expected.try_inverse()?;
-        self.mean += gain * innovation;
-        let covariance = self.covariance - gain * crossed.transpose();
-        self.covariance = (covariance + covariance.transpose()) * 0.5;
-        Some(())
+    /// Takes in one measurement of the place across a line, less the offset: `innovation` is what was measured beyond what was
+    /// expected, `left` the line's normal, `variance` the measurement's. Gives the logarithm of its density, 1/m, and its
+    /// square in units of its variance.
+    pub(crate) fn hold_to_line(&mut self, innovation: f64, left: Vector2<f64>, variance: f64) -> (f64, f64) {
+        let crossed = self.covariance.column(EAST) * left.x + self.covariance.column(NORTH) * left.y
+            - self.covariance.column(OFFSET);
+        let expected = crossed[EAST] * left.x + crossed[NORTH] * left.y - crossed[OFFSET] + variance;
+        self.mean += crossed * (innovation / expected);
+        self.covariance -= crossed * crossed.transpose() / expected;
+        let squared = innovation * innovation;
+        (log_normal(squared, expected), squared / expected)
     }
 }
 
 impl OffsetModel {
     /// The part of the offset that stays after a motion.
     fn kept(&self, motion: &Motion) -> f64 {
-        (-motion.way_m / self.way_m - motion.turn_rad.abs() / self.turn_rad).exp()
+        (-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad).exp()
     }
 }
 
@@ -157,7 +154,7 @@ mod tests {
         motion
     }
 
-    const OFFSET_MODEL: OffsetModel = OffsetModel { sigma_m: 2.0, way_m: 60.0, turn_rad: 0.6 };
+    const OFFSET_MODEL: OffsetModel = OffsetModel { sigma_m: 2.0, distance_m: 60.0, turn_rad: 0.6 };
 
     #[test]
     fn the_jacobian_is_the_derivative() {
