@@ -13,12 +13,12 @@ use fingerpost_format::{
     FixLine, FixStatus, LocationSummary, MotionLogRow, PlaceLine, parse_motion_log, parse_pose_log,
 };
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
-use fingerpost_locate::{Fix, Locator, MotionSample, RISK, Status};
+use fingerpost_locate::{Fix, Locator, MotionSample, RISK, Status, Traffic};
 use fingerpost_map::RoadGraph;
 
 use self::against_truth::Truth;
 use crate::arguments::InputLimit;
-use crate::{inputs, output, output_path, version};
+use crate::{inputs, output, output_path, simulate, version};
 
 /// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
 /// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
@@ -37,6 +37,9 @@ pub(crate) struct LocateArgs {
     /// results.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    /// The side of the road that is driven on.
+    #[arg(long, value_enum, default_value = "right")]
+    traffic: simulate::Traffic,
     /// Seed of where on the roads the hypotheses start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -68,7 +71,12 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     };
     let folder = OutputFolder::take(&args.out, FolderKind::Location)?;
     let mut fixes = JsonLinesFile::create(&folder.path().join(FIXES_FILE))?;
-    let mut locator = Locator::new(&graph, args.seed);
+    let traffic = match args.traffic {
+        simulate::Traffic::Right => Traffic::Right,
+        simulate::Traffic::Left => Traffic::Left,
+        simulate::Traffic::Centre => Traffic::Centre,
+    };
+    let mut locator = Locator::new(&graph, traffic, args.seed);
     let mut tally = Tally::default();
     for row in &rows {
         let started = Instant::now();

@@ -10,10 +10,10 @@ use crate::merging::merge_alike;
 use crate::odometry::Motion;
 use crate::path::{Courses, Sample};
 use crate::random::Random;
-use crate::roads::Roads;
+use crate::roads::{Roads, Traffic};
 use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NORTH, OFFSET, OffsetModel, SCALE, State};
 
-/// How the vehicle's place beside the road's line is distributed: lane and driver put it up to half a carriageway off (1.5 m), the
+/// How the vehicle's place beside the line that it should drive is distributed: lane and driver put it up to half a carriageway off (1.5 m), the
 /// line itself is off by 1 to 1.5 m (M. Haklay 2010 and later studies of OpenStreetMap in Germany). It keeps over a street's length
 /// between junctions and not round a corner.
 pub(crate) const OFFSET_MODEL: OffsetModel =
@@ -79,9 +79,9 @@ pub(crate) struct Belief {
 
 impl Belief {
     /// The vehicle may be on any road, either way.
-    pub(crate) fn anywhere(graph: &RoadGraph, seed: u64) -> Self {
+    pub(crate) fn anywhere(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
         let mut belief = Self {
-            roads: Roads::of(graph),
+            roads: Roads::of(graph, traffic),
             courses: Courses::default(),
             hypotheses: Vec::new(),
             log_off_map: OFF_MAP_AT_START.ln(),

@@ -20,3 +20,4 @@ mod state;
 pub use fix::{Fix, RISK, Rival, Status};
 pub use locator::{Locator, MotionError};
 pub use odometry::{Motion, MotionSample};
+pub use roads::Traffic;

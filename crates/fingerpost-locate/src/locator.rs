@@ -6,6 +6,7 @@ use thiserror::Error;
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, Rival, Status};
 use crate::odometry::{Motion, MotionSample};
+use crate::roads::Traffic;
 use crate::state::{HEADING, SCALE};
 
 /// Distance driven between two looks at the road, metres: less than the lines' bends, and about the length of a row at town speeds.
@@ -39,8 +40,8 @@ pub struct Locator {
 
 impl Locator {
     /// A vehicle that may be on any road of the map, either way. The seed draws where on them the hypotheses start.
-    pub fn new(graph: &RoadGraph, seed: u64) -> Self {
-        let belief = Belief::anywhere(graph, seed);
+    pub fn new(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
+        let belief = Belief::anywhere(graph, traffic, seed);
         let estimate = belief.estimate(Status::Ambiguous);
         Self { belief, pending: Motion::default(), before: None, estimate }
     }

@@ -7,10 +7,26 @@ use fingerpost_map::{Direction, RoadGraph};
 /// driving together are of this order (OpenStreetMap's own quality checks find about one wrong direction in a hundred).
 const WRONG_WAY: f64 = 0.01;
 
+/// Width of a two-way road from which on it has two lanes, metres (RASt 06: two cars pass each other at town speeds in 5.5 m and
+/// more; narrower ones are driven in the middle, and with cars parked along them wider ones too).
+const TWO_LANES_M: f64 = 6.0;
+
+/// The side of the road that is driven on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Traffic {
+    /// As in most of the world.
+    #[default]
+    Right,
+    /// As in Britain and Japan.
+    Left,
+    /// The middle, as on single-lane tracks.
+    Centre,
+}
+
 /// A road between two junctions or ends, in one direction.
 #[derive(Debug, Clone)]
 pub(crate) struct Edge {
-    /// Its line in the graph's plane, in the direction of travel.
+    /// The line that is driven, in the graph's plane and the direction of travel: the road's own, or the middle of its lane.
     pub(crate) line: Polyline,
     /// The edges that go on from its end, without its own reverse, with the probability of each.
     pub(crate) exits: Vec<(u32, f64)>,
@@ -25,8 +41,8 @@ pub(crate) struct Roads {
 }
 
 impl Roads {
-    pub(crate) fn of(graph: &RoadGraph) -> Self {
-        let mut chains = Chains::of(graph);
+    pub(crate) fn of(graph: &RoadGraph, traffic: Traffic) -> Self {
+        let mut chains = Chains::of(graph, traffic);
         chains.link();
         Self { edges: chains.edges }
     }
@@ -42,6 +58,7 @@ impl Roads {
 
 struct Chains<'a> {
     graph: &'a RoadGraph,
+    traffic: Traffic,
     edges: Vec<Edge>,
     /// Node at each edge's start and end.
     ends: Vec<[usize; 2]>,
@@ -50,9 +67,14 @@ struct Chains<'a> {
 }
 
 impl<'a> Chains<'a> {
-    fn of(graph: &'a RoadGraph) -> Self {
-        let mut chains =
-            Self { graph, edges: Vec::new(), ends: Vec::new(), taken: vec![false; graph.segments().len()] };
+    fn of(graph: &'a RoadGraph, traffic: Traffic) -> Self {
+        let mut chains = Self {
+            graph,
+            traffic,
+            edges: Vec::new(),
+            ends: Vec::new(),
+            taken: vec![false; graph.segments().len()],
+        };
         // From junctions and ends first; what is left then are closed rings.
         for ring in [false, true] {
             for segment in 0..graph.segments().len() {
@@ -91,6 +113,7 @@ impl<'a> Chains<'a> {
     }
 
     fn follow(&mut self, segment: usize, direction: Direction) {
+        let first = segment;
         let (mut segment, mut direction) = (segment, direction);
         let start = self.tail(segment, direction);
         let travel =
@@ -110,7 +133,15 @@ impl<'a> Chains<'a> {
         };
         let Ok(line) = Polyline::new(points) else { return };
         let prior = |allowed: bool| if allowed { 1.0 } else { WRONG_WAY };
-        let reverse = line.reversed();
+        let width_m = self.graph.attributes_of(first).width_m;
+        let has_lanes = travel[0] && travel[1] && width_m >= TWO_LANES_M;
+        let left_m = match self.traffic {
+            Traffic::Right => -0.25 * width_m,
+            Traffic::Left => 0.25 * width_m,
+            Traffic::Centre => 0.0,
+        };
+        let [line, reverse] = [line.clone(), line.reversed()]
+            .map(|line| if has_lanes { line.offset(left_m).unwrap_or(line) } else { line });
         self.edges.push(Edge { line, exits: Vec::new(), prior: prior(travel[0]) });
         self.edges.push(Edge { line: reverse, exits: Vec::new(), prior: prior(travel[1]) });
         self.ends.extend([[start, end], [end, start]]);
@@ -155,7 +186,10 @@ mod tests {
         let ways =
             way(1, &[1, 2, 3], "") + &way(2, &[3, 4], "<tag k=\"oneway\" v=\"yes\"/>") + &way(3, &[3, 5], "");
         let text = format!("<osm version=\"0.6\">{nodes}{ways}</osm>");
-        Roads::of(&RoadGraph::from_osm(&OsmData::from_bytes(text.as_bytes()).unwrap()).unwrap())
+        Roads::of(
+            &RoadGraph::from_osm(&OsmData::from_bytes(text.as_bytes()).unwrap()).unwrap(),
+            Traffic::Right,
+        )
     }
 
     #[test]
