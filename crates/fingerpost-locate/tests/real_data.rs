@@ -4,8 +4,8 @@
 //! centimetres to decimetres sure, is the truth. Its WGS 84 and OpenStreetMap's agree: fitted to the roads, the shift of the drives
 //! 05 and 09 is below a metre east and north.
 
-// Functions shared by tests fail their test by unwrapping.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod drives;
 

@@ -1,7 +1,7 @@
 //! Made-up drives on the roads of the built-in town: sensors with errors, and a map that was drawn a metre or two beside the roads.
 
-// Functions shared by tests fail their test by unwrapping.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod drives;
 
