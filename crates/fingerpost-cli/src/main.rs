@@ -18,6 +18,7 @@ mod inputs;
 mod interrupt;
 mod lanes_record;
 mod licences;
+mod locate;
 mod mark;
 #[cfg(feature = "onnx")]
 mod onnx;
@@ -73,6 +74,7 @@ enum Command {
     #[command(subcommand)]
     Evaluate(evaluate::EvaluateCommand),
     Mark(mark::MarkArgs),
+    Locate(locate::LocateArgs),
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
@@ -95,6 +97,7 @@ fn main() -> ExitCode {
         Command::Calibrate(command) => calibrate::calibrate(&command),
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),
+        Command::Locate(args) => locate::locate(&args),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),

@@ -84,8 +84,9 @@ impl SimulateArgs {
     }
 }
 
+/// The side of the road that is driven on.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Traffic {
+pub(crate) enum Traffic {
     Left,
     Right,
     Centre,

@@ -7,11 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 9] = [
+const PURE: [&str; 10] = [
     "fingerpost",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
+    "fingerpost-locate",
     "fingerpost-map",
     "fingerpost-report",
     "fingerpost-search",

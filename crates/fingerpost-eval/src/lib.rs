@@ -13,6 +13,7 @@ mod features;
 mod first_detections;
 mod junctions;
 mod lanes;
+mod location;
 mod motion;
 mod pose;
 mod quantiles;
@@ -30,6 +31,7 @@ pub use lanes::{
     LaneMeasure, LpdDivisor, TuSimpleScores, column_at_row, evaluate_lanes, evaluate_tusimple,
     lane_picture_px, mean_of_lanes,
 };
+pub use location::{FixSample, evaluate_location};
 pub use motion::{MotionEvaluation, evaluate_motion};
 pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};
 pub use quantiles::{error_quantiles, stage_time};

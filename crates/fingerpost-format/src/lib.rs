@@ -8,10 +8,13 @@ mod camera_file;
 mod camera_yaml;
 mod campaign;
 mod centreline;
+mod columns;
 mod frame_record;
 mod lanes;
 mod lines;
+mod location;
 mod marks;
+mod motion_log;
 mod summary;
 mod times;
 mod truth;
@@ -22,6 +25,7 @@ pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_f
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
+pub use columns::ColumnsError;
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
     FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
@@ -31,9 +35,11 @@ pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
+pub use location::{FixLine, FixStatus, LocationScores, LocationSummary, PlaceLine, Recall};
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };
+pub use motion_log::{MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use truth::TruthRecord;

@@ -23,6 +23,8 @@ pub(crate) const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
 pub(crate) const HEIGHTS_FOLDER: &str = "heights";
 /// Folder of the road-surface masks of a drive.
 pub(crate) const MASKS_FOLDER: &str = "road_masks";
+/// File of the fixes from a motion log.
+pub const FIXES_FILE: &str = "fix.jsonl";
 /// File of a run's frames.
 pub(crate) const FRAMES_FILE: &str = "frames.jsonl";
 /// Folder of a run's pictures.
@@ -63,6 +65,8 @@ pub enum FolderKind {
     Papers,
     /// Marks of lane edges, and truth made of them.
     Marks,
+    /// Fixes from a motion log.
+    Location,
 }
 
 /// Whether a file of that name, without its ending, is one that the program writes into a folder of pictures.
@@ -78,6 +82,7 @@ impl fmt::Display for FolderKind {
             Self::Tuning => "a search of settings",
             Self::Papers => "measurements of the papers' claims",
             Self::Marks => "lane marks",
+            Self::Location => "fixes from a motion log",
         })
     }
 }
@@ -106,6 +111,7 @@ impl FolderKind {
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
             Self::Papers => &["papers.md", "measured.jsonl"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
+            Self::Location => &[FIXES_FILE, "summary.json"],
         }
     }
 
@@ -116,7 +122,7 @@ impl FolderKind {
             Self::Drive => {
                 &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
             }
-            Self::Campaign | Self::Tuning => &[],
+            Self::Campaign | Self::Tuning | Self::Location => &[],
             Self::Papers => &[(PLOTS_FOLDER, is_plot)],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }
@@ -143,7 +149,7 @@ impl FolderKind {
         match self {
             Self::Campaign => remove_campaign_runs(path)?,
             Self::Tuning => remove_numbered_configs(path)?,
-            Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks => {}
+            Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks | Self::Location => {}
         }
         Ok(())
     }

@@ -39,7 +39,7 @@ pub use can::{CanListener, CanListenerError};
 pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_bytes_within, read_text, read_text_within};
-pub use folder_kind::{CROSSINGS_FILE, FolderKind, MARKED_FRAMES_FOLDER};
+pub use folder_kind::{CROSSINGS_FILE, FIXES_FILE, FolderKind, MARKED_FRAMES_FOLDER};
 pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};

@@ -1,0 +1,197 @@
+//! `fingerpost locate`: where the vehicle is on the map, from a motion log.
+
+mod against_truth;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use fingerpost_eval::{evaluate_location, stage_time};
+use fingerpost_format::{
+    FixLine, FixStatus, LocationSummary, MotionLogRow, PlaceLine, parse_motion_log, parse_pose_log,
+};
+use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
+use fingerpost_locate::{Fix, Locator, MotionSample, RISK, Status, Traffic};
+use fingerpost_map::RoadGraph;
+
+use self::against_truth::Truth;
+use crate::arguments::InputLimit;
+use crate::{inputs, output, output_path, simulate, version};
+
+/// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
+/// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
+/// is converged, ambiguous, coasting or lost.
+#[derive(Debug, Args)]
+pub(crate) struct LocateArgs {
+    /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+    #[command(flatten)]
+    limit: InputLimit,
+    /// Motion log, CSV with a header: t_s,speed_mps,yaw_rate_rps (seconds, metres a second, radians a second to the left).
+    #[arg(long, value_name = "FILE")]
+    motion: PathBuf,
+    /// True poses, CSV with a header: t_s,lat,lon,heading_rad (degrees; radians anticlockwise from east). Only used to measure the
+    /// results.
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// The side of the road that is driven on.
+    #[arg(long, value_enum, default_value = "right")]
+    traffic: simulate::Traffic,
+    /// Seed of where on the roads the hypotheses start.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Folder to write fix.jsonl and summary.json into: a new or empty one, or one of an earlier `locate`, which is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print what summary.json holds on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Locates.
+pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
+    let inputs = [Some(&args.map), Some(&args.motion), args.truth.as_ref()];
+    output_path::check_folder(
+        &args.out,
+        FolderKind::Location,
+        inputs.into_iter().flatten().map(PathBuf::as_path),
+    )?;
+    let graph = inputs::road_graph(&args.map, args.limit)?;
+    let text = |path: &PathBuf| read_text_within(path, args.limit.bytes() as u64);
+    let rows = parse_motion_log(&text(&args.motion)?).with_context(|| args.motion.display().to_string())?;
+    let truth = match &args.truth {
+        Some(path) => {
+            let poses = parse_pose_log(&text(path)?).with_context(|| path.display().to_string())?;
+            Some(Truth::of(&graph, poses).with_context(|| path.display().to_string())?)
+        }
+        None => None,
+    };
+    let folder = OutputFolder::take(&args.out, FolderKind::Location)?;
+    let mut fixes = JsonLinesFile::create(&folder.path().join(FIXES_FILE))?;
+    let traffic = match args.traffic {
+        simulate::Traffic::Right => Traffic::Right,
+        simulate::Traffic::Left => Traffic::Left,
+        simulate::Traffic::Centre => Traffic::Centre,
+    };
+    let mut locator = Locator::new(&graph, traffic, args.seed);
+    let mut tally = Tally::default();
+    for row in &rows {
+        let started = Instant::now();
+        let Some(fix) = locator.step(sample(row)).context("the motion log")? else { continue };
+        tally.row_ms.push(started.elapsed().as_secs_f64() * 1e3);
+        let line = line(&graph, &fix);
+        fixes.append(&line)?;
+        tally.add(&line, row.t_s - rows[0].t_s);
+        if let Some(truth) = &truth {
+            tally.samples.extend(truth.beside(&fix, &line));
+        }
+    }
+    fixes.finish()?;
+    let summary = tally.summary(rows.len(), truth.is_some());
+    write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
+    print_summary(&summary, args);
+    if args.json { output::print_json(&summary) } else { Ok(()) }
+}
+
+fn sample(row: &MotionLogRow) -> MotionSample {
+    MotionSample { t_s: row.t_s, speed_mps: row.speed_mps, yaw_rate_rps: row.yaw_rate_rps }
+}
+
+/// What is counted on the way.
+#[derive(Debug, Default)]
+struct Tally {
+    statuses: BTreeMap<FixStatus, usize>,
+    converged_s: Option<f64>,
+    most_hypotheses: usize,
+    row_ms: Vec<f64>,
+    samples: Vec<fingerpost_eval::FixSample>,
+}
+
+impl Tally {
+    fn add(&mut self, line: &FixLine, since_start_s: f64) {
+        *self.statuses.entry(line.status).or_default() += 1;
+        self.most_hypotheses = self.most_hypotheses.max(line.hypotheses);
+        if line.status == FixStatus::Converged {
+            self.converged_s.get_or_insert(since_start_s);
+        }
+    }
+
+    fn summary(self, rows: usize, with_truth: bool) -> LocationSummary {
+        LocationSummary {
+            written_by: format!("fingerpost {}", version::VERSION),
+            rows,
+            statuses: self.statuses,
+            converged_s: self.converged_s,
+            risk: RISK,
+            most_hypotheses: self.most_hypotheses,
+            row_ms: stage_time(self.row_ms),
+            truth: with_truth.then(|| evaluate_location(&self.samples)),
+        }
+    }
+}
+
+fn line(graph: &RoadGraph, fix: &Fix) -> FixLine {
+    let at = graph.plane().wgs84_from_map(fix.place_m);
+    let covariance = fix.covariance_m2;
+    FixLine {
+        t_s: fix.t_s,
+        status: match fix.status {
+            Status::Converged => FixStatus::Converged,
+            Status::Ambiguous => FixStatus::Ambiguous,
+            Status::Coasting => FixStatus::Coasting,
+            Status::Lost => FixStatus::Lost,
+        },
+        lat: at.lat_deg,
+        lon: at.lon_deg,
+        heading_rad: fix.heading_rad,
+        covariance_m2: [[covariance.m11, covariance.m12], [covariance.m21, covariance.m22]],
+        bound_m: fix.level_m,
+        risk: RISK,
+        weight: fix.mass,
+        off_map: fix.off_map,
+        hypotheses: fix.hypotheses,
+        places: fix
+            .rivals
+            .iter()
+            .map(|rival| {
+                let at = graph.plane().wgs84_from_map(rival.place_m);
+                PlaceLine {
+                    lat: at.lat_deg,
+                    lon: at.lon_deg,
+                    heading_rad: rival.heading_rad,
+                    weight: rival.weight,
+                }
+            })
+            .collect(),
+    }
+}
+
+fn print_summary(summary: &LocationSummary, args: &LocateArgs) {
+    let count = |status: FixStatus| summary.statuses.get(&status).copied().unwrap_or_default();
+    output::message(&format!(
+        "{} rows: {} converged, {} ambiguous, {} coasting, {} lost",
+        summary.rows,
+        count(FixStatus::Converged),
+        count(FixStatus::Ambiguous),
+        count(FixStatus::Coasting),
+        count(FixStatus::Lost)
+    ));
+    if let Some(scores) = &summary.truth {
+        if let Some((driven_m, error_m)) = scores.converged_m.zip(scores.fix_error_m) {
+            output::message(&format!(
+                "against truth: converged after {driven_m:.0} m; error from then on: median {:.2} m, p95 {:.2} m, largest {:.2} m",
+                error_m.p50, error_m.p95, error_m.max
+            ));
+        }
+        if let Some(bound_m) = scores.bound_m {
+            output::message(&format!(
+                "protection level: median {:.1} m, {} rows outside it",
+                bound_m.p50, scores.bound_violations
+            ));
+        }
+    }
+    output::message(&format!("results in {}", args.out.display()));
+}

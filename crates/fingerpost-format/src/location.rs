@@ -1,0 +1,117 @@
+//! `fix.jsonl` and `summary.json` of `locate`: where the vehicle is on the map.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ErrorQuantiles, StageTime};
+
+/// What a fix is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FixStatus {
+    /// One place has all but the risk.
+    Converged,
+    /// Several places are possible.
+    Ambiguous,
+    /// It was converged; the place is still the most probable, but not to within the risk.
+    Coasting,
+    /// On no road of the map, or nothing is known.
+    Lost,
+}
+
+/// One line of `fix.jsonl`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FixLine {
+    /// Time of the motion log's row, seconds.
+    pub t_s: f64,
+    /// What the fix is worth.
+    pub status: FixStatus,
+    /// Latitude, degrees.
+    pub lat: f64,
+    /// Longitude, degrees.
+    pub lon: f64,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Covariance of the place, square metres: `[[east, east-north], [east-north, north]]`.
+    pub covariance_m2: [[f64; 2]; 2],
+    /// Protection level: the vehicle is farther away with at most the probability `risk`, metres; none where that cannot be said.
+    pub bound_m: Option<f64>,
+    /// Its risk.
+    pub risk: f64,
+    /// Probability of this place.
+    pub weight: f64,
+    /// Probability of being on no road of the map.
+    pub off_map: f64,
+    /// Number of hypotheses.
+    pub hypotheses: usize,
+    /// The heaviest of them.
+    pub places: Vec<PlaceLine>,
+}
+
+/// A place where the vehicle may be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PlaceLine {
+    /// Latitude, degrees.
+    pub lat: f64,
+    /// Longitude, degrees.
+    pub lon: f64,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Its probability.
+    pub weight: f64,
+}
+
+/// `summary.json` of `locate`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LocationSummary {
+    /// Program, version and commit.
+    pub written_by: String,
+    /// Rows of the motion log.
+    pub rows: usize,
+    /// Rows by what their fix was worth.
+    pub statuses: BTreeMap<FixStatus, usize>,
+    /// Time of the first converged fix, seconds from the first row; none where there is none.
+    pub converged_s: Option<f64>,
+    /// Risk of the protection levels.
+    pub risk: f64,
+    /// Most hypotheses at a time.
+    pub most_hypotheses: usize,
+    /// Wall time of a row.
+    pub row_ms: Option<StageTime>,
+    /// Comparison with truth.
+    #[serde(flatten)]
+    pub truth: Option<LocationScores>,
+}
+
+/// Fixes against truth. Rows count from the first converged one on, whatever their status, unless something else is said.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LocationScores {
+    /// Distance driven up to the first converged fix, metres; none where there is none.
+    pub converged_m: Option<f64>,
+    /// Distance of the fix from the true place, metres.
+    pub fix_error_m: Option<ErrorQuantiles>,
+    /// The same across the true heading.
+    pub lateral_error_m: Option<ErrorQuantiles>,
+    /// The same along it.
+    pub longitudinal_error_m: Option<ErrorQuantiles>,
+    /// Shares of the rows with an error of at most 1, 3 and 5 m.
+    pub recall: Option<Recall>,
+    /// Converged rows in which the true place lies outside the protection level.
+    pub bound_violations: usize,
+    /// The longest time without interruption in which it did, seconds.
+    pub longest_violation_s: f64,
+    /// Protection levels of converged rows, metres.
+    pub bound_m: Option<ErrorQuantiles>,
+    /// Mean of the normalised squared error of converged rows; 2 where covariances are honest.
+    pub nees: Option<f64>,
+}
+
+/// Shares of rows within 1, 3 and 5 m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Recall {
+    /// Across the true heading.
+    pub lateral: [f64; 3],
+    /// Along it.
+    pub longitudinal: [f64; 3],
+}

@@ -1,0 +1,47 @@
+//! Motion logs and logs of poses, as CSV.
+
+use crate::columns::{ColumnsError, parse_columns};
+
+/// One line of a motion log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLogRow {
+    /// Time, seconds.
+    pub t_s: f64,
+    /// Speed forward, metres a second; negative when reversing.
+    pub speed_mps: f64,
+    /// Yaw rate, radians a second, positive to the left.
+    pub yaw_rate_rps: f64,
+}
+
+/// One line of a log of true poses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseLogRow {
+    /// Time, seconds.
+    pub t_s: f64,
+    /// Latitude, degrees.
+    pub lat: f64,
+    /// Longitude, degrees.
+    pub lon: f64,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+}
+
+/// The rows of a motion log: `t_s,speed_mps,yaw_rate_rps`.
+///
+/// # Errors
+/// [`ColumnsError`] names the first line that cannot be used.
+pub fn parse_motion_log(text: &str) -> Result<Vec<MotionLogRow>, ColumnsError> {
+    let rows = parse_columns(text, ["t_s", "speed_mps", "yaw_rate_rps"])?;
+    let row = |[t_s, speed_mps, yaw_rate_rps]: [f64; 3]| MotionLogRow { t_s, speed_mps, yaw_rate_rps };
+    Ok(rows.into_iter().map(row).collect())
+}
+
+/// The rows of a log of true poses: `t_s,lat,lon,heading_rad`.
+///
+/// # Errors
+/// [`ColumnsError`] names the first line that cannot be used.
+pub fn parse_pose_log(text: &str) -> Result<Vec<PoseLogRow>, ColumnsError> {
+    let rows = parse_columns(text, ["t_s", "lat", "lon", "heading_rad"])?;
+    let row = |[t_s, lat, lon, heading_rad]: [f64; 4]| PoseLogRow { t_s, lat, lon, heading_rad };
+    Ok(rows.into_iter().map(row).collect())
+}

@@ -1,0 +1,245 @@
+//! All hypotheses with their weights, and the one that the vehicle is on no road of the map.
+
+use std::f64::consts::FRAC_PI_2;
+
+use fingerpost_map::RoadGraph;
+
+use crate::fix::RISK;
+use crate::hypothesis::Hypothesis;
+use crate::merging::merge_alike;
+use crate::odometry::Motion;
+use crate::path::{Courses, Sample};
+use crate::random::Random;
+use crate::roads::{Roads, Traffic};
+use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NORTH, OFFSET, OffsetModel, SCALE, State};
+
+/// How the vehicle's place beside the line that it should drive is distributed: lane and driver put it up to half a carriageway off (1.5 m), the
+/// line itself is off by 1 to 1.5 m (M. Haklay 2010 and later studies of OpenStreetMap in Germany). It keeps over a street's length
+/// between junctions and not round a corner.
+pub(crate) const OFFSET_MODEL: OffsetModel =
+    OffsetModel { sigma_m: 2.0, distance_m: 100.0, turn_rad: FRAC_PI_2 };
+/// Standard deviation of the speed's scale at the start: a wheel's radius by wear, load and pressure, and speedometers that show up
+/// to a tenth too much (UN Regulation 39).
+const SCALE_SIGMA: f64 = 0.06;
+/// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
+const BIAS_SIGMA: f64 = 1.75e-3;
+/// Standard deviation of the heading against the road at the start, radians.
+const HEADING_SIGMA: f64 = 0.1;
+/// The same this near to a junction, metres, where the vehicle may be half round a corner.
+const JUNCTION_HEADING_SIGMA: f64 = 0.4;
+const JUNCTION_M: f64 = 10.0;
+/// Distance between hypotheses at the start, metres, where their number allows it.
+const SEED_SPACING_M: f64 = 10.0;
+/// Standard deviation along the road at the start, as a part of the spacing: sums of such bells are even within 2 %.
+const SEED_SIGMA: f64 = 0.6;
+/// Number of hypotheses at the start, and of those that are kept.
+const MOST_SEEDS: f64 = 10_000.0;
+const MOST_KEPT: usize = 30_000;
+/// Probability at the start of being on no road of the map.
+const OFF_MAP_AT_START: f64 = 0.05;
+/// Roads left for places off the map, per metre: one yard or unmapped road in fifty kilometres.
+const LEAVES_MAP_PER_M: f64 = 2e-5;
+/// How far a vehicle is off the map when it stays near a road, metres: the length of a car park or a bay; and how much less it then
+/// knows of where on the road it is back.
+const OFF_MAP_FOR_M: f64 = 50.0;
+const RETURN_SIGMA_M: f64 = 5.0;
+const RETURN_SIGMA_RAD: f64 = 0.1;
+/// Returns that are less than this part of what matters are not followed up.
+const LEAST_RETURN: f64 = 0.1;
+/// Off the map the vehicle's place beside a road that it would be on is anywhere within this, metres.
+const OFF_MAP_WIDTH_M: f64 = 6.0;
+/// Map lines that jump to the side by more than [`OFFSET_MODEL`] has, per metre: one in two kilometres, as junctions of
+/// dual carriageways drawn as one and roads traced from shifted imagery; and by how much, metres.
+const OTHER_LINE_PER_M: f64 = 5e-4;
+const OTHER_LINE_SIGMA_M: f64 = 6.0;
+/// Such a jump is thought of where the road is off by more than this, squared standard deviations (2.4 standard deviations), and where
+/// the hypothesis has at least this weight, so that it can make up a part of the risk.
+const SURPRISE: f64 = 6.0;
+const MATTERS: f64 = 1e-3;
+/// Distance driven off the map after which all roads are tried again, metres.
+const TRY_AGAIN_M: f64 = 50.0;
+/// Weights below this are dropped: far less than the risk even of all hypotheses together.
+const LEAST_WEIGHT: f64 = 1e-9;
+
+/// What is believed.
+#[derive(Debug, Clone)]
+pub(crate) struct Belief {
+    roads: Roads,
+    courses: Courses,
+    /// Heaviest first.
+    pub(crate) hypotheses: Vec<Hypothesis>,
+    /// Logarithm of the probability of being on no road of the map.
+    log_off_map: f64,
+    /// Distance driven since the map was last in doubt, metres.
+    pub(crate) agreed_m: f64,
+    random: Random,
+    tried_m: f64,
+    waiting: Vec<Hypothesis>,
+}
+
+impl Belief {
+    /// The vehicle may be on any road, either way.
+    pub(crate) fn anywhere(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
+        let mut belief = Self {
+            roads: Roads::of(graph, traffic),
+            courses: Courses::default(),
+            hypotheses: Vec::new(),
+            log_off_map: OFF_MAP_AT_START.ln(),
+            agreed_m: 0.0,
+            random: Random::new(seed),
+            tried_m: 0.0,
+            waiting: Vec::new(),
+        };
+        belief.seed(1.0 - OFF_MAP_AT_START);
+        belief.normalise();
+        belief
+    }
+
+    /// Probability of being on no road of the map.
+    pub(crate) fn off_map(&self) -> f64 {
+        self.log_off_map.exp()
+    }
+
+    /// Moves all hypotheses and weighs them by the roads that they are on.
+    pub(crate) fn go(&mut self, motion: &Motion) {
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.go(motion, &OFFSET_MODEL);
+        }
+        self.come_back(motion.driven_m);
+        self.branch();
+        let leaves = (LEAVES_MAP_PER_M * motion.driven_m).min(0.5);
+        let off_map = self.off_map();
+        self.log_off_map = (off_map + leaves * (1.0 - off_map)).ln() - OFF_MAP_WIDTH_M.ln();
+        let stays = (1.0 - leaves).ln();
+        let other_line = (OTHER_LINE_PER_M * motion.driven_m).min(0.5);
+        let (same_line, other_line) = ((1.0 - other_line).ln(), other_line.ln());
+        for hypothesis in &mut self.hypotheses {
+            let before =
+                (hypothesis.log_weight > MATTERS.ln()).then(|| hypothesis.off_line(OTHER_LINE_SIGMA_M));
+            let fit = hypothesis.hold_to_road();
+            hypothesis.log_weight += stays + same_line + fit.log_density;
+            if let Some(mut off) = before.filter(|_| fit.surprise > SURPRISE) {
+                off.log_weight += stays + other_line + off.hold_to_road().log_density;
+                self.waiting.push(off);
+            }
+        }
+        self.hypotheses.append(&mut self.waiting);
+        self.normalise();
+        self.agreed_m = if self.off_map() > RISK { 0.0 } else { self.agreed_m + motion.driven_m };
+        self.tried_m += motion.driven_m;
+        if self.off_map() > 0.5 && self.tried_m > TRY_AGAIN_M {
+            let mass = 0.5 * self.off_map();
+            self.log_off_map = mass.ln();
+            self.seed(mass);
+            self.normalise();
+        }
+        merge_alike(&mut self.hypotheses);
+        self.courses.forget_unused();
+    }
+
+    /// What has left the map may be back on the road near where it left it.
+    fn come_back(&mut self, driven_m: f64) {
+        let off_map = self.off_map();
+        let returns = (driven_m / OFF_MAP_FOR_M).min(0.5) * off_map;
+        if returns < MATTERS * LEAST_RETURN {
+            return;
+        }
+        let heavy = self.hypotheses.iter().take_while(|hypothesis| hypothesis.log_weight > MATTERS.ln());
+        let on_map = 1.0 - off_map;
+        self.waiting.extend(heavy.map(|hypothesis| {
+            let mut back = hypothesis.come_back(RETURN_SIGMA_M, RETURN_SIGMA_RAD);
+            back.log_weight += (returns / on_map.max(returns)).ln();
+            back
+        }));
+        self.log_off_map = (off_map - returns).ln();
+        self.hypotheses.append(&mut self.waiting);
+    }
+
+    /// Hypotheses evenly along all roads, with a probability that they share.
+    fn seed(&mut self, mass: f64) {
+        self.tried_m = 0.0;
+        let total_m: f64 = self.roads.edges().iter().map(|edge| edge.line.length_m()).sum();
+        let spacing_m = SEED_SPACING_M.max(total_m / MOST_SEEDS);
+        let shared: f64 = self.roads.edges().iter().map(|edge| edge.line.length_m() * edge.prior).sum();
+        for index in 0..self.roads.edges().len() {
+            let Some(course) = self.courses.of_edge(&self.roads, index as u32) else { continue };
+            let edge = self.roads.edge(index as u32);
+            let count = (edge.line.length_m() / spacing_m).ceil().max(1.0);
+            let step_m = edge.line.length_m() / count;
+            let first = self.random.unit();
+            for i in 0..count as usize {
+                let along_m = (i as f64 + first) * step_m;
+                let Some(sample) = course.between(along_m, along_m).1.first() else { continue };
+                let from_end_m = along_m.min(edge.line.length_m() - along_m);
+                let heading_sigma =
+                    if from_end_m < JUNCTION_M { JUNCTION_HEADING_SIGMA } else { HEADING_SIGMA };
+                self.hypotheses.push(Hypothesis {
+                    course: course.clone(),
+                    along_m,
+                    state: start(sample, step_m * SEED_SIGMA, heading_sigma),
+                    log_weight: (mass * step_m * edge.prior / shared).ln(),
+                });
+            }
+        }
+    }
+
+    /// Gives every hypothesis whose course may end a course for each exit.
+    fn branch(&mut self) {
+        let Self { hypotheses, waiting, courses, roads, .. } = self;
+        let mut index = 0;
+        while index < hypotheses.len() {
+            let hypothesis = &hypotheses[index];
+            let exits = hypothesis.exits(roads);
+            if exits.is_empty() || !hypothesis.nears_end() {
+                index += 1;
+                continue;
+            }
+            for &(exit, probability) in exits {
+                let extended = courses.extended(roads, &hypothesis.course, exit, hypothesis.along_m);
+                let Some((course, shorter_m)) = extended else { continue };
+                let mut branch = hypothesis.clone();
+                branch.course = course;
+                branch.along_m -= shorter_m;
+                branch.log_weight += probability.ln();
+                waiting.push(branch);
+            }
+            // The branches are looked at again: an exit may be shorter than the reach ahead.
+            hypotheses.swap_remove(index);
+            hypotheses.append(waiting);
+        }
+    }
+
+    /// Makes the probabilities one together, heaviest first, and drops what is too light to matter.
+    fn normalise(&mut self) {
+        let weights = self.hypotheses.iter().map(|hypothesis| hypothesis.log_weight);
+        let most = weights.clone().fold(self.log_off_map, f64::max);
+        let least = most + LEAST_WEIGHT.ln();
+        self.hypotheses.retain(|hypothesis| hypothesis.log_weight > least);
+        self.hypotheses.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
+        self.hypotheses.truncate(MOST_KEPT);
+        let weights = self.hypotheses.iter().map(|hypothesis| hypothesis.log_weight);
+        let sum: f64 = weights.map(|weight| (weight - most).exp()).sum();
+        let total = most + (sum + (self.log_off_map - most).exp()).ln();
+        self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.log_weight -= total);
+        self.log_off_map -= total;
+    }
+}
+
+/// A vehicle at a place of a road, as sure as `along_m` along it.
+fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
+    let heading_rad = sample.heading_rad;
+    let mut mean = Mean::zeros();
+    (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);
+    let (sine, cosine) = heading_rad.sin_cos();
+    let mut ahead = Mean::zeros();
+    (ahead[EAST], ahead[NORTH]) = (cosine, sine);
+    // The vehicle is as far beside the line as its offset says.
+    let mut beside = Mean::zeros();
+    (beside[EAST], beside[NORTH], beside[OFFSET]) = (-sine, cosine, 1.0);
+    let mut covariance: Covariance = ahead * ahead.transpose() * along_m.powi(2)
+        + beside * beside.transpose() * OFFSET_MODEL.sigma_m.powi(2);
+    covariance[(HEADING, HEADING)] = heading_sigma.powi(2);
+    covariance[(SCALE, SCALE)] = SCALE_SIGMA.powi(2);
+    covariance[(BIAS, BIAS)] = BIAS_SIGMA.powi(2);
+    State { mean, covariance }
+}

@@ -1,0 +1,148 @@
+//! What the belief says of the vehicle's place, and what it promises.
+
+use nalgebra::Matrix2;
+
+use crate::belief::{Belief, OFFSET_MODEL};
+use crate::hypothesis::Hypothesis;
+use crate::level::{Part, protection_level_m};
+use crate::merging::mixed;
+use crate::state::{HEADING, State};
+
+/// Probability with which the vehicle may be outside its protection level.
+pub const RISK: f64 = 1e-3;
+/// Greatest protection level with which a fix counts as converged, metres: half the distance between parallel streets of a town.
+const ALERT_LIMIT_M: f64 = 25.0;
+/// Hypotheses no farther apart than this are one place, metres, with headings no farther apart than half a right angle.
+const ONE_PLACE_M: f64 = 15.0;
+const ONE_HEADING_RAD: f64 = std::f64::consts::FRAC_PI_4;
+/// Parts of the mixture that the protection level looks at; all others count as outside.
+const MOST_PARTS: usize = 64;
+
+/// How much a fix is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Status {
+    /// One place has all but the risk, and its protection level is within the alert limit.
+    Converged,
+    /// Several places are possible.
+    Ambiguous,
+    /// It was converged and the place is still more probable than all else together, but not to within the risk.
+    Coasting,
+    /// Most probably on no road of the map.
+    Lost,
+}
+
+/// The belief in a few numbers.
+#[derive(Debug, Clone)]
+pub(crate) struct Estimate {
+    pub(crate) state: State,
+    pub(crate) mass: f64,
+    pub(crate) level_m: Option<f64>,
+    pub(crate) status: Status,
+}
+
+impl Belief {
+    /// The heaviest place; none before there are hypotheses.
+    /// `before` is the status of the estimate before.
+    pub(crate) fn estimate(&self, before: Status) -> Option<Estimate> {
+        let best = self.heaviest_place()?;
+        let of_place = |hypothesis: &&Hypothesis| is_one_place(hypothesis, best);
+        let mut state = best.state;
+        let mut mass = 0.0;
+        for hypothesis in self.hypotheses.iter().filter(of_place) {
+            let weight = hypothesis.log_weight.exp();
+            mass += weight;
+            state = mixed(&state, &hypothesis.state, weight / mass);
+        }
+        let level_m = self.level_m(&state);
+        let off_map = self.off_map();
+        let was_converged = matches!(before, Status::Converged | Status::Coasting);
+        // What has surprised once can only be mended by roads whose errors are others than those that it was told by.
+        let is_in_doubt = was_converged && self.agreed_m < OFFSET_MODEL.distance_m;
+        let status = match level_m {
+            Some(level_m) if level_m <= ALERT_LIMIT_M && !is_in_doubt => Status::Converged,
+            _ if off_map > 0.5 => Status::Lost,
+            _ if mass > 0.5 && was_converged => Status::Coasting,
+            _ => Status::Ambiguous,
+        };
+        Some(Estimate { state, mass, level_m, status })
+    }
+
+    fn heaviest_place(&self) -> Option<&Hypothesis> {
+        // The place of most mass is about one of the heaviest hypotheses unless all are light, when nothing is known.
+        let mass = |centre: &Hypothesis| {
+            let near = self.hypotheses.iter().filter(|other| is_one_place(other, centre));
+            near.map(|hypothesis| hypothesis.log_weight.exp()).sum::<f64>()
+        };
+        let first = self.hypotheses.first()?;
+        if first.log_weight.exp() < 1e-2 {
+            return Some(first);
+        }
+        let heaviest = self.hypotheses.iter().take(8).map(|centre| (mass(centre), centre));
+        heaviest
+            .reduce(|best, next| if next.0 > best.0 + 1e-9 { next } else { best })
+            .map(|(_, centre)| centre)
+    }
+
+    fn level_m(&self, state: &State) -> Option<f64> {
+        let parts: Vec<Part> = self
+            .hypotheses
+            .iter()
+            .take(MOST_PARTS)
+            .filter(|hypothesis| is_one_heading(&hypothesis.state, state))
+            .map(|hypothesis| Part {
+                mass: hypothesis.log_weight.exp(),
+                off_m: hypothesis.state.place() - state.place(),
+                covariance: hypothesis.state.place_covariance(),
+            })
+            .collect();
+        let seen: f64 = parts.iter().map(|part| part.mass).sum();
+        protection_level_m(&parts, 1.0 - seen, RISK)
+    }
+}
+
+fn is_one_place(one: &Hypothesis, other: &Hypothesis) -> bool {
+    (one.state.place() - other.state.place()).norm() <= ONE_PLACE_M
+        && is_one_heading(&one.state, &other.state)
+}
+
+fn is_one_heading(one: &State, other: &State) -> bool {
+    fingerpost_geometry::wrap_angle(one.mean[HEADING] - other.mean[HEADING]).abs() < ONE_HEADING_RAD
+}
+
+/// Where the vehicle is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fix {
+    /// Time, seconds.
+    pub t_s: f64,
+    /// Place, metres in the plane of the map's graph.
+    pub place_m: nalgebra::Point2<f64>,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Covariance of the place, square metres.
+    pub covariance_m2: Matrix2<f64>,
+    /// What the true speed is greater than the measured one by, as a part of it, with its standard deviation.
+    pub speed_scale: [f64; 2],
+    /// The vehicle is within this of the place but for [`RISK`], metres; none where that cannot be said.
+    pub level_m: Option<f64>,
+    /// What it is worth.
+    pub status: Status,
+    /// Probability of this place.
+    pub mass: f64,
+    /// Probability of being on no road of the map.
+    pub off_map: f64,
+    /// Places with their probabilities, the heaviest first.
+    pub rivals: Vec<Rival>,
+    /// How many hypotheses there are.
+    pub hypotheses: usize,
+}
+
+/// A place where the vehicle may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rival {
+    /// Place, metres in the plane of the map's graph.
+    pub place_m: nalgebra::Point2<f64>,
+    /// Heading, radians anticlockwise from east.
+    pub heading_rad: f64,
+    /// Its probability.
+    pub weight: f64,
+}

@@ -1,0 +1,23 @@
+//! Where the vehicle is on the map, from its motion: no start, no camera, GPS only where there is any.
+//!
+//! The vehicle may be on any road, either way. Every possibility is a course through the road graph with a Gaussian of place,
+//! heading, errors of speed and yaw rate, and offset from the road's line; it is moved by the measured motion, weighed by how well
+//! it keeps to the road, and branches at junctions. One possibility is that the vehicle is on no road of the map. Takes values and
+//! gives values: reads no file and no clock, and the same input gives the same result.
+
+mod belief;
+mod fix;
+mod hypothesis;
+mod level;
+mod locator;
+mod merging;
+mod odometry;
+mod path;
+mod random;
+mod roads;
+mod state;
+
+pub use fix::{Fix, RISK, Rival, Status};
+pub use locator::{Locator, MotionError};
+pub use odometry::{Motion, MotionSample};
+pub use roads::Traffic;

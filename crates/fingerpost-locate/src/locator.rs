@@ -1,0 +1,97 @@
+//! From a motion log to a fix a row.
+
+use fingerpost_map::RoadGraph;
+use thiserror::Error;
+
+use crate::belief::{Belief, OFFSET_MODEL};
+use crate::fix::{Estimate, Fix, Rival, Status};
+use crate::odometry::{Motion, MotionSample};
+use crate::roads::Traffic;
+use crate::state::{HEADING, SCALE};
+
+/// Distance driven between two looks at the road, metres: less than the lines' bends, and about the length of a row at town speeds.
+const LOOK_EVERY_M: f64 = 2.5;
+/// Longest time between two rows over which the motion is taken to go on, seconds.
+const LONGEST_GAP_S: f64 = 1.0;
+/// Places handed out beside the fix.
+const MOST_RIVALS: usize = 10;
+
+/// A row that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum MotionError {
+    /// A number that is none.
+    #[error(
+        "the row at {t_s} s has a time, speed or yaw rate that is no number; leave such rows out of the log"
+    )]
+    NotFinite {
+        /// Its time, seconds.
+        t_s: f64,
+    },
+}
+
+/// Finds the vehicle on the map from its motion.
+#[derive(Debug, Clone)]
+pub struct Locator {
+    belief: Belief,
+    pending: Motion,
+    before: Option<MotionSample>,
+    estimate: Option<Estimate>,
+}
+
+impl Locator {
+    /// A vehicle that may be on any road of the map, either way. The seed draws where on them the hypotheses start.
+    pub fn new(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
+        let belief = Belief::anywhere(graph, traffic, seed);
+        let estimate = belief.estimate(Status::Ambiguous);
+        Self { belief, pending: Motion::default(), before: None, estimate }
+    }
+
+    /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
+    ///
+    /// # Errors
+    /// [`MotionError`]; the row is passed over then.
+    pub fn step(&mut self, row: MotionSample) -> Result<Option<Fix>, MotionError> {
+        if ![row.t_s, row.speed_mps, row.yaw_rate_rps].iter().all(|number| number.is_finite()) {
+            return Err(MotionError::NotFinite { t_s: row.t_s });
+        }
+        if let Some(before) = self.before {
+            let time_s = (row.t_s - before.t_s).clamp(0.0, LONGEST_GAP_S);
+            if time_s <= 0.0 {
+                return Ok(self.fix(row.t_s));
+            }
+            let (speed, turn) = (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
+            self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+        }
+        self.before = Some(row);
+        if self.pending.driven_m >= LOOK_EVERY_M {
+            self.belief.go(&self.pending);
+            self.pending = Motion::default();
+            let status = self.estimate.as_ref().map_or(Status::Ambiguous, |estimate| estimate.status);
+            self.estimate = self.belief.estimate(status);
+        }
+        Ok(self.fix(row.t_s))
+    }
+
+    fn fix(&self, t_s: f64) -> Option<Fix> {
+        let Estimate { mut state, mass, level_m, status } = self.estimate.clone()?;
+        state.go(&self.pending, &OFFSET_MODEL);
+        let rivals = self.belief.hypotheses.iter().take(MOST_RIVALS).map(|hypothesis| Rival {
+            place_m: hypothesis.state.place(),
+            heading_rad: hypothesis.state.mean[HEADING],
+            weight: hypothesis.log_weight.exp(),
+        });
+        Some(Fix {
+            t_s,
+            place_m: state.place(),
+            heading_rad: fingerpost_geometry::wrap_angle(state.mean[HEADING]),
+            covariance_m2: state.place_covariance(),
+            speed_scale: [state.mean[SCALE], state.covariance[(SCALE, SCALE)].sqrt()],
+            level_m,
+            status,
+            mass,
+            off_map: self.belief.off_map(),
+            rivals: rivals.collect(),
+            hypotheses: self.belief.hypotheses.len(),
+        })
+    }
+}

@@ -1,0 +1,191 @@
+//! What a hypothesis knows of the vehicle, as a Gaussian.
+
+use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
+
+use crate::hypothesis::log_normal;
+use crate::odometry::Motion;
+
+/// Numbers of a state.
+pub(crate) const NUMBERS: usize = 6;
+/// East and north, metres, in the map's plane.
+pub(crate) const EAST: usize = 0;
+pub(crate) const NORTH: usize = 1;
+/// Heading, radians anticlockwise from east.
+pub(crate) const HEADING: usize = 2;
+/// What the true speed is greater than the measured one by, as a part of it.
+pub(crate) const SCALE: usize = 3;
+/// What the yaw rate is measured too great by, rad/s.
+pub(crate) const BIAS: usize = 4;
+/// How far left of the map's line the vehicle drives, metres: lane, driver and map together.
+pub(crate) const OFFSET: usize = 5;
+
+pub(crate) type Mean = SVector<f64, NUMBERS>;
+pub(crate) type Covariance = SMatrix<f64, NUMBERS, NUMBERS>;
+
+/// Drift of the speed's scale (tyres warm, wear, load), over the square root of a metre: 0.2 % in a kilometre.
+const SCALE_DRIFT: f64 = 6e-5;
+/// Drift of a MEMS gyroscope's bias, rad/s over the square root of a second: 0.01 degrees a second in a minute.
+const BIAS_DRIFT: f64 = 2.3e-5;
+
+/// How the vehicle's offset from the map's line changes: a first-order Gauss-Markov process over the distance driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OffsetModel {
+    /// Standard deviation, metres.
+    pub(crate) sigma_m: f64,
+    /// Distance over which it keeps 1/e, metres.
+    pub(crate) distance_m: f64,
+    /// Turn over which it keeps 1/e, radians: another road has another error.
+    pub(crate) turn_rad: f64,
+}
+
+/// Mean and covariance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct State {
+    pub(crate) mean: Mean,
+    pub(crate) covariance: Covariance,
+}
+
+impl State {
+    pub(crate) fn place(&self) -> Point2<f64> {
+        Point2::new(self.mean[EAST], self.mean[NORTH])
+    }
+
+    pub(crate) fn place_covariance(&self) -> Matrix2<f64> {
+        self.covariance.fixed_view::<2, 2>(EAST, EAST).into_owned()
+    }
+
+    /// Standard deviation of the place in a direction (unit vector), metres.
+    pub(crate) fn sigma_along_m(&self, direction: Vector2<f64>) -> f64 {
+        (direction.transpose() * self.place_covariance() * direction)[0].max(0.0).sqrt()
+    }
+
+    /// Moves by what was measured.
+    pub(crate) fn go(&mut self, motion: &Motion, offset: &OffsetModel) {
+        let jacobian = self.jacobian(motion, offset);
+        self.mean = self.moved(motion, offset);
+        let (sine, cosine) = self.start_heading(motion).sin_cos();
+        let turned = nalgebra::Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
+        let noise = turned * motion.covariance * turned.transpose();
+        self.covariance = jacobian * self.covariance * jacobian.transpose();
+        let mut pose = self.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
+        pose += noise;
+        let kept = offset.kept(motion);
+        self.covariance[(SCALE, SCALE)] += SCALE_DRIFT.powi(2) * motion.driven_m;
+        self.covariance[(BIAS, BIAS)] += BIAS_DRIFT.powi(2) * motion.time_s;
+        self.covariance[(OFFSET, OFFSET)] += offset.sigma_m.powi(2) * (1.0 - kept * kept);
+    }
+
+    fn start_heading(&self, motion: &Motion) -> f64 {
+        self.mean[HEADING] - motion.turn_rad + self.mean[BIAS] * motion.time_s
+    }
+
+    fn moved(&self, motion: &Motion, offset: &OffsetModel) -> Mean {
+        let mut mean = self.mean;
+        let step = self.step(motion);
+        mean[EAST] += step.x;
+        mean[NORTH] += step.y;
+        mean[HEADING] += motion.turn_rad - mean[BIAS] * motion.time_s;
+        mean[OFFSET] *= offset.kept(motion);
+        mean
+    }
+
+    /// The step moved, in the map's plane.
+    fn step(&self, motion: &Motion) -> Vector2<f64> {
+        let by = motion.place_m + motion.place_by_bias * self.mean[BIAS];
+        rotated(by, self.mean[HEADING]) * (1.0 + self.mean[SCALE])
+    }
+
+    fn jacobian(&self, motion: &Motion, offset: &OffsetModel) -> Covariance {
+        let mut jacobian = Covariance::identity();
+        let step = self.step(motion);
+        let by_scale = step / (1.0 + self.mean[SCALE]);
+        let by_bias = rotated(motion.place_by_bias, self.mean[HEADING]) * (1.0 + self.mean[SCALE]);
+        jacobian[(EAST, HEADING)] = -step.y;
+        jacobian[(NORTH, HEADING)] = step.x;
+        jacobian[(EAST, SCALE)] = by_scale.x;
+        jacobian[(NORTH, SCALE)] = by_scale.y;
+        jacobian[(EAST, BIAS)] = by_bias.x;
+        jacobian[(NORTH, BIAS)] = by_bias.y;
+        jacobian[(HEADING, BIAS)] = -motion.time_s;
+        jacobian[(OFFSET, OFFSET)] = offset.kept(motion);
+        jacobian
+    }
+
+    /// Takes in one measurement of the place across a line, less the offset: `innovation` is what was measured beyond what was
+    /// expected, `left` the line's normal, `variance` the measurement's. Gives the logarithm of its density, 1/m, and its
+    /// square in units of its variance.
+    pub(crate) fn hold_to_line(&mut self, innovation: f64, left: Vector2<f64>, variance: f64) -> (f64, f64) {
+        let crossed = self.covariance.column(EAST) * left.x + self.covariance.column(NORTH) * left.y
+            - self.covariance.column(OFFSET);
+        let expected = crossed[EAST] * left.x + crossed[NORTH] * left.y - crossed[OFFSET] + variance;
+        self.mean += crossed * (innovation / expected);
+        self.covariance -= crossed * crossed.transpose() / expected;
+        let squared = innovation * innovation;
+        (log_normal(squared, expected), squared / expected)
+    }
+}
+
+impl OffsetModel {
+    /// The part of the offset that stays after a motion.
+    fn kept(&self, motion: &Motion) -> f64 {
+        (-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad).exp()
+    }
+}
+
+fn rotated(vector: Vector2<f64>, angle_rad: f64) -> Vector2<f64> {
+    let (sine, cosine) = angle_rad.sin_cos();
+    Vector2::new(cosine * vector.x - sine * vector.y, sine * vector.x + cosine * vector.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state() -> State {
+        let mean = Mean::from([3.0, -2.0, 0.7, 0.04, 0.002, 0.8]);
+        State { mean, covariance: Covariance::identity() * 0.1 }
+    }
+
+    fn motion() -> Motion {
+        let mut motion = Motion::default();
+        for step in 0..8 {
+            motion.go_on(9.0, 0.05 * f64::from(step), 0.1);
+        }
+        motion
+    }
+
+    const OFFSET_MODEL: OffsetModel = OffsetModel { sigma_m: 2.0, distance_m: 60.0, turn_rad: 0.6 };
+
+    #[test]
+    fn the_jacobian_is_the_derivative() {
+        let (state, motion) = (state(), motion());
+        let jacobian = state.jacobian(&motion, &OFFSET_MODEL);
+        for number in 0..NUMBERS {
+            let mut nudged = [state, state];
+            nudged[0].mean[number] += 1e-5;
+            nudged[1].mean[number] -= 1e-5;
+            let [above, below] = nudged.map(|state| state.moved(&motion, &OFFSET_MODEL));
+            let numeric = (above - below) / 2e-5;
+            assert!((numeric - jacobian.column(number)).norm() < 1e-6, "{number}");
+        }
+    }
+
+    #[test]
+    fn the_derivative_by_bias_is_that_of_the_integral() {
+        let with_bias = |bias: f64| {
+            let mut motion = Motion::default();
+            for step in 0..8 {
+                motion.go_on(9.0, 0.05 * f64::from(step) - bias, 0.1);
+            }
+            motion
+        };
+        let numeric = (with_bias(1e-5).place_m - with_bias(-1e-5).place_m) / 2e-5;
+        assert!((numeric - motion().place_by_bias).norm() < 1e-6);
+    }
+
+    #[test]
+    fn a_positive_yaw_rate_leads_to_the_left() {
+        let motion = motion();
+        assert!(motion.place_m.y > 0.3 && motion.turn_rad > 0.1);
+    }
+}

@@ -1,0 +1,170 @@
+//! Recorded drives on their OpenStreetMap maps. `FINGERPOST_DATA` names the folder that holds both; without it these tests fail.
+//!
+//! Speed and yaw rate are those of the recording's inertial system with errors of cheap sensors from fixed seeds added; its place,
+//! centimetres to decimetres sure, is the truth. Its WGS 84 and OpenStreetMap's agree: fitted to the roads, the shift of the drives
+//! 05 and 09 is below a metre east and north.
+
+// Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod drives;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use fingerpost_locate::{Fix, Locator, MotionSample, Status, Traffic};
+use fingerpost_map::{LatLon, OsmData, RoadGraph};
+use nalgebra::Point2;
+
+use self::drives::{Numbers, Score, drive, line, locate, quantile, typical_faults};
+
+/// Time between rows of the recordings, seconds: the mean of `times_00.txt`. Driven distances by speed and by place agree with it.
+const ROW_S: f64 = 0.103_652;
+const SEEDS: [u64; 5] = [1, 2, 3, 4, 5];
+
+/// A file of the data folder, decompressed where its name ends in `.bz2`.
+fn bytes(name: &str) -> Vec<u8> {
+    let folder =
+        std::env::var("FINGERPOST_DATA").expect("set FINGERPOST_DATA to the folder of the real data");
+    let path = PathBuf::from(folder).join(name);
+    if !name.ends_with(".bz2") {
+        return std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    }
+    let done =
+        Command::new("bzip2").arg("-dc").arg(&path).output().expect("these tests need the program bzip2");
+    assert!(done.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&done.stderr));
+    done.stdout
+}
+
+fn osm(name: &str) -> OsmData {
+    OsmData::from_bytes(&bytes(&format!("osm/{name}"))).unwrap()
+}
+
+/// A row of a recording: place and motion.
+struct Recorded {
+    at: LatLon,
+    speed_mps: f64,
+    yaw_rate_rps: f64,
+}
+
+/// Columns of `oxts/README`: latitude, longitude; ninth the forward velocity; 23rd the rate about the upward axis.
+fn recording(drive: &str) -> Vec<Recorded> {
+    let text = String::from_utf8(bytes(&format!("kitti/oxts/{drive}.txt.bz2"))).unwrap();
+    let row = |line: &str| {
+        let numbers: Vec<f64> = line.split_whitespace().map(|text| text.parse().unwrap()).collect();
+        let at = LatLon::new(numbers[0], numbers[1]).unwrap();
+        Recorded { at, speed_mps: numbers[8], yaw_rate_rps: numbers[22] }
+    };
+    text.lines().map(row).collect()
+}
+
+/// The fixes of a recording with errors of a seed, beside the true places; and the distance driven up to each.
+fn fixes(drive: &str, map: &str, seed: u64, scale: f64) -> Vec<(Fix, Point2<f64>, f64)> {
+    let graph = RoadGraph::from_osm(&osm(map)).unwrap();
+    let mut numbers = Numbers(seed);
+    let mut sign = || if numbers.unit() < 0.5 { -1.0 } else { 1.0 };
+    let (scale, bias_rps) = (1.0 + sign() * scale, sign() * 0.05_f64.to_radians());
+    let mut locator = Locator::new(&graph, Traffic::Right, seed);
+    let mut before: Option<Point2<f64>> = None;
+    let mut driven_m = 0.0;
+    let located = recording(drive).into_iter().enumerate().map(|(index, row)| {
+        let sample = MotionSample {
+            t_s: index as f64 * ROW_S,
+            speed_mps: row.speed_mps * scale + numbers.normal(0.1),
+            yaw_rate_rps: row.yaw_rate_rps + bias_rps + numbers.normal(0.1_f64.to_radians()),
+        };
+        let truth = graph.plane().map_from_wgs84(row.at);
+        driven_m += before.map_or(0.0, |before| (truth - before).norm());
+        before = Some(truth);
+        (locator.step(sample).unwrap().unwrap(), truth, driven_m)
+    });
+    located.collect()
+}
+
+/// What became of a drive.
+#[derive(Debug)]
+struct Outcome {
+    converged_m: Option<f64>,
+    /// Of every row from the first converged one on.
+    errors_m: Vec<f64>,
+    levels_m: Vec<f64>,
+    violations: usize,
+}
+
+fn outcome(fixes: &[(Fix, Point2<f64>, f64)]) -> Outcome {
+    let first = fixes.iter().position(|(fix, ..)| fix.status == Status::Converged);
+    let error_m = |(fix, truth, _): &(Fix, Point2<f64>, f64)| (fix.place_m - truth).norm();
+    let converged: Vec<_> = fixes.iter().filter(|(fix, ..)| fix.status == Status::Converged).collect();
+    Outcome {
+        converged_m: first.map(|first| fixes[first].2),
+        errors_m: first.map_or(Vec::new(), |first| fixes[first..].iter().map(error_m).collect()),
+        levels_m: converged.iter().filter_map(|(fix, ..)| fix.level_m).collect(),
+        violations: converged.iter().filter(|row| row.0.level_m.unwrap() < error_m(row)).count(),
+    }
+}
+
+fn shown(drive: &str, seed: u64, outcome: &Outcome) -> String {
+    let Outcome { converged_m, errors_m, levels_m, violations } = outcome;
+    let [p50, p95] = [0.5, 0.95].map(|share| quantile(errors_m, share));
+    format!(
+        "{drive}, seed {seed}: converged after {converged_m:.0?} m, error {p50:.2} m, p95 {p95:.2} m, level {:.1} m, {violations} of {} outside",
+        quantile(levels_m, 0.5),
+        levels_m.len()
+    )
+}
+
+#[test]
+fn drives_05_and_09_converge_within_500_metres_to_3_metres() {
+    for (drive, map) in [("05", "kitti_05.osm"), ("09", "kitti_09.osm")] {
+        for seed in SEEDS {
+            let outcome = outcome(&fixes(drive, map, seed, 0.01));
+            println!("{}", shown(drive, seed, &outcome));
+            assert!(outcome.converged_m.is_some_and(|driven_m| driven_m <= 500.0));
+            assert!(quantile(&outcome.errors_m, 0.5) <= 3.0);
+            assert!(quantile(&outcome.errors_m, 0.95) <= 10.0);
+            assert_eq!(outcome.violations, 0);
+        }
+    }
+}
+
+/// Drive 06 goes up and down a dual carriageway whose two turning places look alike, and 03 is short and on a map that is metres
+/// off: they need not converge, and claim nothing false.
+#[test]
+fn drives_03_and_06_claim_nothing_false() {
+    for (drive, map) in [("03", "comp2550_03.osm.bz2"), ("06", "kitti_06.osm")] {
+        for seed in SEEDS {
+            let outcome = outcome(&fixes(drive, map, seed, 0.01));
+            println!("{}", shown(drive, seed, &outcome));
+            assert_eq!(outcome.violations, 0);
+        }
+    }
+}
+
+#[test]
+fn a_speed_that_is_off_by_a_tenth_converges_as_well() {
+    for (drive, map) in [("05", "kitti_05.osm"), ("09", "kitti_09.osm")] {
+        for seed in SEEDS {
+            let outcome = outcome(&fixes(drive, map, seed, 0.1));
+            println!("{}", shown(drive, seed, &outcome));
+            assert!(outcome.converged_m.is_some());
+            assert!(quantile(&outcome.errors_m, 0.5) <= 5.0);
+        }
+    }
+}
+
+#[test]
+fn fifty_made_up_drives_keep_their_protection_levels() {
+    let mut all = Score::default();
+    for seed in 0..50 {
+        let osm = osm(["kitti_00.osm", "kitti_05.osm", "kitti_06.osm", "kitti_09.osm"][seed as usize % 4]);
+        let roads = RoadGraph::from_osm(&osm).unwrap();
+        let mut numbers = Numbers(1000 + seed);
+        let road = std::iter::repeat_with(|| line(&roads, 1500.0, &mut numbers)).flatten().next().unwrap();
+        let rows = drive(&road, typical_faults(&mut numbers), &mut numbers);
+        all.add(&locate(&osm, &rows, &mut numbers));
+    }
+    println!("{all}");
+    assert!(all.never_converged <= 5);
+    assert!(all.violations_part() <= 1e-3);
+    assert!(quantile(&all.levels_m, 0.5) <= 4.0 * all.median_error_m());
+}
