@@ -106,6 +106,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::float_cmp, reason = "errors as given, and counts over counts")]
     fn errors_count_from_the_first_converged_fix_on() {
         use FixStatus::{Ambiguous, Coasting, Converged};
         let samples = [
