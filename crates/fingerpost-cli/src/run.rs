@@ -42,7 +42,8 @@ pub(crate) struct RunArgs {
     /// Route, as written by `fingerpost route`.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
-    /// Distance along the route at the first frame, metres, where it is known; -1e6 to 1e6.
+    /// Distance along the route at the first frame, metres, where it is known; -1e6 to 1e6. Without it the drive may begin anywhere
+    /// on the route, and the first features are used up to find out where.
     #[arg(long, value_name = "M", requires = "route", allow_hyphen_values = true,
           value_parser = number(-1e6, 1e6, "place on a route", "metres"))]
     start_m: Option<f64>,

@@ -2,7 +2,8 @@
 //!
 //! The search for the next feature starts from here (paper 1, section VII): from the start given and the motion since,
 //! corrected by every feature that is followed and by GPS where there is any; or from nothing, in which case the
-//! features serve as directions in their order and the first one found says where the vehicle is.
+//! features serve as directions in their order (`track/directions.rs` asks which is the first) and one that is found says where the
+//! vehicle is.
 
 use fingerpost_geometry::Polyline;
 use nalgebra::Point2;

@@ -132,6 +132,15 @@ impl Why<'_> {
                 Frames(config.lost_frames),
                 Threshold(needed_p)
             ),
+            (Decision::NextUnknown { likeliest, rival }, _) => write!(
+                f,
+                "no start was given and it is not sure yet where on the route the vehicle is: the first to come was {} ({:.2}), {} \
+                 ({:.2}) or another",
+                name(&likeliest.0),
+                likeliest.1,
+                name(&rival.0),
+                rival.1
+            ),
             (Decision::Skipped { index }, _) => {
                 write!(f, "{} lies behind by all that is known and was never seen", name(index))
             }

@@ -5,7 +5,7 @@ use fingerpost_map::Route;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{AlignmentConfig, BeliefTracker, FeatureTracker, Tracker, TrackerSetting};
+use super::{AlignmentConfig, BeliefTracker, Directions, FeatureTracker, Tracker, TrackerSetting};
 
 /// Settings of search and tracking.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -102,6 +102,12 @@ impl TrackConfig {
         start_m: Option<f64>,
     ) -> Result<Box<dyn FeatureTracker>, GeometryError> {
         Ok(match self.method {
+            // Of a single feature there is no doubt which is next.
+            TrackMethod::Rules
+                if start_m.is_none() && route.is_some_and(|route| route.features.len() > 1) =>
+            {
+                Box::new(Directions::new(setting, route)?)
+            }
             TrackMethod::Rules => Box::new(Tracker::new(setting, route, start_m)?),
             TrackMethod::Belief => Box::new(BeliefTracker::new(setting, route, start_m)?),
         })

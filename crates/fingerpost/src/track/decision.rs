@@ -178,6 +178,13 @@ pub enum Decision {
         /// What is missing.
         lack: Lack,
     },
+    /// Where the vehicle is on the route is not sure enough to say which of its features is next.
+    NextUnknown {
+        /// Index of the likeliest one to have come first, and its probability.
+        likeliest: (usize, f64),
+        /// The same of the one after it.
+        rival: (usize, f64),
+    },
     /// Every feature has been passed.
     RouteDone,
 }

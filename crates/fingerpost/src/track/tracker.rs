@@ -1,6 +1,7 @@
 //! The tracker's states and how a frame moves it from one to the next.
 
 mod confirming;
+mod first_to_come;
 mod passing;
 mod searching;
 mod weighing;
@@ -63,6 +64,7 @@ pub struct Tracker {
     mode: Mode,
     passing: Option<Passing>,
     progress: RouteProgress,
+    found_off: Option<(f64, f64)>,
     search: CandidateSearch,
     /// Where the next feature is expected.
     expected: Vec<ExpectedAhead>,
@@ -102,14 +104,25 @@ impl Tracker {
         start_m: Option<f64>,
     ) -> Result<Self, GeometryError> {
         let (stops, route_in_map) = route_stops(setting, route)?;
-        Ok(Self {
+        let progress = RouteProgress::new(setting.progress, start_m);
+        Ok(Self { stops, ..Self::without_stops(setting, progress, 0, route_in_map) })
+    }
+
+    fn without_stops(
+        setting: TrackerSetting<'_>,
+        progress: RouteProgress,
+        next: usize,
+        route_in_map: Option<Polyline>,
+    ) -> Self {
+        Self {
             config: setting.track.clone(),
-            stops,
+            stops: Vec::new(),
             route_in_map,
-            next: 0,
+            next,
             mode: Mode::Searching { candidate: None, lost: false },
             passing: None,
-            progress: RouteProgress::new(setting.progress, start_m),
+            progress,
+            found_off: None,
             search: CandidateSearch::default(),
             expected: Vec::new(),
             aligner: Aligner::new(&setting.track.alignment, setting.viewpoint),
@@ -121,7 +134,7 @@ impl Tracker {
                 * (setting.grid.far_m() / USUAL_FAR_M).max(1.0).powi(2),
             viewpoint: setting.viewpoint,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
-        })
+        }
     }
 
     fn predict(&mut self, moved: &Moved<'_>) {
@@ -258,6 +271,8 @@ impl FeatureTracker for Tracker {
             let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);
             match (followed.route_m(&self.stops), &evidence.decision) {
                 (Some((route_m, sigma_m)), Decision::Detected) => {
+                    let expected = self.progress.belief_m();
+                    self.found_off = expected.map(|(mean_m, of_m)| (route_m - mean_m, of_m.hypot(sigma_m)));
                     self.progress.observe_found(feature_m, route_m, sigma_m);
                 }
                 (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),
