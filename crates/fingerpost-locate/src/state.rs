@@ -125,6 +125,19 @@ impl State {
     }
 }
 
+impl State {
+    /// Takes in a measured place, of which every direction has the variance `variance_m2`. Unchanged where it cannot be weighed.
+    pub(crate) fn take_place(&mut self, innovation: Vector2<f64>, variance_m2: f64) {
+        let expected = self.place_covariance() + Matrix2::identity() * variance_m2;
+        let Some(precision) = expected.try_inverse() else { return };
+        let crossed = self.covariance.fixed_view::<NUMBERS, 2>(0, EAST).into_owned();
+        let gain = crossed * precision;
+        self.mean += gain * innovation;
+        let covariance = self.covariance - gain * crossed.transpose();
+        self.covariance = (covariance + covariance.transpose()) * 0.5;
+    }
+}
+
 impl OffsetModel {
     /// The part of the offset that stays after a motion.
     fn kept(&self, motion: &Motion) -> f64 {

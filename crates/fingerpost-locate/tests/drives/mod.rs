@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Formatter};
 
 use fingerpost_geometry::Polyline;
 use fingerpost_locate::{Fix, Locator, MotionSample, Status, Traffic};
-use fingerpost_map::{Direction, OsmData, RoadGraph, Travel};
+use fingerpost_map::{Direction, OsmData, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
 
 /// A true pose.
@@ -191,27 +191,47 @@ pub(crate) fn wrap(angle_rad: f64) -> f64 {
     fingerpost_geometry::wrap_angle(angle_rad)
 }
 
-/// The fixes of a drive on a map that was drawn with errors: ways shifted by 1.2 m, nodes by 0.5 m (standard deviations east and
-/// north). Beside each the true place, in the plane of that map's graph.
+/// A vehicle that is located on a map that was drawn with errors: ways shifted by 1.2 m, nodes by 0.5 m (standard deviations east
+/// and north).
+pub(crate) struct Drive {
+    pub(crate) locator: Locator,
+    roads: TangentPlane,
+    map: TangentPlane,
+}
+
+impl Drive {
+    pub(crate) fn of(osm: &OsmData, numbers: &mut Numbers) -> Self {
+        let map = RoadGraph::from_osm(&drawn(osm, 1.2, 0.5, numbers)).unwrap();
+        let roads = *RoadGraph::from_osm(osm).unwrap().plane();
+        Self { locator: Locator::new(&map, Traffic::Right, 1), roads, map: *map.plane() }
+    }
+
+    /// A true place in the plane of the map's graph, metres.
+    pub(crate) fn in_map(&self, pose: &Pose) -> Point2<f64> {
+        self.map.map_from_wgs84(self.roads.wgs84_from_map(pose.place_m))
+    }
+}
+
+/// The fixes of a drive, and beside each the true place, in the plane of the map's graph.
 pub(crate) fn fixes(
     osm: &OsmData,
     rows: &[(MotionSample, Pose)],
     numbers: &mut Numbers,
 ) -> Vec<(Fix, Point2<f64>)> {
-    let roads = RoadGraph::from_osm(osm).unwrap();
-    let map = RoadGraph::from_osm(&drawn(osm, 1.2, 0.5, numbers)).unwrap();
-    let mut locator = Locator::new(&map, Traffic::Right, 1);
-    let in_map = |pose: &Pose| map.plane().map_from_wgs84(roads.plane().wgs84_from_map(pose.place_m));
-    rows.iter().map(|(row, pose)| (locator.step(*row).unwrap().unwrap(), in_map(pose))).collect()
+    let mut drive = Drive::of(osm, numbers);
+    rows.iter().map(|(row, pose)| (drive.locator.step(*row).unwrap().unwrap(), drive.in_map(pose))).collect()
 }
 
 /// How well a drive is located.
 pub(crate) fn locate(osm: &OsmData, rows: &[(MotionSample, Pose)], numbers: &mut Numbers) -> Score {
-    let fixes = fixes(osm, rows, numbers);
+    score(&fixes(osm, rows, numbers), rows)
+}
+
+/// How near fixes are to the true places beside them.
+pub(crate) fn score(fixes: &[(Fix, Point2<f64>)], rows: &[(MotionSample, Pose)]) -> Score {
     let mut score = Score { never_converged: 1, ..Score::default() };
-    for ((fix, truth), (_, pose)) in
-        fixes.iter().zip(rows).filter(|((fix, _), _)| fix.status == Status::Converged)
-    {
+    let beside = fixes.iter().zip(rows).filter(|((fix, _), _)| fix.status == Status::Converged);
+    for ((fix, truth), (_, pose)) in beside {
         if score.never_converged == 1 {
             score.converged_m.push(pose.driven_m);
             score.never_converged = 0;
