@@ -33,8 +33,8 @@ const SEED_SPACING_M: f64 = 10.0;
 /// Standard deviation along the road at the start, as a part of the spacing: sums of such bells are even within 2 %.
 const SEED_SIGMA: f64 = 0.6;
 /// Number of hypotheses at the start, and of those that are kept.
-const MOST_SEEDS: f64 = 10_000.0;
-const MOST_KEPT: usize = 30_000;
+const MOST_SEEDS: f64 = 40_000.0;
+const MOST_KEPT: usize = 100_000;
 /// Probability at the start of being on no road of the map.
 const OFF_MAP_AT_START: f64 = 0.05;
 /// Roads left for places off the map, per metre: one yard or unmapped road in fifty kilometres.
