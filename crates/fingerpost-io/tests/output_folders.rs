@@ -16,7 +16,7 @@ use fingerpost_io::{
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-const KINDS: [FolderKind; 7] = [
+const KINDS: [FolderKind; 8] = [
     FolderKind::Run,
     FolderKind::CampaignRun,
     FolderKind::Drive,
@@ -24,11 +24,13 @@ const KINDS: [FolderKind; 7] = [
     FolderKind::Tuning,
     FolderKind::Papers,
     FolderKind::Marks,
+    FolderKind::Location,
 ];
 
 /// Names that the program writes in some folder, and others; "frames/" and the like are in folders.
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 21] = [
     "config.toml",
+    "fix.jsonl",
     "frames.jsonl",
     "report.html",
     "truth.jsonl",
@@ -62,6 +64,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
         FolderKind::Tuning => &["report.html", "07.toml"],
         FolderKind::Papers => &["papers.md", "papers/order_road.svg"],
         FolderKind::Marks => &["truth.jsonl", "tusimple.json", "marked_frames/000001.jpg"],
+        FolderKind::Location => &["fix.jsonl"],
     };
     results.contains(&name)
 }
