@@ -10,14 +10,16 @@ use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost_eval::{evaluate_location, stage_time};
 use fingerpost_format::{
-    FixLine, FixStatus, LocationSummary, MotionLogRow, PlaceLine, parse_motion_log, parse_pose_log,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionLogRow, PlaceLine, parse_motion_log,
+    parse_pose_log,
 };
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
-use fingerpost_locate::{Fix, Locator, MotionSample, RISK, Status, Traffic};
+use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Status, Traffic};
 use fingerpost_map::RoadGraph;
 
 use self::against_truth::Truth;
 use crate::arguments::InputLimit;
+use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 
 /// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
@@ -33,6 +35,10 @@ pub(crate) struct LocateArgs {
     /// Motion log, CSV with a header: t_s,speed_mps,yaw_rate_rps (seconds, metres a second, radians a second to the left).
     #[arg(long, value_name = "FILE")]
     motion: PathBuf,
+    /// GPS positions with times, GPX, the first one at the motion log's first row. They are believed as far as they agree with the
+    /// roads driven: errors that keep for minutes, jumps and drifts are expected.
+    #[arg(long, value_name = "FILE")]
+    gps: Option<PathBuf>,
     /// True poses, CSV with a header: t_s,lat,lon,heading_rad (degrees; radians anticlockwise from east). Only used to measure the
     /// results.
     #[arg(long, value_name = "FILE")]
@@ -53,7 +59,7 @@ pub(crate) struct LocateArgs {
 
 /// Locates.
 pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
-    let inputs = [Some(&args.map), Some(&args.motion), args.truth.as_ref()];
+    let inputs = [Some(&args.map), Some(&args.motion), args.gps.as_ref(), args.truth.as_ref()];
     output_path::check_folder(
         &args.out,
         FolderKind::Location,
@@ -69,6 +75,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         }
         None => None,
     };
+    let mut gps = args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?;
     let folder = OutputFolder::take(&args.out, FolderKind::Location)?;
     let mut fixes = JsonLinesFile::create(&folder.path().join(FIXES_FILE))?;
     let traffic = match args.traffic {
@@ -81,8 +88,11 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     for row in &rows {
         let started = Instant::now();
         let Some(fix) = locator.step(sample(row)).context("the motion log")? else { continue };
+        // What GPS says in a row is part of the fix of the next.
+        let at = gps.as_mut().and_then(|gps| gps.at(row.t_s - rows[0].t_s));
+        let evidence = at.and_then(|at| locator.gps(graph.plane().map_from_wgs84(at)));
         tally.row_ms.push(started.elapsed().as_secs_f64() * 1e3);
-        let line = line(&graph, &fix);
+        let line = line(&graph, &fix, evidence);
         fixes.append(&line)?;
         tally.add(&line, row.t_s - rows[0].t_s);
         if let Some(truth) = &truth {
@@ -106,6 +116,7 @@ struct Tally {
     statuses: BTreeMap<FixStatus, usize>,
     converged_s: Option<f64>,
     most_hypotheses: usize,
+    gps: GpsCount,
     row_ms: Vec<f64>,
     samples: Vec<fingerpost_eval::FixSample>,
 }
@@ -113,6 +124,10 @@ struct Tally {
 impl Tally {
     fn add(&mut self, line: &FixLine, since_start_s: f64) {
         *self.statuses.entry(line.status).or_default() += 1;
+        if let Some(gps) = &line.gps {
+            self.gps.places += 1;
+            self.gps.not_believed += usize::from(!gps.believed);
+        }
         self.most_hypotheses = self.most_hypotheses.max(line.hypotheses);
         if line.status == FixStatus::Converged {
             self.converged_s.get_or_insert(since_start_s);
@@ -127,13 +142,14 @@ impl Tally {
             converged_s: self.converged_s,
             risk: RISK,
             most_hypotheses: self.most_hypotheses,
+            gps: (self.gps.places > 0).then_some(self.gps),
             row_ms: stage_time(self.row_ms),
             truth: with_truth.then(|| evaluate_location(&self.samples)),
         }
     }
 }
 
-fn line(graph: &RoadGraph, fix: &Fix) -> FixLine {
+fn line(graph: &RoadGraph, fix: &Fix, gps: Option<GpsEvidence>) -> FixLine {
     let at = graph.plane().wgs84_from_map(fix.place_m);
     let covariance = fix.covariance_m2;
     FixLine {
@@ -153,6 +169,7 @@ fn line(graph: &RoadGraph, fix: &Fix) -> FixLine {
         weight: fix.mass,
         off_map: fix.off_map,
         hypotheses: fix.hypotheses,
+        gps: gps.map(|GpsEvidence { innovation_m, believed }| GpsLine { innovation_m, believed }),
         places: fix
             .rivals
             .iter()

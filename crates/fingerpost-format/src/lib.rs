@@ -35,7 +35,9 @@ pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
-pub use location::{FixLine, FixStatus, LocationScores, LocationSummary, PlaceLine, Recall};
+pub use location::{
+    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, PlaceLine, Recall,
+};
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };

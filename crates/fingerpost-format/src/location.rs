@@ -43,10 +43,31 @@ pub struct FixLine {
     pub weight: f64,
     /// Probability of being on no road of the map.
     pub off_map: f64,
+    /// The place that GPS gave with this row, where it gave one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gps: Option<GpsLine>,
     /// Number of hypotheses.
     pub hypotheses: usize,
     /// The heaviest of them.
     pub places: Vec<PlaceLine>,
+}
+
+/// What was made of a place by GPS.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GpsLine {
+    /// East and north of it from the fix, metres.
+    pub innovation_m: [f64; 2],
+    /// Whether it agrees with the fix; one that does not moves nothing.
+    pub believed: bool,
+}
+
+/// Places by GPS over a drive.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GpsCount {
+    /// How many there were.
+    pub places: usize,
+    /// How many of them did not agree with the fix.
+    pub not_believed: usize,
 }
 
 /// A place where the vehicle may be.
@@ -77,6 +98,9 @@ pub struct LocationSummary {
     pub risk: f64,
     /// Most hypotheses at a time.
     pub most_hypotheses: usize,
+    /// Places by GPS; none where there was no GPS.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gps: Option<GpsCount>,
     /// Wall time of a row.
     pub row_ms: Option<StageTime>,
     /// Comparison with truth.

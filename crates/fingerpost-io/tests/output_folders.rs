@@ -30,6 +30,7 @@ const KINDS: [FolderKind; 8] = [
 /// Names that the program writes in some folder, and others; "frames/" and the like are in folders.
 const NAMES: [&str; 21] = [
     "config.toml",
+    "fix.jsonl",
     "frames.jsonl",
     "report.html",
     "truth.jsonl",
@@ -46,7 +47,6 @@ const NAMES: [&str; 21] = [
     "road_masks/000001.png",
     "marked_frames/000001.jpg",
     "papers.md",
-    "fix.jsonl",
     "papers/order_road.svg",
     "papers/Notes.svg",
     "deep/er/file",

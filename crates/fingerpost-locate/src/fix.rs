@@ -45,10 +45,9 @@ impl Belief {
     /// `before` is the status of the estimate before.
     pub(crate) fn estimate(&self, before: Status) -> Option<Estimate> {
         let best = self.heaviest_place()?;
-        let of_place = |hypothesis: &&Hypothesis| is_one_place(hypothesis, best);
         let mut state = best.state;
         let mut mass = 0.0;
-        for hypothesis in self.hypotheses.iter().filter(of_place) {
+        for hypothesis in self.hypotheses.iter().filter(|hypothesis| is_one_place(hypothesis, best)) {
             let weight = hypothesis.log_weight.exp();
             mass += weight;
             state = mixed(&state, &hypothesis.state, weight / mass);
@@ -57,7 +56,7 @@ impl Belief {
         let off_map = self.off_map();
         let was_converged = matches!(before, Status::Converged | Status::Coasting);
         // What has surprised once can only be mended by roads whose errors are others than those that it was told by.
-        let is_in_doubt = was_converged && self.agreed_m < OFFSET_MODEL.distance_m;
+        let is_in_doubt = self.agreed_m < OFFSET_MODEL.distance_m;
         let status = match level_m {
             Some(level_m) if level_m <= ALERT_LIMIT_M && !is_in_doubt => Status::Converged,
             _ if off_map > 0.5 => Status::Lost,
@@ -73,11 +72,11 @@ impl Belief {
             let near = self.hypotheses.iter().filter(|other| is_one_place(other, centre));
             near.map(|hypothesis| hypothesis.log_weight.exp()).sum::<f64>()
         };
-        let first = self.hypotheses.first()?;
+        let first: &Hypothesis = self.hypotheses.first()?;
         if first.log_weight.exp() < 1e-2 {
             return Some(first);
         }
-        let heaviest = self.hypotheses.iter().take(8).map(|centre| (mass(centre), centre));
+        let heaviest = self.hypotheses.iter().take(8).map(|centre| (mass(centre), centre.as_ref()));
         heaviest
             .reduce(|best, next| if next.0 > best.0 + 1e-9 { next } else { best })
             .map(|(_, centre)| centre)

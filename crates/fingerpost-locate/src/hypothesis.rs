@@ -3,11 +3,10 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use fingerpost_geometry::wrap_angle;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::odometry::Motion;
-use crate::path::{Course, SPACING_M};
+use crate::path::{Course, SPACING_M, Sample};
 use crate::roads::Roads;
 use crate::state::{EAST, HEADING, NORTH, OFFSET, OffsetModel, State};
 
@@ -21,6 +20,8 @@ const LINE_HEADING_RAD: f64 = 0.2;
 const REACH_SIGMAS: f64 = 3.0;
 /// Reach beyond that, metres.
 const REACH_M: f64 = 4.0;
+/// Samples from one look to the next where a pose's place on the line is looked for at first.
+const COARSE: usize = 3;
 /// Distance to a course's end below which it branches, metres beyond what the place is unsure by: half a junction.
 const BRANCH_AHEAD_M: f64 = 20.0;
 
@@ -69,18 +70,24 @@ impl Hypothesis {
             ));
         let Some(precision) = spread.try_inverse() else { return Fit::NONE };
         let place = self.state.place();
-        let heading_rad = self.state.mean[HEADING];
-        let mut best = (f64::INFINITY, 0);
-        for (number, sample) in samples.iter().enumerate() {
+        let heading = self.ahead();
+        let cost = |sample: &Sample| {
             let off = place - sample.point;
-            let off = Vector3::new(off.x, off.y, wrap_angle(heading_rad - sample.heading_rad));
-            let cost = off.dot(&(precision * off));
-            if cost < best.0 {
-                best = (cost, number);
-            }
-        }
-        let Some(sample) = samples.get(best.1) else { return Fit::NONE };
-        let number = first + best.1;
+            let off = Vector3::new(off.x, off.y, turned(sample.ahead, heading));
+            off.dot(&(precision * off))
+        };
+        let cheapest = |from: usize, to: usize, step: usize| {
+            let numbers = (from..to.min(samples.len())).step_by(step);
+            let costs = numbers.filter_map(|number| Some((cost(samples.get(number)?), number)));
+            costs.reduce(|best, next| if next.0 < best.0 { next } else { best })
+        };
+        // The cost is smooth from sample to sample: a coarse look finds the valley.
+        let Some((_, near)) = cheapest(0, samples.len(), COARSE) else { return Fit::NONE };
+        let Some((_, best)) = cheapest(near.saturating_sub(COARSE - 1), near + COARSE, 1) else {
+            return Fit::NONE;
+        };
+        let Some(sample) = samples.get(best) else { return Fit::NONE };
+        let number = first + best;
         let off = place - sample.point;
         let beyond_m = off.dot(&sample.ahead);
         self.along_m = number as f64 * SPACING_M + beyond_m.clamp(-SPACING_M, SPACING_M);
@@ -127,6 +134,13 @@ impl Hypothesis {
     pub(crate) fn exits<'a>(&self, roads: &'a Roads) -> &'a [(u32, f64)] {
         self.course.edges.last().map_or(&[], |edge| &roads.edge(*edge).exits)
     }
+}
+
+/// About the angle from one unit vector to another, radians to the left: its sine up to a right angle, and growing from there on. No
+/// more is needed to tell places of a line apart, and it is asked for at every one.
+fn turned(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
+    let (sine, cosine) = (from.perp(&to), from.dot(&to));
+    if cosine >= 0.0 { sine } else { (2.0 - sine.abs()).copysign(sine) }
 }
 
 /// Logarithm of the density of a normal distribution, by the square of the deviation and the variance.

@@ -7,6 +7,7 @@
 
 mod belief;
 mod fix;
+mod gps;
 mod hypothesis;
 mod level;
 mod locator;
@@ -18,6 +19,7 @@ mod roads;
 mod state;
 
 pub use fix::{Fix, RISK, Rival, Status};
+pub use gps::GpsEvidence;
 pub use locator::{Locator, MotionError};
 pub use odometry::{Motion, MotionSample};
 pub use roads::Traffic;

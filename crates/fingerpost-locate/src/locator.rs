@@ -1,10 +1,12 @@
 //! From a motion log to a fix a row.
 
 use fingerpost_map::RoadGraph;
+use nalgebra::Point2;
 use thiserror::Error;
 
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, Rival, Status};
+use crate::gps::{GpsEvidence, Receiver};
 use crate::odometry::{Motion, MotionSample};
 use crate::roads::Traffic;
 use crate::state::{HEADING, SCALE};
@@ -36,6 +38,7 @@ pub struct Locator {
     pending: Motion,
     before: Option<MotionSample>,
     estimate: Option<Estimate>,
+    receiver: Receiver,
 }
 
 impl Locator {
@@ -43,7 +46,7 @@ impl Locator {
     pub fn new(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
         let belief = Belief::anywhere(graph, traffic, seed);
         let estimate = belief.estimate(Status::Ambiguous);
-        Self { belief, pending: Motion::default(), before: None, estimate }
+        Self { belief, pending: Motion::default(), before: None, estimate, receiver: Receiver::default() }
     }
 
     /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
@@ -64,14 +67,40 @@ impl Locator {
         }
         self.before = Some(row);
         if self.pending.driven_m >= LOOK_EVERY_M {
-            self.belief.go(&self.pending);
-            self.pending = Motion::default();
-            let status = self.estimate.as_ref().map_or(Status::Ambiguous, |estimate| estimate.status);
-            self.estimate = self.belief.estimate(status);
+            self.look();
         }
         Ok(self.fix(row.t_s))
     }
 
+    /// Takes in a place by GPS, metres in the plane of the map's graph, measured at the time of the last row: where it lies from the
+    /// fix, and whether that believed it. None where there is no fix, for a place that is no number, and for a fix of GPS that is
+    /// no later than the one before.
+    pub fn gps(&mut self, place_m: Point2<f64>) -> Option<GpsEvidence> {
+        let t_s = self.before?.t_s;
+        if !(place_m.x.is_finite() && place_m.y.is_finite()) {
+            return None;
+        }
+        let weight = self.receiver.weight(t_s)?;
+        if self.pending.driven_m > 0.0 {
+            self.look();
+        }
+        let evidence = self.belief.take_gps(place_m, weight, self.estimate.as_ref()?);
+        self.estimate_again();
+        Some(evidence)
+    }
+
+    fn look(&mut self) {
+        self.belief.go(&self.pending);
+        self.pending = Motion::default();
+        self.estimate_again();
+    }
+
+    fn estimate_again(&mut self) {
+        let status = self.estimate.as_ref().map_or(Status::Ambiguous, |estimate| estimate.status);
+        self.estimate = self.belief.estimate(status);
+    }
+
+    /// The fix at a time (seconds) after the last row's motion.
     fn fix(&self, t_s: f64) -> Option<Fix> {
         let Estimate { mut state, mass, level_m, status } = self.estimate.clone()?;
         state.go(&self.pending, &OFFSET_MODEL);

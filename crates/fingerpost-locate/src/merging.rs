@@ -12,7 +12,8 @@ const SAME_SIGMAS: f64 = 0.7;
 const MOST_WIDER: f64 = 2.0;
 
 /// Merges neighbours on the same course; the rest keep their order, heaviest first.
-pub(crate) fn merge_alike(hypotheses: &mut Vec<Hypothesis>) {
+#[allow(clippy::vec_box, reason = "as the belief keeps them")]
+pub(crate) fn merge_alike(hypotheses: &mut Vec<Box<Hypothesis>>) {
     let course = |hypothesis: &Hypothesis| Arc::as_ptr(&hypothesis.course) as usize;
     // By course as edges, not by address: the order must be the same every time.
     hypotheses.sort_by(|a, b| {

@@ -1,7 +1,7 @@
-//! Motion between two moments, gathered from the vehicle's speed and yaw rate, with what it owes to their errors.
+//! Motion between two moments, gathered from the vehicle's speed and yaw rate, with the derivatives and noise that their errors cause.
 //!
 //! Every hypothesis moves by the same measurements: they are integrated once, in the vehicle's frame at the first moment, with the
-//! derivatives by scale and bias (preintegration: C. Forster et al., "On-manifold preintegration", IEEE T-RO 2017).
+//! derivative by the yaw rate's bias (preintegration: C. Forster et al., "On-manifold preintegration", IEEE T-RO 2017).
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 

@@ -11,7 +11,7 @@ use crate::roads::Roads;
 /// Distance between samples of a course, metres.
 pub(crate) const SPACING_M: f64 = 1.0;
 /// Half the width of the moving average that rounds a course's corners, samples. A right angle becomes a bend of about 9 m radius,
-/// as cars turn at junctions of streets (RASt 06, tracking curves of the passenger car).
+/// as cars turn at junctions of streets.
 const ROUNDING: usize = 10;
 /// Road kept behind the vehicle, metres beyond what its place is unsure by.
 const KEPT_BEHIND_M: f64 = 40.0;

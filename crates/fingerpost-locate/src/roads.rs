@@ -3,12 +3,12 @@
 use fingerpost_geometry::Polyline;
 use fingerpost_map::{Direction, RoadGraph};
 
-/// How probable it is, against another exit, that a vehicle enters a one-way street from its wrong end: map errors and forbidden
-/// driving together are of this order (OpenStreetMap's own quality checks find about one wrong direction in a hundred).
+/// How probable it is, against another exit, that a vehicle enters a one-way street from its wrong end: directions that are wrong in
+/// the map and forbidden driving together. A judgement; small enough not to double the hypotheses' weight, and not zero.
 const WRONG_WAY: f64 = 0.01;
 
-/// Width of a two-way road from which on it has two lanes, metres (RASt 06: two cars pass each other at town speeds in 5.5 m and
-/// more; narrower ones are driven in the middle, and with cars parked along them wider ones too).
+/// Width of a two-way road from which on it has two lanes, metres: the widths that this map reader assumes for tertiary roads and
+/// above. Narrower ones are driven in the middle, along parked cars.
 const TWO_LANES_M: f64 = 6.0;
 
 /// The side of the road that is driven on.

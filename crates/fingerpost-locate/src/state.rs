@@ -66,7 +66,7 @@ impl State {
         let (sine, cosine) = self.start_heading(motion).sin_cos();
         let turned = nalgebra::Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
         let noise = turned * motion.covariance * turned.transpose();
-        self.covariance = jacobian * self.covariance * jacobian.transpose();
+        self.covariance = carried(&self.covariance, &jacobian);
         let mut pose = self.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
         pose += noise;
         let kept = offset.kept(motion);
@@ -125,11 +125,41 @@ impl State {
     }
 }
 
+impl State {
+    /// Takes in a measured place, of which every direction has the variance `variance_m2`. Unchanged where it cannot be weighed.
+    pub(crate) fn take_place(&mut self, innovation: Vector2<f64>, variance_m2: f64) {
+        let expected = self.place_covariance() + Matrix2::identity() * variance_m2;
+        let Some(precision) = expected.try_inverse() else { return };
+        let crossed = self.covariance.fixed_view::<NUMBERS, 2>(0, EAST).into_owned();
+        let gain = crossed * precision;
+        self.mean += gain * innovation;
+        let covariance = self.covariance - gain * crossed.transpose();
+        self.covariance = (covariance + covariance.transpose()) * 0.5;
+    }
+}
+
 impl OffsetModel {
     /// The part of the offset that stays after a motion.
     fn kept(&self, motion: &Motion) -> f64 {
         (-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad).exp()
     }
+}
+
+/// The covariance behind a step: `jacobian * covariance * jacobian^T`, of a Jacobian as [`State::jacobian`] gives it, without the
+/// products with its zeros and ones.
+fn carried(covariance: &Covariance, jacobian: &Covariance) -> Covariance {
+    let half = |from: &Covariance| {
+        let mut to = *from;
+        for row in [EAST, NORTH] {
+            for by in [HEADING, SCALE, BIAS] {
+                to.set_row(row, &(to.row(row) + from.row(by) * jacobian[(row, by)]));
+            }
+        }
+        to.set_row(HEADING, &(from.row(HEADING) + from.row(BIAS) * jacobian[(HEADING, BIAS)]));
+        to.set_row(OFFSET, &(from.row(OFFSET) * jacobian[(OFFSET, OFFSET)]));
+        to
+    };
+    half(&half(covariance).transpose())
 }
 
 fn rotated(vector: Vector2<f64>, angle_rad: f64) -> Vector2<f64> {
@@ -168,6 +198,16 @@ mod tests {
             let numeric = (above - below) / 2e-5;
             assert!((numeric - jacobian.column(number)).norm() < 1e-6, "{number}");
         }
+    }
+
+    #[test]
+    fn a_covariance_is_carried_as_by_the_whole_product() {
+        let (state, motion) = (state(), motion());
+        let jacobian = state.jacobian(&motion, &OFFSET_MODEL);
+        let root = Covariance::from_fn(|row, column| ((3 * row + 5 * column) as f64).sin());
+        let covariance = root * root.transpose();
+        let whole = jacobian * covariance * jacobian.transpose();
+        assert!((carried(&covariance, &jacobian) - whole).norm() < 1e-9);
     }
 
     #[test]

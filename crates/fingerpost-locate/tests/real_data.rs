@@ -7,6 +7,7 @@
 // Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[allow(dead_code, reason = "every test uses a part")]
 mod drives;
 
 use std::path::PathBuf;
@@ -16,7 +17,8 @@ use fingerpost_locate::{Fix, Locator, MotionSample, Status, Traffic};
 use fingerpost_map::{LatLon, OsmData, RoadGraph};
 use nalgebra::Point2;
 
-use self::drives::{Numbers, Score, drive, line, locate, quantile, typical_faults};
+use self::drives::score::quantile;
+use self::drives::{Numbers, Score, drive, line, locate, typical_faults};
 
 /// Time between rows of the recordings, seconds: the mean of `times_00.txt`. Driven distances by speed and by place agree with it.
 const ROW_S: f64 = 0.103_652;

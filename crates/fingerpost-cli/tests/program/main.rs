@@ -19,6 +19,7 @@ mod evaluating_road;
 mod interrupts;
 mod lanes;
 mod live;
+mod locating;
 mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;

@@ -1,13 +1,16 @@
 //! Made-up drives on the roads of a map, with sensors and maps that are wrong.
 
+pub(crate) mod score;
+
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::fmt::{self, Display, Formatter};
 
 use fingerpost_geometry::Polyline;
-use fingerpost_locate::{Fix, Locator, MotionSample, Status, Traffic};
-use fingerpost_map::{Direction, OsmData, RoadGraph, Travel};
+use fingerpost_locate::{Fix, Locator, MotionSample, Traffic};
+use fingerpost_map::{Direction, OsmData, RoadGraph, TangentPlane, Travel};
 use nalgebra::{Point2, Vector2};
+
+pub(crate) use self::score::{Score, score};
 
 /// A true pose.
 #[derive(Debug, Clone, Copy)]
@@ -191,94 +194,38 @@ pub(crate) fn wrap(angle_rad: f64) -> f64 {
     fingerpost_geometry::wrap_angle(angle_rad)
 }
 
-/// The fixes of a drive on a map that was drawn with errors: ways shifted by 1.2 m, nodes by 0.5 m (standard deviations east and
-/// north). Beside each the true place, in the plane of that map's graph.
+/// A vehicle that is located on a map that was drawn with errors: ways shifted by 1.2 m, nodes by 0.5 m (standard deviations east
+/// and north).
+pub(crate) struct Drive {
+    pub(crate) locator: Locator,
+    roads: TangentPlane,
+    map: TangentPlane,
+}
+
+impl Drive {
+    pub(crate) fn of(osm: &OsmData, numbers: &mut Numbers) -> Self {
+        let map = RoadGraph::from_osm(&drawn(osm, 1.2, 0.5, numbers)).unwrap();
+        let roads = *RoadGraph::from_osm(osm).unwrap().plane();
+        Self { locator: Locator::new(&map, Traffic::Right, 1), roads, map: *map.plane() }
+    }
+
+    /// A true place in the plane of the map's graph, metres.
+    pub(crate) fn in_map(&self, pose: &Pose) -> Point2<f64> {
+        self.map.map_from_wgs84(self.roads.wgs84_from_map(pose.place_m))
+    }
+}
+
+/// The fixes of a drive, and beside each the true place, in the plane of the map's graph.
 pub(crate) fn fixes(
     osm: &OsmData,
     rows: &[(MotionSample, Pose)],
     numbers: &mut Numbers,
 ) -> Vec<(Fix, Point2<f64>)> {
-    let roads = RoadGraph::from_osm(osm).unwrap();
-    let map = RoadGraph::from_osm(&drawn(osm, 1.2, 0.5, numbers)).unwrap();
-    let mut locator = Locator::new(&map, Traffic::Right, 1);
-    let in_map = |pose: &Pose| map.plane().map_from_wgs84(roads.plane().wgs84_from_map(pose.place_m));
-    rows.iter().map(|(row, pose)| (locator.step(*row).unwrap().unwrap(), in_map(pose))).collect()
+    let mut drive = Drive::of(osm, numbers);
+    rows.iter().map(|(row, pose)| (drive.locator.step(*row).unwrap().unwrap(), drive.in_map(pose))).collect()
 }
 
 /// How well a drive is located.
 pub(crate) fn locate(osm: &OsmData, rows: &[(MotionSample, Pose)], numbers: &mut Numbers) -> Score {
-    let fixes = fixes(osm, rows, numbers);
-    let mut score = Score { never_converged: 1, ..Score::default() };
-    for ((fix, truth), (_, pose)) in
-        fixes.iter().zip(rows).filter(|((fix, _), _)| fix.status == Status::Converged)
-    {
-        if score.never_converged == 1 {
-            score.converged_m.push(pose.driven_m);
-            score.never_converged = 0;
-        }
-        let (off, level_m) = (fix.place_m - truth, fix.level_m.unwrap());
-        score.errors_m.push(off.norm());
-        score.levels_m.push(level_m);
-        score.violations += usize::from(off.norm() > level_m);
-        score.squared_errors += (off.transpose() * fix.covariance_m2.try_inverse().unwrap() * off)[0];
-    }
-    score
-}
-
-/// Converged fixes of some drives against truth.
-#[derive(Debug, Default)]
-pub(crate) struct Score {
-    pub(crate) errors_m: Vec<f64>,
-    pub(crate) levels_m: Vec<f64>,
-    pub(crate) converged_m: Vec<f64>,
-    pub(crate) violations: usize,
-    pub(crate) squared_errors: f64,
-    pub(crate) never_converged: usize,
-}
-
-impl Score {
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.errors_m.extend(&other.errors_m);
-        self.levels_m.extend(&other.levels_m);
-        self.converged_m.extend(&other.converged_m);
-        self.violations += other.violations;
-        self.squared_errors += other.squared_errors;
-        self.never_converged += other.never_converged;
-    }
-
-    pub(crate) fn violations_part(&self) -> f64 {
-        self.violations as f64 / self.errors_m.len().max(1) as f64
-    }
-
-    pub(crate) fn median_error_m(&self) -> f64 {
-        quantile(&self.errors_m, 0.5)
-    }
-
-    pub(crate) fn nees(&self) -> f64 {
-        self.squared_errors / self.errors_m.len().max(1) as f64
-    }
-}
-
-impl Display for Score {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "converged after {:.0} m (median; never {}), error {:.2} m, p95 {:.2} m, level {:.2} m, {} of {} outside, NEES {:.2}",
-            quantile(&self.converged_m, 0.5),
-            self.never_converged,
-            self.median_error_m(),
-            quantile(&self.errors_m, 0.95),
-            quantile(&self.levels_m, 0.5),
-            self.violations,
-            self.errors_m.len(),
-            self.nees()
-        )
-    }
-}
-
-/// The value that a share of the values does not exceed.
-pub(crate) fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(f64::NAN)
+    score(&fixes(osm, rows, numbers), rows)
 }
