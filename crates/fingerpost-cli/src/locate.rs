@@ -35,7 +35,7 @@ pub(crate) struct LocateArgs {
     /// Motion log, CSV with a header: t_s,speed_mps,yaw_rate_rps (seconds, metres a second, radians a second to the left).
     #[arg(long, value_name = "FILE")]
     motion: PathBuf,
-    /// GPS positions with times, GPX, the first one at the motion log's first row. They are believed as far as they agree with the
+    /// GPS positions with times (GPX, NMEA or gpsd's reports), the first one at the motion log's first row. They are believed as far as they agree with the
     /// roads driven: errors that keep for minutes, jumps and drifts are expected.
     #[arg(long, value_name = "FILE")]
     gps: Option<PathBuf>,
