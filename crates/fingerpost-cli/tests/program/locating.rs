@@ -58,7 +58,7 @@ fn every_row_has_a_fix_and_the_same_log_gives_the_same_file() {
     let summary: LocationSummary = serde_json::from_str(&called.stdout).unwrap();
     assert_eq!((summary.rows, summary.statuses[&FixStatus::Ambiguous]), (100, 100));
     let scores = summary.truth.unwrap();
-    assert_eq!((scores.converged_m, scores.bound_violations), (None, 0));
+    assert!(scores.converged_m.is_none() && scores.bound_violations == 0);
     // The folder is the program's own and may be written again.
     locate(folder.path(), "", "second").done();
 }
