@@ -27,7 +27,7 @@ use self::height_map::{HeightMap, UNIT};
 pub(crate) use self::joining::Joining;
 use self::laid_over::{LaidOver, Raster, Region};
 use self::past_views::{PastView, PastViews, SPACING_M};
-use self::sweep::Sweep;
+use self::sweep::{SWEPT_ROWS, Sweep};
 use crate::ground_view::{CameraTurn, GroundView};
 use crate::motion::Motion;
 
@@ -213,7 +213,7 @@ fn weigh(
     mut tell: impl FnMut([usize; 2], f32),
     region: Region,
 ) {
-    for row in (0..region.rows).step_by(2) {
+    for row in SWEPT_ROWS.of(region.rows) {
         for best in [&mut *level, &mut *raised] {
             best.clear();
             best.resize(region.columns, 0.0);
