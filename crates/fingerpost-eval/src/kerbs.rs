@@ -145,7 +145,7 @@ mod tests {
         let right = scores(&[], &[[8.0, -2.5, 0.12]]).evaluation();
         assert!((right.error_m.unwrap().p50 - 0.5).abs() < 0.03, "{right:?}");
         assert!((right.road_not_called_road_pct - 20.0).abs() < 2.0, "{right:?}");
-        assert!(right.missed_pct == 0.0 && right.pavement_called_road_pct == 0.0);
+        assert!(right.missed_pct < 0.1 && right.pavement_called_road_pct < 0.1);
     }
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
         let mut scores = KerbScores::default();
         scores.add(&truth, |[_, left_m]| (left_m.abs() < 6.0).then_some(0.9));
         let all = scores.evaluation();
-        assert!(all.missed_pct == 100.0 && (all.error_m.unwrap().p50 - 3.5).abs() < 0.03, "{all:?}");
+        assert!(all.missed_pct > 99.9 && (all.error_m.unwrap().p50 - 3.5).abs() < 0.03, "{all:?}");
         scores.extend(&scores.clone());
         assert_eq!(scores.evaluation().kerbs, 2);
     }
