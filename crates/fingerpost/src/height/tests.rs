@@ -6,8 +6,9 @@ use nalgebra::{Isometry2, Matrix3, Vector2};
 use super::*;
 use crate::ground_view::GroundViewConfig;
 
-/// Left of it the ground is raised, metres left of the vehicle's way, and by how much.
+/// Beyond them the ground is raised, metres to the left and to the right of the vehicle's way, and by how much.
 const KERB_LEFT_M: f64 = 2.0;
+const KERB_RIGHT_M: f64 = 2.7;
 const KERB_M: f64 = 0.12;
 
 fn view() -> GroundView {
@@ -44,7 +45,8 @@ fn shown(view: &GroundView, driven_m: f64, turn: CameraTurn) -> Plane<u8> {
             let at = Point2::new(at.x / at.z, at.y / at.z);
             // What is raised is seen first.
             let raised = foot + (at - foot) * (1.0 - KERB_M / height_m);
-            let at = if raised.y > KERB_LEFT_M { raised } else { at };
+            let is_raised = raised.y > KERB_LEFT_M || raised.y < -KERB_RIGHT_M;
+            let at = if is_raised { raised } else { at };
             *value = texture(Point2::new(at.x + driven_m, at.y)) as u8;
         }
     }
@@ -96,6 +98,22 @@ fn a_pitch_and_a_roll_that_nobody_knows_of_are_the_plane_s() {
     let turn = CameraTurn { pitch_rad: 0.005, roll_rad: 0.006, yaw_rad: 0.0 };
     let (view, stage) = drive(turn, CameraTurn::default(), &[0.5; 16]);
     is_told(&view, &stage);
+}
+
+#[test]
+fn kerbs_are_found_where_they_are_on_either_side() {
+    let (view, stage) = drive(CameraTurn::default(), CameraTurn::default(), &[0.5; 16]);
+    for (side, kerb_m) in [(1.0, KERB_LEFT_M), (-1.0, KERB_RIGHT_M)] {
+        let mut found_m: Vec<f64> = (0..12)
+            .map(|i| {
+                let x = 6.0 + 0.25 * f64::from(i);
+                let mut aside = (0..80).map(|j| 1.0 + 0.05 * f64::from(j));
+                aside.find(|aside_m| at(&view, &stage, x, side * aside_m) > 0.0).unwrap()
+            })
+            .collect();
+        found_m.sort_by(f64::total_cmp);
+        assert!((found_m[6] - kerb_m).abs() < 0.2, "{side}: {found_m:?}");
+    }
 }
 
 #[test]
