@@ -1,5 +1,6 @@
 //! `fingerpost evaluate`: results against truth.
 
+mod kerbs;
 mod lanes;
 mod road;
 
@@ -13,11 +14,12 @@ use fingerpost_io::read_truth;
 
 use crate::output;
 
-/// Compare a finished run, or the road detectors, with truth.
+/// Compare a finished run, or road surfaces, with truth.
 #[derive(Debug, Subcommand)]
 pub(crate) enum EvaluateCommand {
     Junctions(JunctionsArgs),
     Motion(MotionArgs),
+    Kerbs(kerbs::KerbsArgs),
     Lanes(lanes::LanesArgs),
     Road(road::RoadArgs),
 }
@@ -62,6 +64,7 @@ pub(crate) fn evaluate(command: &EvaluateCommand) -> Result<()> {
     match command {
         EvaluateCommand::Junctions(args) => junctions(args),
         EvaluateCommand::Motion(args) => motion(args),
+        EvaluateCommand::Kerbs(args) => kerbs::kerbs(args),
         EvaluateCommand::Lanes(args) => lanes::lanes(args),
         EvaluateCommand::Road(args) => road::road(args),
     }

@@ -12,6 +12,7 @@ mod error;
 mod features;
 mod first_detections;
 mod junctions;
+mod kerbs;
 mod lanes;
 mod location;
 mod motion;
@@ -26,6 +27,7 @@ pub use error::EvalError;
 pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
 pub use first_detections::first_detections;
 pub use junctions::{COUNTED_WITHIN_M, FALSE_BEYOND_M, JunctionEvaluation, evaluate_junctions};
+pub use kerbs::{KERBS_AHEAD_M, KerbEvaluation, KerbScores, LEAST_KERB_M, PAVEMENT_M};
 pub use lanes::{
     LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneCell, LaneDeviation, LaneError, LaneEvaluation, LaneMean,
     LaneMeasure, LpdDivisor, TuSimpleScores, column_at_row, evaluate_lanes, evaluate_tusimple,

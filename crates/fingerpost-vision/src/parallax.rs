@@ -172,6 +172,29 @@ impl HalfWindow {
     }
 }
 
+/// Every so many rows, from one of them on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    /// The first.
+    pub first: usize,
+    /// How many rows on the next one is, at least 1.
+    pub step: usize,
+}
+
+impl Rows {
+    /// All rows.
+    pub const ALL: Self = Self { first: 0, step: 1 };
+
+    /// Those of them that a view of this height has.
+    pub fn of(self, height: usize) -> impl Iterator<Item = usize> {
+        (self.first..height).step_by(self.step.max(1))
+    }
+
+    fn contain(self, row: usize) -> bool {
+        row.checked_sub(self.first).is_some_and(|rows| rows.is_multiple_of(self.step.max(1)))
+    }
+}
+
 /// Sums over windows, with their memory.
 #[derive(Debug, Default)]
 pub struct Correlation {
@@ -195,19 +218,19 @@ impl Correlation {
             scales.reset(width, height, 0.0);
         }
         let least = noise * window.cells() as f32;
-        self.sums(detrended, detrended, [0, 0], window, |path, row, sums| {
+        self.sums(detrended, detrended, [0, 0], (window, Rows::ALL), |path, row, sums| {
             scale_row(path, sums, least, scales.row_mut(row));
         });
     }
 
     /// The correlation, -1 to 1, of each place's window in `view` with that in `other` `shift` rows farther up and columns farther
-    /// left, both detrended and of one size; 0 where either has no scale.
+    /// left, both detrended and of one size; 0 where either has no scale. Only `rows` of `correlation` are written.
     pub fn at_shift(
         &mut self,
         (view, scales): (&Plane<i16>, &Plane<f32>),
         (other, other_scales): (&Plane<i16>, &Plane<f32>),
         [up, left]: [isize; 2],
-        window: HalfWindow,
+        (window, rows): (HalfWindow, Rows),
         correlation: &mut Plane<f32>,
     ) {
         let (width, height) = view.size();
@@ -218,7 +241,7 @@ impl Correlation {
             correlation.as_mut_slice().fill(0.0);
             return;
         }
-        self.sums(view, other, [up, left], window, |path, row, sums| {
+        self.sums(view, other, [up, left], (window, rows), |path, row, sums| {
             let out = correlation.row_mut(row);
             out.fill(0.0);
             let Some(other_row) = row.checked_add_signed(-up).filter(|&row| row < height) else { return };
@@ -234,13 +257,13 @@ impl Correlation {
         });
     }
 
-    /// Calls `finish` with each row's sums of products over the windows.
+    /// Calls `finish` with the sums of products over the windows of each of `rows`.
     fn sums(
         &mut self,
         view: &Plane<i16>,
         other: &Plane<i16>,
         [up, left]: [isize; 2],
-        window: HalfWindow,
+        (window, rows): (HalfWindow, Rows),
         mut finish: impl FnMut(CodePath, usize, &[i32]),
     ) {
         let (width, height) = view.size();
@@ -271,8 +294,10 @@ impl Correlation {
             {
                 add_products(path, a, b, -1, &mut self.columns[first..first + count]);
             }
-            sum_across(path, &self.columns, window.columns, &mut self.across);
-            finish(path, middle, &self.across);
+            if rows.contain(middle) {
+                sum_across(path, &self.columns, window.columns, &mut self.across);
+                finish(path, middle, &self.across);
+            }
         }
     }
 }
@@ -385,7 +410,13 @@ mod tests {
         correlation.scales(&other, window, 1.0, &mut other_scales);
         let mut at = |shift| {
             let mut out = Plane::default();
-            correlation.at_shift((&view, &scales), (&other, &other_scales), shift, window, &mut out);
+            correlation.at_shift(
+                (&view, &scales),
+                (&other, &other_scales),
+                shift,
+                (window, Rows::ALL),
+                &mut out,
+            );
             out
         };
         let (right, wrong) = (at([2, -1]), at([-2, 1]));

@@ -27,7 +27,7 @@ use self::height_map::{HeightMap, UNIT};
 pub(crate) use self::joining::Joining;
 use self::laid_over::{LaidOver, Raster, Region};
 use self::past_views::{PastView, PastViews, SPACING_M};
-use self::sweep::Sweep;
+use self::sweep::{SWEPT_ROWS, Sweep};
 use crate::ground_view::{CameraTurn, GroundView};
 use crate::motion::Motion;
 
@@ -71,10 +71,10 @@ pub struct GroundHeight {
 }
 
 /// How the height was found.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HeightEvidence {
-    /// Pairs of views that were compared in this frame.
-    pub pairs: Vec<HeightPair>,
+    /// The pair of views that was compared in this frame.
+    pub pair: Option<HeightPair>,
 }
 
 /// A pair of views that was compared.
@@ -88,7 +88,7 @@ pub struct HeightPair {
     pub residual_m: f64,
 }
 
-/// Travel of the pairs, metres: the short one for what is near, the long one for what is far.
+/// Travel of the pairs, metres, in turns: the short one for what is near, the long one for what is far.
 const TRAVELS_M: [f64; 2] = [2.8, 4.8];
 /// A pair that turned by more is not compared, radians: the shift along the way is one of rows no more.
 const MOST_TURN_RAD: f64 = 0.5;
@@ -118,6 +118,7 @@ pub struct HeightStage {
     map: HeightMap,
     driven_m: f64,
     last_look_m: Option<f64>,
+    looks: usize,
     height: GroundHeight,
     evidence: HeightEvidence,
     level: Vec<f32>,
@@ -139,7 +140,7 @@ impl HeightStage {
         motion: Option<&Motion>,
         turn: CameraTurn,
     ) -> (&GroundHeight, &HeightEvidence) {
-        self.evidence.pairs.clear();
+        self.evidence.pair = None;
         let grid = view.grid();
         self.height.side_px = ((self.config.cell_m / grid.metres_per_pixel()).round() as usize).max(1);
         self.map.lie_under(grid, self.height.side_px as f64 * grid.metres_per_pixel());
@@ -169,39 +170,39 @@ impl HeightStage {
 
     fn look(&mut self, view: &GroundView, grey: &Plane<u8>, turn: CameraTurn) {
         let raster = Raster { grid: *view.grid(), cell_px: CELL_PX };
-        let viewpoint = view.viewpoint();
         (self.now.turn, self.now.driven_m) = (turn, self.driven_m);
         coarse(grey, view.validity().plane(), CELL_PX, &mut self.now.grey);
         self.sweep.look_at(raster, &self.now);
-        for travel_m in TRAVELS_M {
-            let Some(older) = self.views.at(self.driven_m, travel_m) else { continue };
-            let mut laid = LaidOver::new(raster, viewpoint, &self.now, older);
-            if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * travel_m {
-                continue;
-            }
-            self.sweep.fit_plane(raster, viewpoint, &mut laid, older);
-            let pair = HeightPair {
-                way_m: laid.way.norm(),
-                blocks: laid.fit.blocks,
-                residual_m: laid.fit.residual_m,
-            };
-            self.evidence.pairs.push(pair);
-            if laid.fit.blocks < LEAST_BLOCKS {
-                continue;
-            }
-            let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
-            weigh(
-                &self.sweep,
-                (&mut self.level, &mut self.raised),
-                |place, log_odds| {
-                    add(&mut self.map, raster, region, view, place, log_odds);
-                },
-                region,
-            );
-        }
+        self.compare(raster, view, TRAVELS_M[self.looks % TRAVELS_M.len()]);
+        self.looks += 1;
         let odometry_from_vehicle = self.now.odometry_from_vehicle;
         self.views.keep(&mut self.now);
         self.now.odometry_from_vehicle = odometry_from_vehicle;
+    }
+
+    /// Compares the view at hand with one from so far back.
+    fn compare(&mut self, raster: Raster, view: &GroundView, travel_m: f64) {
+        let viewpoint = view.viewpoint();
+        let Some(older) = self.views.at(self.driven_m, travel_m) else { return };
+        let mut laid = LaidOver::new(raster, viewpoint, &self.now, older);
+        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * travel_m {
+            return;
+        }
+        self.sweep.fit_plane(raster, viewpoint, &mut laid, older);
+        let pair =
+            HeightPair { way_m: laid.way.norm(), blocks: laid.fit.blocks, residual_m: laid.fit.residual_m };
+        self.evidence.pair = Some(pair);
+        if laid.fit.blocks < LEAST_BLOCKS {
+            return;
+        }
+        let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
+        let Self { sweep, level, raised, map, .. } = self;
+        weigh(
+            sweep,
+            (level, raised),
+            |place, log_odds| add(map, raster, region, view, place, log_odds),
+            region,
+        );
     }
 }
 
@@ -212,7 +213,7 @@ fn weigh(
     mut tell: impl FnMut([usize; 2], f32),
     region: Region,
 ) {
-    for row in (0..region.rows).step_by(2) {
+    for row in SWEPT_ROWS.of(region.rows) {
         for best in [&mut *level, &mut *raised] {
             best.clear();
             best.resize(region.columns, 0.0);

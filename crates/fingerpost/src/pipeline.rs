@@ -307,9 +307,10 @@ impl Pipeline {
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
-        let input = RoadInput { picture: ground, validity, sample, perspective, motion };
+        let told = height.map(|(height, _)| height).filter(|_| config.height.used == HeightUse::Surface);
+        let input = RoadInput { picture: ground, validity, sample, perspective, motion, height: told };
         let road = self.detector.detect(input, surface)?;
-        if let (Some((height, _)), HeightUse::Surface) = (height, config.height.used) {
+        if let Some(height) = told {
             joining.join(height, surface)?;
         }
         finished(Stage::Road);

@@ -41,6 +41,7 @@ use in_camera::InCamera;
 use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
+use crate::height::GroundHeight;
 use crate::motion::Motion;
 
 /// Settings of road surface detection.
@@ -228,6 +229,8 @@ pub struct RoadInput<'a> {
     pub perspective: Perspective<'a>,
     /// How the vehicle moved since the frame before, where that is known.
     pub motion: Option<&'a Motion>,
+    /// The height of the ground in view, to learn from; none where it is not looked at or not to be used.
+    pub height: Option<&'a GroundHeight>,
 }
 
 /// How a picture shows the road.

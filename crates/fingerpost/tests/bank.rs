@@ -69,8 +69,14 @@ impl Watcher {
 
     fn look(&mut self, picture: &GroundPicture) -> RoadEvidence {
         let perspective = Perspective::Camera { horizon_row: -1.0 };
-        let input =
-            RoadInput { picture, validity: &self.validity, sample: SAMPLE, perspective, motion: None };
+        let input = RoadInput {
+            picture,
+            validity: &self.validity,
+            sample: SAMPLE,
+            perspective,
+            motion: None,
+            height: None,
+        };
         self.detector.detect(input, &mut self.surface).unwrap()
     }
 

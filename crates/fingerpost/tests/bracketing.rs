@@ -92,6 +92,7 @@ fn drive_spoilt(spoilt_m: f64) -> Spoilt {
             sample: config.road_surface.sample_region(&view),
             perspective: Perspective::Ground { view: &view, frame: &frame },
             motion: motion.as_ref(),
+            height: None,
         };
         detector.detect(input, &mut surface).unwrap();
         let laid = matcher.laid_with(&surface, (&ground.grey, validity)).unwrap();

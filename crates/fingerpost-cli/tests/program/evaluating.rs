@@ -40,3 +40,18 @@ fn a_truth_of_another_drive_is_refused_and_the_results_are_kept() {
     call_line(&format!("evaluate motion {} --truth {}", out.path().display(), truth.display()))
         .refused(1, &["frames.jsonl"]);
 }
+
+#[test]
+fn kerbs_are_compared_on_drives_that_have_them() {
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    call_line(&format!("evaluate kerbs {}", drive.path().display())).refused(1, &["no kerbs", "street"]);
+    let street = out.path().join("street");
+    let (map, route) = (drive.map(), drive.route());
+    let (map, route) = (map.display(), route.display());
+    let line = "--frames 3 --size 320x240 --conditions street --out";
+    call_line(&format!("simulate --map {map} --route {route} {line} {}", street.display())).done();
+    let printed = call_line(&format!("evaluate kerbs {} --json", street.display())).done().stdout;
+    let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert!(printed["all"]["kerbs"].as_u64().unwrap() > 10, "{printed}");
+    assert_eq!(printed["drives"][0]["kerbs"], printed["all"]["kerbs"]);
+}

@@ -9,6 +9,9 @@ use crate::ground_view::CameraTurn;
 pub(super) const SPACING_M: f64 = 0.4;
 /// Views that are kept: those of the longest travel that is looked back over, and two more.
 const KEPT: usize = 18;
+/// A view is taken for one of another travel up to this share of it: frames of a fast drive lie farther apart than views that are
+/// kept.
+const OFF_SHARE: f64 = 0.25;
 
 /// A view that was kept.
 #[derive(Debug, Default)]
@@ -47,11 +50,10 @@ impl PastViews {
         self.filled = (self.filled + 1).min(KEPT);
     }
 
-    /// The view from where the vehicle was `travel_m` before it had driven `driven_m`, give or take half the spacing; none
-    /// where there is none.
+    /// The view from where the vehicle was about `travel_m` before it had driven `driven_m`; none where there is none.
     pub(super) fn at(&self, driven_m: f64, travel_m: f64) -> Option<&PastView> {
         let off_m = |view: &&PastView| (driven_m - view.driven_m - travel_m).abs();
         let kept = (0..self.filled).filter_map(|back| self.views.get((self.next + KEPT - 1 - back) % KEPT));
-        kept.min_by(|a, b| off_m(a).total_cmp(&off_m(b))).filter(|view| off_m(view) <= 0.75 * SPACING_M)
+        kept.min_by(|a, b| off_m(a).total_cmp(&off_m(b))).filter(|view| off_m(view) <= OFF_SHARE * travel_m)
     }
 }

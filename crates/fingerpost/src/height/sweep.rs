@@ -1,6 +1,6 @@
 //! Two ground views looked at as if the ground lay at several heights.
 
-use fingerpost_vision::parallax::{Correlation, Detrending, GREY_STEPS, HalfWindow, UNSEEN, register};
+use fingerpost_vision::parallax::{Correlation, Detrending, GREY_STEPS, HalfWindow, Rows, UNSEEN, register};
 use fingerpost_vision::picture::Plane;
 
 use super::laid_over::{LaidOver, Raster, Region};
@@ -29,6 +29,8 @@ pub(super) const LOWEST_M: f64 = -0.06;
 pub(super) const HIGHEST_M: f64 = 0.20;
 /// Finest step between them, metres.
 const HEIGHT_STEP_M: f64 = 0.02;
+/// Rows of the sweep that are looked at: a cell of the map is two of them long.
+pub(super) const SWEPT_ROWS: Rows = Rows { first: 0, step: 2 };
 /// Most shifts of one sweep.
 const MOST_SHIFTS: usize = 20;
 
@@ -48,8 +50,9 @@ pub(super) struct Sweep {
     registered: Plane<i16>,
     detrending: Detrending,
     correlation: Correlation,
-    /// A plane a shift.
-    correlations: Vec<Plane<f32>>,
+    /// A plane a shift: of the strip ahead, and of all of the view.
+    of_strip: Vec<Plane<f32>>,
+    of_view: Vec<Plane<f32>>,
     /// Height of each shift, metres.
     heights_m: Vec<f64>,
     blocks: Vec<Displaced>,
@@ -70,31 +73,37 @@ impl Sweep {
         viewpoint: Viewpoint,
         laid: &mut LaidOver,
         older: &PastView,
-    ) -> Region {
-        let all = region(raster, viewpoint, raster.grid.half_width_m());
+    ) {
         let strip = region(raster, viewpoint, STRIP_M);
         self.part.values.reset(strip.columns, strip.rows, 0);
         self.part.scales.reset(strip.columns, strip.rows, 0.0);
         copy(&self.newer.values, strip, &mut self.part.values);
         copy(&self.newer.scales, strip, &mut self.part.scales);
-        let down_m = raster.cell_m()[1];
+        let [across_m, down_m] = raster.cell_m();
         let most = (STRIP_SEARCH_M / down_m).round() as isize;
         let step = (most / 8).max(1);
+        let [step_across, step_down] =
+            [(BLOCKS_M[0] / across_m).max(1.0) as usize, (BLOCKS_M[1] / down_m).max(1.0) as usize];
+        let rows = Rows { first: step_down / 2, step: step_down };
         let shifts = || (-most..=most).step_by(step as usize);
         for _ in 0..2 {
             self.lay(raster, laid, strip, older);
-            self.correlate(shifts().map(|up| [up, 0]), raster);
+            let pair = (&self.part, &self.older);
+            correlate(
+                &mut self.correlation,
+                pair,
+                shifts().map(|up| [up, 0]),
+                (window(raster), rows),
+                &mut self.of_strip,
+            );
             self.blocks.clear();
-            let [across, down] = raster.cell_m();
-            let [step_across, step_down] =
-                [(BLOCKS_M[0] / across).max(1.0) as usize, (BLOCKS_M[1] / down).max(1.0) as usize];
-            for row in (step_down / 2..strip.rows).step_by(step_down) {
+            for row in rows.of(strip.rows) {
                 for column in (step_across / 2..strip.columns).step_by(step_across) {
                     let place = [
                         raster.ahead_m((strip.first_row + row) as f64) - viewpoint.foot.x,
                         raster.left_m((strip.first_column + column) as f64),
                     ];
-                    if let Some([by, sigma]) = peak(&self.correlations, column, row, window(raster)) {
+                    if let Some([by, sigma]) = peak(&self.of_strip, column, row, window(raster)) {
                         let by_m = (by * step as f64 - most as f64) * down_m;
                         self.blocks.push(Displaced { place, by_m, sigma_m: sigma * step as f64 * down_m });
                     }
@@ -102,7 +111,6 @@ impl Sweep {
             }
             laid.fit = PlaneFit::of(&self.blocks, &laid.fit, laid.way.norm(), viewpoint.height_m);
         }
-        all
     }
 
     /// Looks at all of the view at several heights.
@@ -133,13 +141,15 @@ impl Sweep {
             let shift = shift as f64;
             [(along.x * shift / down_m).round() as isize, (along.y * shift / across_m).round() as isize]
         };
-        self.correlate((first..=last).map(cells), raster);
+        let pair = (&self.part, &self.older);
+        let shifts = (first..=last).map(cells);
+        correlate(&mut self.correlation, pair, shifts, (window(raster), SWEPT_ROWS), &mut self.of_view);
         all
     }
 
     /// The correlations of the last sweep, each with its height, metres.
     pub(super) fn heights(&self) -> impl Iterator<Item = (f64, &Plane<f32>)> {
-        self.heights_m.iter().copied().zip(&self.correlations)
+        self.heights_m.iter().copied().zip(&self.of_view)
     }
 
     fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {
@@ -150,17 +160,23 @@ impl Sweep {
         self.detrending.detrend(&self.registered, half, &mut self.older.values);
         self.correlation.scales(&self.older.values, window(raster), noise(), &mut self.older.scales);
     }
+}
 
-    fn correlate(&mut self, shifts: impl Iterator<Item = [isize; 2]>, raster: Raster) {
-        for (index, shift) in shifts.enumerate() {
-            if index == self.correlations.len() {
-                self.correlations.push(Plane::default());
-            }
-            let Some(plane) = self.correlations.get_mut(index) else { return };
-            let (newer, older) = (&self.part, &self.older);
-            let (newer, older) = ((&newer.values, &newer.scales), (&older.values, &older.scales));
-            self.correlation.at_shift(newer, older, shift, window(raster), plane);
+/// The correlations of a pair of views at several shifts, a plane each.
+fn correlate(
+    correlation: &mut Correlation,
+    (newer, older): (&Detrended, &Detrended),
+    shifts: impl Iterator<Item = [isize; 2]>,
+    looked_at: (HalfWindow, Rows),
+    planes: &mut Vec<Plane<f32>>,
+) {
+    let (newer, older) = ((&newer.values, &newer.scales), (&older.values, &older.scales));
+    for (index, shift) in shifts.enumerate() {
+        if index == planes.len() {
+            planes.push(Plane::default());
         }
+        let Some(plane) = planes.get_mut(index) else { return };
+        correlation.at_shift(newer, older, shift, looked_at, plane);
     }
 }
 

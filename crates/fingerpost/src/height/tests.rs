@@ -6,8 +6,9 @@ use nalgebra::{Isometry2, Matrix3, Vector2};
 use super::*;
 use crate::ground_view::GroundViewConfig;
 
-/// Left of it the ground is raised, metres left of the vehicle's way, and by how much.
+/// Beyond them the ground is raised, metres to the left and to the right of the vehicle's way, and by how much.
 const KERB_LEFT_M: f64 = 2.0;
+const KERB_RIGHT_M: f64 = 2.7;
 const KERB_M: f64 = 0.12;
 
 fn view() -> GroundView {
@@ -44,7 +45,8 @@ fn shown(view: &GroundView, driven_m: f64, turn: CameraTurn) -> Plane<u8> {
             let at = Point2::new(at.x / at.z, at.y / at.z);
             // What is raised is seen first.
             let raised = foot + (at - foot) * (1.0 - KERB_M / height_m);
-            let at = if raised.y > KERB_LEFT_M { raised } else { at };
+            let is_raised = raised.y > KERB_LEFT_M || raised.y < -KERB_RIGHT_M;
+            let at = if is_raised { raised } else { at };
             *value = texture(Point2::new(at.x + driven_m, at.y)) as u8;
         }
     }
@@ -99,6 +101,22 @@ fn a_pitch_and_a_roll_that_nobody_knows_of_are_the_plane_s() {
 }
 
 #[test]
+fn kerbs_are_found_where_they_are_on_either_side() {
+    let (view, stage) = drive(CameraTurn::default(), CameraTurn::default(), &[0.5; 16]);
+    for (side, kerb_m) in [(1.0, KERB_LEFT_M), (-1.0, KERB_RIGHT_M)] {
+        let mut found_m: Vec<f64> = (0..12)
+            .map(|i| {
+                let x = 6.0 + 0.25 * f64::from(i);
+                let mut aside = (0..80).map(|j| 1.0 + 0.05 * f64::from(j));
+                aside.find(|aside_m| at(&view, &stage, x, side * aside_m) > 0.0).unwrap()
+            })
+            .collect();
+        found_m.sort_by(f64::total_cmp);
+        assert!((found_m[6] - kerb_m).abs() < 0.2, "{side}: {found_m:?}");
+    }
+}
+
+#[test]
 fn a_standing_vehicle_learns_nothing_more() {
     let (_, driven) = drive(CameraTurn::default(), CameraTurn::default(), &[0.5; 12]);
     let mut steps = vec![0.5; 12];
@@ -119,7 +137,7 @@ fn a_drive_on_allocates_nothing_once_every_view_has_been_kept() {
         let grey = shown(&view, 12.0 + 0.5 * f64::from(further), CameraTurn::default());
         let counted = allocation_counter::measure(|| {
             let (_, evidence) = stage.step(&view, &grey, Some(&motion), CameraTurn::default());
-            assert_eq!(evidence.pairs.len(), TRAVELS_M.len());
+            assert!(evidence.pair.is_some());
         });
         assert_eq!(counted.count_total, 0, "{} bytes", counted.bytes_total);
     }

@@ -19,6 +19,7 @@ use super::{
     Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
     RoadInput, SampleUse,
 };
+use crate::height::Joining;
 
 /// Doubt about the classifier, of 255: a quarter of what it is sure of may be wrong, so that clear colours outvote it.
 const DOUBT: u8 = 64;
@@ -46,6 +47,8 @@ pub(super) struct Fused {
     colours: RoadColours,
     by_way: Plane<u8>,
     by_colour: Vec<u8>,
+    joining: Joining,
+    taught: Plane<u8>,
 }
 
 impl Fused {
@@ -61,6 +64,8 @@ impl Fused {
             colours: RoadColours::new(config.bins()),
             by_way: Plane::default(),
             by_colour: Vec::new(),
+            joining: Joining::default(),
+            taught: Plane::default(),
         })
     }
 
@@ -80,7 +85,15 @@ impl Fused {
 
     /// Writes the classifier's surface, sharpened by the colours of what it found.
     fn sharpen(&mut self, input: RoadInput<'_>, probability: &mut Plane<u8>) -> Result<(), RoadError> {
-        self.colours.learn(input.picture, input.validity, &self.by_way);
+        let taught = if let Some(height) = input.height {
+            // The colours of a pavement are learned where its height shows, and tell it where that does not.
+            self.taught.clone_from(&self.by_way);
+            self.joining.join_seen(height, input.validity, &mut self.taught)?;
+            &self.taught
+        } else {
+            &self.by_way
+        };
+        self.colours.learn(input.picture, input.validity, taught);
         let (width, height) = self.by_way.size();
         if probability.size() != (width, height) {
             probability.reset(width, height, 0);
@@ -143,5 +156,6 @@ impl RoadDetector for Fused {
         self.frames = 0;
         self.classifier.reset();
         self.colours.forget();
+        self.joining = Joining::default();
     }
 }
