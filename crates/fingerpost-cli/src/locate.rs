@@ -1,6 +1,7 @@
 //! `fingerpost locate`: where the vehicle is on the map, from a motion log.
 
 mod against_truth;
+mod tracks;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Status, T
 use fingerpost_map::RoadGraph;
 
 use self::against_truth::Truth;
+use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
@@ -35,8 +37,8 @@ pub(crate) struct LocateArgs {
     /// Motion log, CSV with a header: t_s,speed_mps,yaw_rate_rps (seconds, metres a second, radians a second to the left).
     #[arg(long, value_name = "FILE")]
     motion: PathBuf,
-    /// GPS positions with times (GPX, NMEA or gpsd's reports), the first one at the motion log's first row. They are believed as far as they agree with the
-    /// roads driven: errors that keep for minutes, jumps and drifts are expected.
+    /// GPS positions with times (GPX, NMEA or gpsd's reports), the first one at the motion log's first row. They are believed as far
+    /// as they agree with the roads driven: errors that keep for minutes, jumps and drifts are expected.
     #[arg(long, value_name = "FILE")]
     gps: Option<PathBuf>,
     /// True poses, CSV with a header: t_s,lat,lon,heading_rad (degrees; radians anticlockwise from east). Only used to measure the
@@ -49,7 +51,8 @@ pub(crate) struct LocateArgs {
     /// Seed of where on the roads the hypotheses start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Folder to write fix.jsonl and summary.json into: a new or empty one, or one of an earlier `locate`, which is replaced.
+    /// Folder to write fix.jsonl, summary.json and tracks for other programs into: a new or empty one, or one of an earlier `locate`,
+    /// which is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print what summary.json holds on standard output.
@@ -84,7 +87,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         simulate::Traffic::Centre => Traffic::Centre,
     };
     let mut locator = Locator::new(&graph, traffic, args.seed);
-    let mut tally = Tally::default();
+    let (mut tally, mut tracks) = (Tally::default(), Tracks::default());
     for row in &rows {
         let started = Instant::now();
         let Some(fix) = locator.step(sample(row)).context("the motion log")? else { continue };
@@ -95,11 +98,13 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         let line = line(&graph, &fix, evidence);
         fixes.append(&line)?;
         tally.add(&line, row.t_s - rows[0].t_s);
+        tracks.add(&fix, &line);
         if let Some(truth) = &truth {
             tally.samples.extend(truth.beside(&fix, &line));
         }
     }
     fixes.finish()?;
+    tracks.write(&folder)?;
     let summary = tally.summary(rows.len(), truth.is_some());
     write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
     print_summary(&summary, args);

@@ -17,6 +17,7 @@ mod marks;
 mod motion_log;
 mod summary;
 mod times;
+mod track_files;
 mod truth;
 mod tuning;
 mod tusimple;
@@ -44,6 +45,7 @@ pub use marks::{
 pub use motion_log::{MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
+pub use track_files::{TrackPoint, track_geojson, track_gpx, track_kitti, track_tum};
 pub use truth::TruthRecord;
 pub use tuning::{
     TriedSettings, TuningFront, TuningObjective, TuningPoint, TuningPurpose, TuningScores, TuningTrial,

@@ -111,7 +111,14 @@ impl FolderKind {
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
             Self::Papers => &["papers.md", "measured.jsonl"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
-            Self::Location => &[FIXES_FILE, "summary.json"],
+            Self::Location => &[
+                FIXES_FILE,
+                "summary.json",
+                "track.geojson",
+                "track.gpx",
+                "poses_tum.txt",
+                "poses_kitti.txt",
+            ],
         }
     }
 

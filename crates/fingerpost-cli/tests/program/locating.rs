@@ -59,6 +59,12 @@ fn every_row_has_a_fix_and_the_same_log_gives_the_same_file() {
     assert_eq!((summary.rows, summary.statuses[&FixStatus::Ambiguous]), (100, 100));
     let scores = summary.truth.unwrap();
     assert!(scores.converged_m.is_none() && scores.bound_violations == 0);
+    // Nothing of it is worth following.
+    let read = |name: &str| fs::read_to_string(folder.path().join("first").join(name)).unwrap();
+    let geojson: serde_json::Value = serde_json::from_str(&read("track.geojson")).unwrap();
+    assert_eq!(geojson["features"].as_array().map(Vec::len), Some(0));
+    assert!(read("track.gpx").contains("<trk>") && !read("track.gpx").contains("<trkpt"));
+    assert_eq!((read("poses_kitti.txt").len(), read("poses_tum.txt").lines().count()), (0, 1));
     // The folder is the program's own and may be written again.
     locate(folder.path(), "", "second").done();
 }
