@@ -55,7 +55,7 @@ impl Belief {
         let level_m = self.level_m(&state);
         let off_map = self.off_map();
         let was_converged = matches!(before, Status::Converged | Status::Coasting);
-        // What has surprised once can only be mended by roads whose errors are others than those that it was told by.
+        // What has surprised once can only be mended by roads whose errors are independent of those of the roads before.
         let is_in_doubt = self.agreed_m < OFFSET_MODEL.distance_m;
         let status = match level_m {
             Some(level_m) if level_m <= ALERT_LIMIT_M && !is_in_doubt => Status::Converged,

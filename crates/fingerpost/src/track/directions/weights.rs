@@ -98,7 +98,7 @@ impl Weight {
         self.factor /= total;
     }
 
-    /// Takes a frame in: the way driven so far, what was found in it for the first time, the feature that is sought now, and
+    /// Takes a frame in: the distance driven so far, what was found in it for the first time, the feature that is sought now, and
     /// whether one that was followed was not there.
     pub(super) fn step(&mut self, driven_m: f64, sighting: Option<Sighting>, sought: usize, is_lost: bool) {
         self.driven_m = driven_m;
