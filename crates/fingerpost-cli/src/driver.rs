@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, anyhow};
+use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost::track::{TrackConfig, TrackMethod};
@@ -10,7 +11,7 @@ use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
-use fingerpost_map::Route;
+use fingerpost_map::{RoadGraph, Route};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
@@ -113,6 +114,12 @@ impl Driver {
     /// Takes pictures that are to be made smaller first; the setting's camera must be that of the smaller ones.
     pub(crate) fn scaling_with(self, scaling: Option<PictureScaling>) -> Self {
         Self { scaling, ..self }
+    }
+
+    /// Says in every frame where the vehicle is on a map, known to be near a place or anywhere.
+    pub(crate) fn locating_on(mut self, graph: &RoadGraph, near: Option<NearPlace>) -> Self {
+        self.pipeline.locate_on(graph, near);
+        self
     }
 
     /// Width and height of the pictures that are taken, pixels.

@@ -15,12 +15,13 @@ use fingerpost_format::{
     parse_pose_log,
 };
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
-use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Status, Traffic};
+use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
 use fingerpost_map::RoadGraph;
 
 use self::against_truth::Truth;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
+use crate::fix_record::fix_status;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 
@@ -159,12 +160,7 @@ fn line(graph: &RoadGraph, fix: &Fix, gps: Option<GpsEvidence>) -> FixLine {
     let covariance = fix.covariance_m2;
     FixLine {
         t_s: fix.t_s,
-        status: match fix.status {
-            Status::Converged => FixStatus::Converged,
-            Status::Ambiguous => FixStatus::Ambiguous,
-            Status::Coasting => FixStatus::Coasting,
-            Status::Lost => FixStatus::Lost,
-        },
+        status: fix_status(fix.status),
         lat: at.lat_deg,
         lon: at.lon_deg,
         heading_rad: fix.heading_rad,

@@ -12,6 +12,7 @@ mod centreline_record;
 mod demo;
 mod driver;
 mod evaluate;
+mod fix_record;
 mod frame_choice;
 mod gps;
 mod inputs;

@@ -19,6 +19,7 @@ use fingerpost_format::{
 use fingerpost_map::FeatureKind;
 
 use crate::centreline_record::{centreline_record, no_centreline_name};
+use crate::fix_record::fix_record;
 use crate::lanes_record::lanes_record;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
@@ -90,7 +91,7 @@ pub(crate) fn frame_record(
         centreline: output.centreline.as_ref().map(|found| centreline_record(found, evidence.centreline)),
         no_centreline: evidence.centreline.none_because.map(|why| no_centreline_name(why).to_owned()),
         lanes: output.lane.as_ref().map(|lane| lanes_record(lane, output.departure.as_ref())),
-        fix: None,
+        fix: output.fix.as_ref().map(fix_record),
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
         stage_ms,
         why: output.why.clone(),

@@ -4,7 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{ArgGroup, Args};
+use fingerpost::fix::NearPlace;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost::{Config, Sensors};
 use fingerpost_format::TruthRecord;
@@ -15,7 +16,7 @@ use fingerpost_io::{
 use fingerpost_map::{LatLon, Route};
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
-use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Threads, number};
+use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::frame_choice::FrameChoice;
@@ -28,10 +29,14 @@ use crate::recorder::{Pictures, Recorder, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
+/// How well the place that --near gives is known, standard deviation, metres: two in three are within 30 m.
+const NEAR_SIGMA_M: f64 = 20.0;
+
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
 /// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,
 /// motion, lanes and the road's middle.
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("roads").args(["route", "map"]).multiple(true)))]
 pub(crate) struct RunArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads: a video file, rtsp://..., /dev/video0.
     #[arg(value_name = "INPUT")]
@@ -47,12 +52,19 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "M", requires = "route", allow_hyphen_values = true,
           value_parser = number(-1e6, 1e6, "place on a route", "metres"))]
     start_m: Option<f64>,
+    /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf: every frame then says where the vehicle is on its roads, with a route
+    /// or without.
+    #[arg(long, value_name = "FILE", conflicts_with = "stills")]
+    map: Option<PathBuf>,
+    /// Where the drive begins to within some 30 m, degrees; without it the vehicle may be on any road of the map.
+    #[arg(long, value_name = "LAT,LON", requires = "map", allow_hyphen_values = true)]
+    near: Option<Place>,
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs to the first frame. Positions of times more than 12 hours from the
     /// rest are passed over and named.
-    #[arg(long, value_name = "FILE", requires = "route")]
+    #[arg(long, value_name = "FILE", requires = "roads")]
     gps: Option<PathBuf>,
     #[command(flatten)]
     limit: InputLimit,
@@ -158,6 +170,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
     let mut driver = Driver::new(setting, &wishes, frames)?.scaling_with(scaling);
+    if let Some(map) = &args.map {
+        let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
+        driver = driver.locating_on(&inputs::road_graph(map, args.limit)?, near);
+    }
     if let Some(bank) = &args.bank {
         learn_from(&mut driver, bank)?;
     }
@@ -192,7 +208,8 @@ fn limit_instruction_set(most: Option<InstructionSetName>) -> Result<()> {
 
 /// Refuses outputs that would replace an input. The file of known surfaces is both: it is read and brought up to date.
 fn check_outputs(args: &RunArgs) -> Result<()> {
-    let optional = [&args.route, &args.config, &args.gps, &args.dbc, &args.truth].into_iter().flatten();
+    let optional =
+        [&args.route, &args.map, &args.config, &args.gps, &args.dbc, &args.truth].into_iter().flatten();
     let streams = [Some(args.input.as_str()), args.can.as_deref()].into_iter().flatten().map(Path::new);
     let inputs: Vec<&Path> = optional.chain([&args.camera]).map(PathBuf::as_path).chain(streams).collect();
     let bank = args.bank.as_deref();

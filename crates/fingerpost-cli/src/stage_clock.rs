@@ -21,6 +21,7 @@ pub(crate) const fn stage_name(stage: Stage) -> &'static str {
         Stage::Motion => "motion",
         Stage::Mount => "mount",
         Stage::Match => "match",
+        Stage::Fix => "fix",
         Stage::DrivingLine => "driving_line",
         Stage::Lanes => "lanes",
     }

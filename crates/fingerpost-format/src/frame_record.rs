@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
+use crate::FixStatus;
 use crate::centreline::CentrelineRecord;
 use crate::lanes::LanesRecord;
 
@@ -341,8 +342,11 @@ pub struct FixRecord {
     pub lon: f64,
     /// Heading, radians anticlockwise from east.
     pub heading_rad: f64,
-    /// Standard deviation, metres.
+    /// Standard deviation of the place in its least sure direction, metres.
     pub sigma_m: f64,
-    /// Protection level, metres.
-    pub bound_m: f64,
+    /// Protection level, metres; none where it cannot be said.
+    pub bound_m: Option<f64>,
+    /// What it is worth; none in records that do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub status: Option<FixStatus>,
 }

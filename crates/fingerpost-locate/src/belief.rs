@@ -70,7 +70,7 @@ pub(crate) struct Belief {
     #[allow(clippy::vec_box, reason = "sorting would move 400 bytes for each: a third of a step's time")]
     pub(crate) hypotheses: Vec<Box<Hypothesis>>,
     /// Logarithm of the probability of being on no road of the map.
-    pub(crate) log_off_map: f64,
+    log_off_map: f64,
     /// Distance driven since the map was last in doubt, metres.
     pub(crate) agreed_m: f64,
     random: Random,
@@ -209,6 +209,18 @@ impl Belief {
             hypotheses.swap_remove(index);
             hypotheses.append(waiting);
         }
+    }
+
+    /// Weighs and moves every hypothesis by what does not say whether the vehicle is on a road.
+    pub(crate) fn weigh(&mut self, mut by: impl FnMut(&mut Hypothesis)) {
+        let (mut before, mut after) = (0.0, 0.0);
+        for hypothesis in &mut self.hypotheses {
+            before += hypothesis.log_weight.exp();
+            by(hypothesis);
+            after += hypothesis.log_weight.exp();
+        }
+        self.log_off_map += (after.max(f64::MIN_POSITIVE) / before.max(f64::MIN_POSITIVE)).ln();
+        self.normalise();
     }
 
     /// Makes the probabilities one together, heaviest first, and drops what is too light to matter.

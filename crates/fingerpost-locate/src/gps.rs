@@ -53,20 +53,14 @@ impl Receiver {
 impl Belief {
     /// Weighs all hypotheses by a place and moves those that it agrees with.
     pub(crate) fn take_gps(&mut self, place_m: Point2<f64>, weight: f64, estimate: &Estimate) -> GpsEvidence {
-        let (mut before, mut after) = (0.0, 0.0);
-        for hypothesis in &mut self.hypotheses {
+        self.weigh(|hypothesis| {
             let innovation = place_m - hypothesis.state.place();
             let fit = Agreement::of(innovation, hypothesis.state.place_covariance());
-            before += hypothesis.log_weight.exp();
             hypothesis.log_weight += weight * fit.log_density;
-            after += hypothesis.log_weight.exp();
             if fit.is_believed() {
                 hypothesis.state.take_place(innovation, SIGMA_M * SIGMA_M / weight);
             }
-        }
-        // It does not say whether the vehicle is on a road.
-        self.log_off_map += (after.max(f64::MIN_POSITIVE) / before.max(f64::MIN_POSITIVE)).ln();
-        self.normalise();
+        });
         let innovation = place_m - estimate.state.place();
         let believed = Agreement::of(innovation, estimate.state.place_covariance()).is_believed();
         GpsEvidence { innovation_m: [innovation.x, innovation.y], believed }

@@ -16,10 +16,12 @@ mod odometry;
 mod path;
 mod random;
 mod roads;
+mod start;
 mod state;
 
 pub use fix::{Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;
 pub use locator::{Locator, MotionError};
-pub use odometry::{Motion, MotionSample};
+pub use odometry::{Motion, MotionInterval, MotionSample};
 pub use roads::Traffic;
+pub use start::Start;

@@ -7,8 +7,9 @@ use thiserror::Error;
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, Rival, Status};
 use crate::gps::{GpsEvidence, Receiver};
-use crate::odometry::{Motion, MotionSample};
+use crate::odometry::{Motion, MotionInterval, MotionSample};
 use crate::roads::Traffic;
+use crate::start::Start;
 use crate::state::{HEADING, SCALE};
 
 /// Distance driven between two looks at the road, metres: less than the lines' bends, and about the length of a row at town speeds.
@@ -37,6 +38,7 @@ pub struct Locator {
     belief: Belief,
     pending: Motion,
     before: Option<MotionSample>,
+    now_s: Option<f64>,
     estimate: Option<Estimate>,
     receiver: Receiver,
 }
@@ -44,9 +46,42 @@ pub struct Locator {
 impl Locator {
     /// A vehicle that may be on any road of the map, either way. The seed draws where on them the hypotheses start.
     pub fn new(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
-        let belief = Belief::anywhere(graph, traffic, seed);
+        Self::with(Belief::anywhere(graph, traffic, seed))
+    }
+
+    /// A vehicle whose place at the start is known to some extent.
+    pub fn near(graph: &RoadGraph, traffic: Traffic, seed: u64, start: &Start) -> Self {
+        let mut belief = Belief::anywhere(graph, traffic, seed);
+        belief.begin_near(start);
+        Self::with(belief)
+    }
+
+    fn with(belief: Belief) -> Self {
         let estimate = belief.estimate(Status::Ambiguous);
-        Self { belief, pending: Motion::default(), before: None, estimate, receiver: Receiver::default() }
+        Self {
+            belief,
+            pending: Motion::default(),
+            before: None,
+            now_s: None,
+            estimate,
+            receiver: Receiver::default(),
+        }
+    }
+
+    /// Takes in the motion over a time, as a camera measures it from picture to picture. Times of no length and numbers that are none
+    /// change nothing.
+    pub fn go_on(&mut self, interval: &MotionInterval) -> Option<Fix> {
+        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2 } = *interval;
+        let now_s = self.now_s.unwrap_or_default();
+        let numbers = [time_s, speed_mps, yaw_rate_rps, turn_variance_rad2];
+        if numbers.iter().all(|number| number.is_finite()) && time_s > 0.0 {
+            self.pending.go_on_turning(speed_mps, yaw_rate_rps, time_s, turn_variance_rad2.max(0.0));
+            self.now_s = Some(now_s + time_s);
+            if self.pending.driven_m >= LOOK_EVERY_M {
+                self.look();
+            }
+        }
+        self.fix(self.now_s.unwrap_or_default())
     }
 
     /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
@@ -66,6 +101,7 @@ impl Locator {
             self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
         }
         self.before = Some(row);
+        self.now_s = Some(row.t_s);
         if self.pending.driven_m >= LOOK_EVERY_M {
             self.look();
         }
@@ -76,7 +112,7 @@ impl Locator {
     /// fix, and whether that believed it. None where there is no fix, for a place that is no number, and for a fix of GPS that is
     /// no later than the one before.
     pub fn gps(&mut self, place_m: Point2<f64>) -> Option<GpsEvidence> {
-        let t_s = self.before?.t_s;
+        let t_s = self.now_s.unwrap_or_default();
         if !(place_m.x.is_finite() && place_m.y.is_finite()) {
             return None;
         }

@@ -26,6 +26,19 @@ pub struct MotionSample {
     pub yaw_rate_rps: f64,
 }
 
+/// Motion over the time from one picture to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionInterval {
+    /// How long it is, seconds.
+    pub time_s: f64,
+    /// Mean speed forward, metres a second; negative when reversing.
+    pub speed_mps: f64,
+    /// Mean yaw rate, radians a second, positive to the left.
+    pub yaw_rate_rps: f64,
+    /// Variance of the turn, square radians.
+    pub turn_variance_rad2: f64,
+}
+
 /// Motion since a moment, in the vehicle's frame at that moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
@@ -57,8 +70,13 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// Goes on for `time_s` seconds at this speed (m/s) and yaw rate (rad/s).
+    /// Goes on for `time_s` seconds at this speed (m/s) and yaw rate (rad/s), as a gyroscope measures it.
     pub fn go_on(&mut self, speed_mps: f64, yaw_rate_rps: f64, time_s: f64) {
+        self.go_on_turning(speed_mps, yaw_rate_rps, time_s, YAW_RATE_NOISE.powi(2) * time_s);
+    }
+
+    /// The same with the variance of the turn meanwhile, square radians.
+    pub fn go_on_turning(&mut self, speed_mps: f64, yaw_rate_rps: f64, time_s: f64, turn_variance_rad2: f64) {
         let (forward_m, turn_rad) = (speed_mps * time_s, yaw_rate_rps * time_s);
         // The chord of the arc has the heading of its middle.
         let heading = self.turn_rad + 0.5 * turn_rad;
@@ -73,7 +91,7 @@ impl Motion {
         let scale =
             TURN_SCALE.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
         self.covariance = moved * self.covariance * moved.transpose()
-            + by_turn * by_turn.transpose() * (YAW_RATE_NOISE.powi(2) * time_s + scale)
+            + by_turn * by_turn.transpose() * (turn_variance_rad2 + scale)
             + along * along.transpose() * (FORWARD_NOISE.powi(2) * forward_m.abs())
             + across * across.transpose() * (SIDE_NOISE.powi(2) * forward_m.abs());
 

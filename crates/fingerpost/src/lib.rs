@@ -14,6 +14,7 @@ pub mod config;
 pub mod driving_line;
 pub mod feature_masks;
 pub mod feature_model;
+pub mod fix;
 pub mod ground_view;
 pub mod height;
 mod kerbs;

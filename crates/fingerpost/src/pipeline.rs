@@ -6,7 +6,7 @@ mod parts;
 mod passed_over;
 
 use fingerpost_geometry::{Camera, GeometryError, View};
-use fingerpost_map::{LatLon, Route, TangentPlane};
+use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::span::SpanError;
@@ -18,6 +18,7 @@ use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
+use crate::fix::{FixStage, MapFix, NearPlace};
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
@@ -63,6 +64,8 @@ pub enum Stage {
     Road,
     /// Masks, match and track.
     Match,
+    /// Motion to the place on the map.
+    Fix,
     /// Driving line in the vehicle frame.
     DrivingLine,
     /// Road probability and driving line to the road's middle and the direction to steer in.
@@ -86,6 +89,8 @@ pub struct FrameOutput {
     pub centreline: Option<Centreline>,
     /// Where the camera looks against the calibration; none for a camera known by points.
     pub mount: Option<MountEstimate>,
+    /// Where the vehicle is on the map; none without one.
+    pub fix: Option<MapFix>,
     /// Driving line through the followed feature: points in the vehicle frame, metres.
     pub driving_line: Vec<Point2<f64>>,
     /// Its signed curvature at each point, 1/m, positive to the left.
@@ -177,6 +182,8 @@ pub struct Pipeline {
     tracker: Box<dyn FeatureTracker>,
     lanes: LaneWatch,
     map: Option<TangentPlane>,
+    /// None without a map.
+    fix: Option<FixStage>,
     config: Config,
     ground: GroundPicture,
     surface: RoadSurface,
@@ -253,6 +260,7 @@ impl Pipeline {
             tracker,
             lanes: LaneWatch::new(parts.take_lane_finder(config)?),
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
+            fix: None,
             config: config.clone(),
             ground: view.black_picture(),
             surface: RoadSurface::default(),
@@ -260,6 +268,11 @@ impl Pipeline {
             output: FrameOutput { track, ..FrameOutput::default() },
             view,
         })
+    }
+
+    /// Says in every frame from now on where the vehicle is on this map, known to be near a place or anywhere.
+    pub fn locate_on(&mut self, graph: &RoadGraph, near: Option<NearPlace>) {
+        self.fix = Some(FixStage::new(graph, self.config.vehicle.traffic, near));
     }
 
     /// Takes one frame in. `finished` is told after each stage, so that the caller can time them. Output and evidence
@@ -293,8 +306,9 @@ impl Pipeline {
         if let Some(step) = &self.track_evidence.step {
             self.ego.learn(step);
         }
-        let Self { config, view, ground, surface, height, joining, tracker, track_evidence, output, .. } =
-            self;
+        let Self {
+            config, view, ground, surface, height, joining, tracker, fix, track_evidence, output, ..
+        } = self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
@@ -322,6 +336,10 @@ impl Pipeline {
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
+        if let Some(stage) = fix {
+            output.fix = stage.step(sensors.dt_s, &ego.vehicle, motion, gps);
+            finished(Stage::Fix);
+        }
         output.motion = ego.motion;
         output.vehicle = ego.vehicle;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);

@@ -16,6 +16,7 @@ mod drive;
 mod evaluating;
 mod evaluating_lanes;
 mod evaluating_road;
+mod fixes;
 mod interrupts;
 mod lanes;
 mod live;

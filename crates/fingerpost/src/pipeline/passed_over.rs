@@ -15,9 +15,10 @@ impl Pipeline {
         camera: CameraEvidence,
         sensors: Sensors,
     ) -> (&FrameOutput, FrameEvidence<'_>) {
-        let Self { config, view, ground, surface, tracker, track_evidence, output, .. } = self;
-        let Sensors { signals, .. } = sensors;
+        let Self { config, view, ground, surface, tracker, fix, track_evidence, output, .. } = self;
+        let Sensors { signals, gps, dt_s } = sensors;
         let (vehicle, signals_evidence) = self.ego.pass_over(sensors);
+        output.fix = fix.as_mut().and_then(|stage| stage.step(dt_s, &vehicle, None, gps));
         let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
         let repeats = camera.state == CameraState::Frozen && stood;
         if !repeats {
