@@ -2,10 +2,10 @@
 //!
 //! A pavement lies 6 to 16 cm above the road, and two pictures taken some metres of travel apart show that: laid over each
 //! other through the road's plane, what lies at a height h is displaced along the way d by d h / (H - h), seen from a camera of height
-//! H. Ground views of the last metres are kept ([`past_views`]); each new one is laid over by ones from two distances back, after the
-//! plane's own errors (pitch, roll, the way driven, the road's fall) have been fitted to the strip ahead ([`road_plane`]), and looked
-//! at as if the ground lay at several heights ([`sweep`]). What the two hypotheses, level and raised, make of it adds up in a map that
-//! lies still on the road ([`height_map`]).
+//! H. Ground views of the last metres are kept (`past_views`); each new one is laid over by ones from two distances back, after the
+//! plane's own errors (pitch, roll, the way driven, the road's fall) have been fitted to the strip ahead (`road_plane`), and looked
+//! at as if the ground lay at several heights (`sweep`). What the two hypotheses, level and raised, make of it adds up in a map that
+//! lies still on the road (`height_map`).
 //!
 //! Limits: it needs some metres of travel and texture across the way; ground that falls away by more than a few centimetres against
 //! the plane of the strip ahead looks neither level nor raised. Things that move are not on any height.
