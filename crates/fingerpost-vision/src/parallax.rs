@@ -4,7 +4,7 @@
 //! then displaced by its parallax, in one direction for all of it (Kumar, Anandan and Hanna, "Direct recovery of shape from
 //! multiple views: a parallax based approach", 1994). So the correlation of the two, over small windows and at several shifts
 //! ([`Correlation::at_shift`]), shows how far off the plane each place lies. What is even along the columns is taken off first
-//! ([`detrend`]): a shift along the columns cannot be seen in it.
+//! ([`Detrending`]): a shift along the columns cannot be seen in it.
 
 use crate::picture::Plane;
 use crate::simd::{CodePath, simd_kernel};
