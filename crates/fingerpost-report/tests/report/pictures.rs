@@ -38,6 +38,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
     let output = FrameOutput {
         camera: Default::default(),
         track: TrackOutput::default(),
+        fix: None,
         mount: None,
         vehicle: Default::default(),
         centreline: None,
