@@ -17,6 +17,7 @@ use fingerpost_format::{
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
 use fingerpost_map::RoadGraph;
+use fingerpost_report::{LocatedDrive, LocatingInput, locating_html};
 
 use self::against_truth::Truth;
 use self::tracks::Tracks;
@@ -52,8 +53,8 @@ pub(crate) struct LocateArgs {
     /// Seed of where on the roads the hypotheses start.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Folder to write fix.jsonl, summary.json and tracks for other programs into: a new or empty one, or one of an earlier `locate`,
-    /// which is replaced.
+    /// Folder to write fix.jsonl, summary.json, report.html and tracks for other programs into: a new or empty one, or one of an
+    /// earlier `locate`, which is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Print what summary.json holds on standard output.
@@ -88,7 +89,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         simulate::Traffic::Centre => Traffic::Centre,
     };
     let mut locator = Locator::new(&graph, traffic, args.seed);
-    let (mut tally, mut tracks) = (Tally::default(), Tracks::default());
+    let (mut tally, mut tracks, mut drive) = (Tally::default(), Tracks::default(), LocatedDrive::default());
     for row in &rows {
         let started = Instant::now();
         let Some(fix) = locator.step(sample(row)).context("the motion log")? else { continue };
@@ -100,14 +101,20 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         fixes.append(&line)?;
         tally.add(&line, row.t_s - rows[0].t_s);
         tracks.add(&fix, &line);
-        if let Some(truth) = &truth {
-            tally.samples.extend(truth.beside(&fix, &line));
-        }
+        let pose = truth.as_ref().and_then(|truth| truth.at(fix.t_s));
+        tally.samples.extend(pose.map(|pose| pose.beside(&fix, &line)));
+        drive.add(&fix, pose.map(|pose| pose.place_m), || locator.rivals().collect());
     }
+    drive.end(locator.rivals().collect());
     fixes.finish()?;
     tracks.write(&folder)?;
     let summary = tally.summary(rows.len(), truth.is_some());
     write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let title = format!("{} on {}", name(&args.motion), name(&args.map));
+    let page =
+        locating_html(&LocatingInput { title: &title, graph: &graph, drive: &drive, summary: &summary });
+    write_file(&folder.path().join("report.html"), page)?;
     print_summary(&summary, args);
     if args.json { output::print_json(&summary) } else { Ok(()) }
 }
@@ -211,5 +218,9 @@ fn print_summary(summary: &LocationSummary, args: &LocateArgs) {
             ));
         }
     }
-    output::message(&format!("results in {}", args.out.display()));
+    output::message(&format!(
+        "results in {}; look at {}",
+        args.out.display(),
+        args.out.join("report.html").display()
+    ));
 }

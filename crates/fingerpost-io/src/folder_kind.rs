@@ -114,6 +114,7 @@ impl FolderKind {
             Self::Location => &[
                 FIXES_FILE,
                 "summary.json",
+                "report.html",
                 "track.geojson",
                 "track.gpx",
                 "poses_tum.txt",

@@ -64,7 +64,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
         FolderKind::Tuning => &["report.html", "07.toml"],
         FolderKind::Papers => &["papers.md", "papers/order_road.svg"],
         FolderKind::Marks => &["truth.jsonl", "tusimple.json", "marked_frames/000001.jpg"],
-        FolderKind::Location => &["fix.jsonl"],
+        FolderKind::Location => &["fix.jsonl", "report.html"],
     };
     results.contains(&name)
 }

@@ -1,6 +1,6 @@
 //! What the belief says of the vehicle's place, and what it promises.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Point2};
 
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::hypothesis::Hypothesis;
@@ -11,7 +11,7 @@ use crate::state::{HEADING, State};
 /// Probability with which the vehicle may be outside its protection level.
 pub const RISK: f64 = 1e-3;
 /// Greatest protection level with which a fix counts as converged, metres: half the distance between parallel streets of a town.
-const ALERT_LIMIT_M: f64 = 25.0;
+pub const ALERT_LIMIT_M: f64 = 25.0;
 /// Hypotheses no farther apart than this are one place, metres, with headings no farther apart than half a right angle.
 const ONE_PLACE_M: f64 = 15.0;
 const ONE_HEADING_RAD: f64 = std::f64::consts::FRAC_PI_4;
@@ -100,12 +100,19 @@ impl Belief {
 }
 
 fn is_one_place(one: &Hypothesis, other: &Hypothesis) -> bool {
-    (one.state.place() - other.state.place()).norm() <= ONE_PLACE_M
-        && is_one_heading(&one.state, &other.state)
+    is_near(one.state.place(), other.state.place()) && is_one_heading(&one.state, &other.state)
+}
+
+fn is_near(one_m: Point2<f64>, other_m: Point2<f64>) -> bool {
+    (one_m - other_m).norm() <= ONE_PLACE_M
 }
 
 fn is_one_heading(one: &State, other: &State) -> bool {
-    fingerpost_geometry::wrap_angle(one.mean[HEADING] - other.mean[HEADING]).abs() < ONE_HEADING_RAD
+    are_alike(one.mean[HEADING], other.mean[HEADING])
+}
+
+fn are_alike(one_rad: f64, other_rad: f64) -> bool {
+    fingerpost_geometry::wrap_angle(one_rad - other_rad).abs() < ONE_HEADING_RAD
 }
 
 /// Where the vehicle is.
@@ -113,8 +120,10 @@ fn is_one_heading(one: &State, other: &State) -> bool {
 pub struct Fix {
     /// Time, seconds.
     pub t_s: f64,
+    /// Distance driven so far by the measured speeds, metres.
+    pub driven_m: f64,
     /// Place, metres in the plane of the map's graph.
-    pub place_m: nalgebra::Point2<f64>,
+    pub place_m: Point2<f64>,
     /// Heading, radians anticlockwise from east.
     pub heading_rad: f64,
     /// Covariance of the place, square metres.
@@ -139,9 +148,16 @@ pub struct Fix {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rival {
     /// Place, metres in the plane of the map's graph.
-    pub place_m: nalgebra::Point2<f64>,
+    pub place_m: Point2<f64>,
     /// Heading, radians anticlockwise from east.
     pub heading_rad: f64,
     /// Its probability.
     pub weight: f64,
+}
+
+impl Rival {
+    /// Whether another is the same place as this one: no farther away than two hypotheses of one place, and headed alike.
+    pub fn is_one_place(&self, other: &Self) -> bool {
+        is_near(self.place_m, other.place_m) && are_alike(self.heading_rad, other.heading_rad)
+    }
 }

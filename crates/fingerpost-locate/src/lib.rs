@@ -19,7 +19,7 @@ mod roads;
 mod start;
 mod state;
 
-pub use fix::{Fix, RISK, Rival, Status};
+pub use fix::{ALERT_LIMIT_M, Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;
 pub use locator::{Locator, MotionError};
 pub use odometry::{Motion, MotionInterval, MotionSample};

@@ -37,6 +37,8 @@ pub enum MotionError {
 pub struct Locator {
     belief: Belief,
     pending: Motion,
+    /// Distance driven up to the last look at the road, metres.
+    looked_m: f64,
     before: Option<MotionSample>,
     now_s: Option<f64>,
     estimate: Option<Estimate>,
@@ -61,6 +63,7 @@ impl Locator {
         Self {
             belief,
             pending: Motion::default(),
+            looked_m: 0.0,
             before: None,
             now_s: None,
             estimate,
@@ -125,8 +128,18 @@ impl Locator {
         Some(evidence)
     }
 
+    /// Every place that is possible, the heaviest first, as of the last look at the road.
+    pub fn rivals(&self) -> impl Iterator<Item = Rival> {
+        self.belief.hypotheses.iter().map(|hypothesis| Rival {
+            place_m: hypothesis.state.place(),
+            heading_rad: hypothesis.state.mean[HEADING],
+            weight: hypothesis.log_weight.exp(),
+        })
+    }
+
     fn look(&mut self) {
         self.belief.go(&self.pending);
+        self.looked_m += self.pending.driven_m;
         self.pending = Motion::default();
         self.estimate_again();
     }
@@ -140,13 +153,9 @@ impl Locator {
     fn fix(&self, t_s: f64) -> Option<Fix> {
         let Estimate { mut state, mass, level_m, status } = self.estimate.clone()?;
         state.go(&self.pending, &OFFSET_MODEL);
-        let rivals = self.belief.hypotheses.iter().take(MOST_RIVALS).map(|hypothesis| Rival {
-            place_m: hypothesis.state.place(),
-            heading_rad: hypothesis.state.mean[HEADING],
-            weight: hypothesis.log_weight.exp(),
-        });
         Some(Fix {
             t_s,
+            driven_m: self.looked_m + self.pending.driven_m,
             place_m: state.place(),
             heading_rad: fingerpost_geometry::wrap_angle(state.mean[HEADING]),
             covariance_m2: state.place_covariance(),
@@ -155,7 +164,7 @@ impl Locator {
             status,
             mass,
             off_map: self.belief.off_map(),
-            rivals: rivals.collect(),
+            rivals: self.rivals().take(MOST_RIVALS).collect(),
             hypotheses: self.belief.hypotheses.len(),
         })
     }

@@ -3,9 +3,9 @@
 use fingerpost_format::{
     TuningFront, TuningObjective, TuningPoint, TuningPurpose, TuningScores, TuningTrial,
 };
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
-use crate::html::{STYLE, number, px, ticks};
+use crate::html::{number, page, px, ticks};
 
 /// What the page is made of.
 #[derive(Debug, Clone, Copy)]
@@ -34,40 +34,29 @@ pub fn front_html(input: &FrontInput<'_>) -> String {
     let FrontInput { title, front, .. } = *input;
     let objectives = &front.objectives;
     let pairs = (0..objectives.len()).flat_map(|i| (i + 1..objectives.len()).map(move |j| [i, j]));
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) " - Fingerpost" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                header {
-                    h1 { (title) }
-                    p class="dim" {
-                        "Settings that no tried ones beat in everything on the drives that were searched with, and what became \
-                         of them on those that were held back. All objectives are better when smaller."
-                    }
-                }
-                h2 { "Objectives, two at a time" }
-                p class="legend" {
-                    span class="chip" style="--chip: var(--dim)" { "tried" }
-                    span class="chip" style="--chip: var(--one)" { "front" }
-                    span class="chip" style="--chip: var(--two)" { "defaults" }
-                    "Rings: the same on the drives held back."
-                }
-                div class="pairs" { @for pair in pairs { (plot(input, pair.map(|i| objectives[i]))) } }
-                h2 { "Front" }
-                (table(input))
-                h2 { "Settings" }
-                (settings(front))
-                footer { p { "Written by " (input.written_by) "." } }
+    let body = html! {
+        header {
+            h1 { (title) }
+            p class="dim" {
+                "Settings that no tried ones beat in everything on the drives that were searched with, and what became \
+                 of them on those that were held back. All objectives are better when smaller."
             }
         }
+        h2 { "Objectives, two at a time" }
+        p class="legend" {
+            span class="chip" style="--chip: var(--dim)" { "tried" }
+            span class="chip" style="--chip: var(--one)" { "front" }
+            span class="chip" style="--chip: var(--two)" { "defaults" }
+            "Rings: the same on the drives held back."
+        }
+        div class="pairs" { @for pair in pairs { (plot(input, pair.map(|i| objectives[i]))) } }
+        h2 { "Front" }
+        (table(input))
+        h2 { "Settings" }
+        (settings(front))
+        footer { p { "Written by " (input.written_by) "." } }
     };
-    page.into_string()
+    page(title, &body)
 }
 
 /// A point of a plot.

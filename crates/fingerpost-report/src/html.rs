@@ -2,6 +2,7 @@
 
 mod chart;
 mod curves;
+mod fit;
 mod key_frames;
 mod lane;
 mod map;
@@ -9,9 +10,12 @@ mod tables;
 
 use fingerpost_format::{Summary, TruthRecord};
 use fingerpost_map::Route;
-use maud::{DOCTYPE, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-pub(crate) use self::chart::{joined, number, px, ticks};
+pub(crate) use self::chart::{Chart, Curve, Scale, joined, number, px, ticks};
+pub(crate) use self::curves::{bands, legend};
+pub(crate) use self::fit::{Fit, Sheet};
+pub(crate) use self::tables::{facts, metres};
 use crate::key_frames::KeyFrames;
 use crate::timeline::Timeline;
 
@@ -45,52 +49,60 @@ pub struct ReportInput<'a> {
     pub key_frames: &'a KeyFrames,
 }
 
+/// Whose the map is.
+pub(crate) const MAP_DATA: &str = "Map data © OpenStreetMap contributors, ODbL.";
 /// Look of the page, light and dark.
-pub(crate) const STYLE: &str = include_str!("html/style.css");
+const STYLE: &str = include_str!("html/style.css");
 
 /// The report as one HTML page that needs nothing from outside: no script, no font, pictures inside.
 pub fn report_html(input: &ReportInput<'_>) -> String {
+    let body = html! {
+        header {
+            h1 { (input.title) }
+            p class="dim" { "What Fingerpost saw on this run and why it decided." }
+        }
+        (tables::summary(input.summary))
+        @if !input.summary.features.is_empty() {
+            h2 { "Features of the route" }
+            (tables::features(input.summary))
+        }
+        @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
+        h2 { "Over time" }
+        (curves::curves(input))
+        @if let Some(lane) = lane::lane(input.timeline) { h2 { "Lane" } (lane) }
+        h2 { "Losses" }
+        (tables::losses(input.timeline))
+        @if !input.summary.stage_ms.is_empty() {
+            h2 { "Time a stage takes" }
+            (tables::stage_times(input.summary))
+        }
+        h2 { "Key frames" }
+        (key_frames::key_frames(input))
+        h2 { "Configuration" }
+        details {
+            summary { "The effective configuration of the run" }
+            pre { (input.config_toml) }
+        }
+        footer {
+            @if input.route.is_some() { p { (MAP_DATA) } }
+            @if let Some(written_by) = &input.summary.written_by { p { "Written by " (written_by) "." } }
+        }
+    };
+    page(input.title, &body)
+}
+
+/// A whole page with everything that it needs inside.
+pub(crate) fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (input.title) " - Fingerpost" }
+                title { (title) " - Fingerpost" }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                header {
-                    h1 { (input.title) }
-                    p class="dim" { "What Fingerpost saw on this run and why it decided." }
-                }
-                (tables::summary(input.summary))
-                @if !input.summary.features.is_empty() {
-                    h2 { "Features of the route" }
-                    (tables::features(input.summary))
-                }
-                @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
-                h2 { "Over time" }
-                (curves::curves(input))
-                @if let Some(lane) = lane::lane(input.timeline) { h2 { "Lane" } (lane) }
-                h2 { "Losses" }
-                (tables::losses(input.timeline))
-                @if !input.summary.stage_ms.is_empty() {
-                    h2 { "Time a stage takes" }
-                    (tables::stage_times(input.summary))
-                }
-                h2 { "Key frames" }
-                (key_frames::key_frames(input))
-                h2 { "Configuration" }
-                details {
-                    summary { "The effective configuration of the run" }
-                    pre { (input.config_toml) }
-                }
-                footer {
-                    @if input.route.is_some() { p { "Map data © OpenStreetMap contributors, ODbL." } }
-                    @if let Some(written_by) = &input.summary.written_by { p { "Written by " (written_by) "." } }
-                }
-            }
+            body { (body) }
         }
     };
     page.into_string()

@@ -2,7 +2,7 @@
 //!
 //! [`compose`] draws one annotated picture of a frame, [`StagePictures`] one picture a stage, [`KeyFrames`] keeps those
 //! of the frames that a person wants to see afterwards, and [`report_html`] makes one self-contained page of a whole
-//! run, [`front_html`] one of a search of settings, [`road_sheet`] shows what road detectors make of pictures, [`surface_svg`] a table of percentages, [`interval_svg`] figures over settings. Nothing here decides anything, touches a file or reads a clock: pictures come as [`RgbImage`], pages as text.
+//! run, [`front_html`] one of a search of settings, [`locating_html`] one of where a vehicle was found on the map, [`road_sheet`] shows what road detectors make of pictures, [`surface_svg`] a table of percentages, [`interval_svg`] figures over settings. Nothing here decides anything, touches a file or reads a clock: pictures come as [`RgbImage`], pages as text.
 //!
 //! [`RgbImage`]: fingerpost_vision::picture::RgbImage
 
@@ -11,6 +11,7 @@ mod front;
 mod html;
 mod interval_plot;
 mod key_frames;
+mod locating;
 mod palette;
 mod panel;
 mod road_sheet;
@@ -23,6 +24,7 @@ pub use front::{FrontInput, front_html};
 pub use html::{ReportInput, Thresholds, report_html};
 pub use interval_plot::{IntervalPlot, IntervalPoint, IntervalSeries, interval_svg};
 pub use key_frames::{ChosenFrame, DrawnFrame, KeyFrame, KeyFrameChoice, KeyFrames, KeyPicture, KeyReason};
+pub use locating::{LocatedDrive, LocatingInput, locating_html};
 pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose};
 pub use road_sheet::{RoadSheetCell, RoadSheetRow, road_sheet};
 pub use scene::{Scene, Setting};

@@ -5,6 +5,7 @@
 
 use fingerpost::track::State;
 use fingerpost_format::TrackState;
+use fingerpost_locate::Status;
 use fingerpost_map::FeatureKind;
 
 /// Red, green, blue.
@@ -68,6 +69,16 @@ pub(crate) const fn state(state: TrackState) -> (&'static str, Rgb) {
         TrackState::Arrived => ("arrived", [214, 166, 24]),
         TrackState::Lost => ("lost", [214, 62, 62]),
         TrackState::RouteDone => ("route done", [150, 120, 190]),
+    }
+}
+
+/// Name and colour of what a fix on the map is worth.
+pub(crate) const fn fix_status(status: Status) -> (&'static str, Rgb) {
+    match status {
+        Status::Converged => ("converged", [62, 168, 92]),
+        Status::Ambiguous => ("ambiguous", [104, 140, 196]),
+        Status::Coasting => ("coasting", [214, 166, 24]),
+        Status::Lost => ("lost", [214, 62, 62]),
     }
 }
 

@@ -15,9 +15,11 @@ pub(super) struct Truth {
     poses: Vec<TruePose>,
 }
 
-struct TruePose {
+/// Where the vehicle truly was at a time.
+pub(super) struct TruePose {
     t_s: f64,
-    place_m: Point2<f64>,
+    /// Place, metres in the plane of the map's graph.
+    pub(super) place_m: Point2<f64>,
     heading_rad: f64,
     driven_m: f64,
 }
@@ -34,22 +36,28 @@ impl Truth {
         Ok(Self { poses })
     }
 
-    /// A fix beside the pose of its time; none where there is no pose then.
-    pub(super) fn beside(&self, fix: &Fix, line: &FixLine) -> Option<FixSample> {
-        let after = self.poses.partition_point(|pose| pose.t_s < fix.t_s);
+    /// The pose at a time, seconds; none where there is none.
+    pub(super) fn at(&self, t_s: f64) -> Option<&TruePose> {
+        let after = self.poses.partition_point(|pose| pose.t_s < t_s);
         let near =
             [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|i| self.poses.get(i));
-        let off_s = |pose: &TruePose| (pose.t_s - fix.t_s).abs();
-        let pose = near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|pose| off_s(pose) <= NEAR_S)?;
-        let off = fix.place_m - pose.place_m;
-        Some(FixSample {
+        let off_s = |pose: &TruePose| (pose.t_s - t_s).abs();
+        near.min_by(|a, b| off_s(a).total_cmp(&off_s(b))).filter(|pose| off_s(pose) <= NEAR_S)
+    }
+}
+
+impl TruePose {
+    /// A fix of its time beside it.
+    pub(super) fn beside(&self, fix: &Fix, line: &FixLine) -> FixSample {
+        let off = fix.place_m - self.place_m;
+        FixSample {
             t_s: fix.t_s,
-            driven_m: pose.driven_m,
+            driven_m: self.driven_m,
             off_m: [off.x, off.y],
-            true_heading_rad: pose.heading_rad,
+            true_heading_rad: self.heading_rad,
             covariance_m2: line.covariance_m2,
             bound_m: line.bound_m,
             status: line.status,
-        })
+        }
     }
 }

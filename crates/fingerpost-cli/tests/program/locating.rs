@@ -65,6 +65,9 @@ fn every_row_has_a_fix_and_the_same_log_gives_the_same_file() {
     assert_eq!(geojson["features"].as_array().map(Vec::len), Some(0));
     assert!(read("track.gpx").contains("<trk>") && !read("track.gpx").contains("<trkpt"));
     assert_eq!((read("poses_kitti.txt").len(), read("poses_tum.txt").lines().count()), (0, 1));
+    assert!(read("report.html").contains("Stanford diagram") && read("report.html").contains("ambiguous"));
+    let without_truth = fs::read_to_string(folder.path().join("second/report.html")).unwrap();
+    assert!(without_truth.contains("<svg") && !without_truth.contains("Stanford diagram"));
     // The folder is the program's own and may be written again.
     locate(folder.path(), "", "second").done();
 }

@@ -23,12 +23,42 @@ pub(crate) struct Band {
     pub(crate) colour: String,
 }
 
+/// How values are laid out along an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scale {
+    Linear,
+    /// Values below the axis, as zero is, lie at its lower end.
+    Logarithmic,
+}
+
+impl Scale {
+    /// Where a value lies between two others: 0 at the first, 1 at the second.
+    pub(crate) fn share(self, value: f64, [low, high]: [f64; 2]) -> f64 {
+        match self {
+            Self::Linear => (value - low) / (high - low),
+            Self::Logarithmic => (value.max(low) / low).ln() / (high / low).ln(),
+        }
+    }
+
+    /// Round numbers from `low` to `high`, at most about `count` of them, or the powers of ten.
+    pub(crate) fn ticks(self, [low, high]: [f64; 2], count: usize) -> Vec<f64> {
+        match self {
+            Self::Linear => ticks(low, high, count),
+            Self::Logarithmic => {
+                let (first, last) = (low.log10().ceil() as i32, high.log10().floor() as i32);
+                (first..=last).map(|power| 10_f64.powi(power)).collect()
+            }
+        }
+    }
+}
+
 /// Curves over the same time.
 pub(crate) struct Chart<'a> {
     pub(crate) title: String,
     pub(crate) unit: &'static str,
+    pub(crate) scale: Scale,
     pub(crate) seconds: RangeInclusive<f64>,
-    /// Values that are shown at least.
+    /// Values that are shown at least; where the scale is logarithmic, none below them is.
     pub(crate) values: RangeInclusive<f64>,
     /// Behind the curves.
     pub(crate) bands: Vec<Band>,
@@ -56,7 +86,8 @@ impl Chart<'_> {
         values: RangeInclusive<f64>,
     ) -> Self {
         let (bands, strip, lines, curves) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { title: title.to_owned(), unit, seconds, values, bands, strip, lines, curves }
+        let scale = Scale::Linear;
+        Self { title: title.to_owned(), unit, scale, seconds, values, bands, strip, lines, curves }
     }
 
     /// Whether there is anything to be seen in it.
@@ -68,12 +99,13 @@ impl Chart<'_> {
     pub(crate) fn figure(&self) -> Markup {
         let (mut low, mut high) = (*self.values.start(), *self.values.end());
         for (least, greatest) in self.curves.iter().filter_map(|curve| curve.values.extent()) {
-            (low, high) = (low.min(least), high.max(greatest));
+            low = if self.scale == Scale::Linear { low.min(least) } else { low };
+            high = high.max(greatest);
         }
         let high = if high > low { high } else { low + 1.0 };
         let (t0, t1) = (*self.seconds.start(), self.seconds.end().max(self.seconds.start() + 1e-3));
         let x = |t: f64| LEFT + (t - t0) / (t1 - t0) * (WIDTH - LEFT - RIGHT);
-        let y = |v: f64| TOP + (high - v) / (high - low) * (HEIGHT - TOP - BOTTOM);
+        let y = |v: f64| TOP + (1.0 - self.scale.share(v, [low, high])) * (HEIGHT - TOP - BOTTOM);
         let floor = HEIGHT - BOTTOM;
         let band = |band: &Band, top: f64, height: f64, opacity: &str| {
             let (from, to) = (x(*band.seconds.start()), x(*band.seconds.end()));
@@ -91,7 +123,7 @@ impl Chart<'_> {
                 svg viewBox={ "0 0 " (WIDTH) " " (HEIGHT) } role="img" aria-label=(self.title) {
                     @for b in &self.bands { (band(b, TOP, floor - TOP, "0.22")) }
                     @for b in &self.strip { (band(b, floor + 3.0, STRIP, "1")) }
-                    @for v in ticks(low, high, 5) {
+                    @for v in self.scale.ticks([low, high], 5) {
                         line class="grid" x1=(px(LEFT)) x2=(px(WIDTH - RIGHT)) y1=(px(y(v))) y2=(px(y(v))) {}
                         text x=(px(LEFT - 6.0)) y=(px(y(v) + 4.0)) text-anchor="end" { (number(v)) }
                     }
@@ -167,6 +199,16 @@ mod tests {
         assert_eq!(ticks(0.0, 1.0, 5).len(), 6);
         assert_eq!(ticks(0.0, 130.0, 10), [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0]);
         assert!(ticks(1.0, 1.0, 5).is_empty() && ticks(0.0, f64::NAN, 5).is_empty());
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_a_line_a_decade() {
+        let axis = [0.1, 1000.0];
+        assert_eq!(Scale::Logarithmic.ticks(axis, 5), [0.1, 1.0, 10.0, 100.0, 1000.0]);
+        let shares = [0.0, 0.1, 10.0, 1000.0].map(|value| Scale::Logarithmic.share(value, axis));
+        for (share, expected) in shares.into_iter().zip([0.0, 0.0, 0.5, 1.0]) {
+            assert!((share - expected).abs() < 1e-12, "{shares:?}");
+        }
     }
 
     #[test]

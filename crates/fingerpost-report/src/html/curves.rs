@@ -1,12 +1,14 @@
 //! P(F), distance and position error of a run over time.
 
+use std::ops::RangeInclusive;
+
 use maud::{Markup, html};
 
 use super::ReportInput;
 use super::chart::{Band, Chart, Curve};
 use crate::palette;
 use crate::series::{Series, Stretches};
-use crate::timeline::{Compared, Timeline};
+use crate::timeline::Compared;
 
 /// The charts.
 pub(crate) fn curves(input: &ReportInput<'_>) -> Markup {
@@ -47,7 +49,7 @@ pub(crate) fn curves(input: &ReportInput<'_>) -> Markup {
 }
 
 /// What the colours mean.
-fn legend(about: &str, entries: impl Iterator<Item = (String, palette::Rgb)>) -> Markup {
+pub(crate) fn legend(about: &str, entries: impl Iterator<Item = (String, palette::Rgb)>) -> Markup {
     html! {
         p class="legend" {
             (about) ": "
@@ -71,11 +73,11 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
         (title, "probability", vec![by_belief, by_match])
     };
     Chart {
-        bands: bands(timeline, &timeline.states, |&state| {
+        bands: bands(&seconds, &timeline.states, |&state| {
             let (name, rgb) = palette::state(state);
             Some((name.to_owned(), palette::css(rgb)))
         }),
-        strip: bands(timeline, &timeline.weakest, |label| {
+        strip: bands(&seconds, &timeline.weakest, |label| {
             let label = label.as_ref()?;
             Some((format!("weakest: {label}"), palette::css(palette::sub_mask(label))))
         }),
@@ -99,14 +101,13 @@ fn compared<'a>(label: &'static str, values: &'a Compared) -> Vec<Curve<'a>> {
 }
 
 /// Stretches of equal label and colour over time.
-pub(super) fn bands<T: PartialEq + Clone>(
-    timeline: &Timeline,
+pub(crate) fn bands<T: PartialEq + Clone>(
+    seconds: &RangeInclusive<f64>,
     stretches: &Stretches<T>,
     band: impl Fn(&T) -> Option<(String, String)>,
 ) -> Vec<Band> {
-    let end_s = timeline.seconds.as_ref().map_or(0.0, |seconds| *seconds.end());
     let stretches = stretches.joined();
-    let ends = stretches.iter().skip(1).map(|next| next.start).chain([end_s]);
+    let ends = stretches.iter().skip(1).map(|next| next.start).chain([*seconds.end()]);
     let bands = stretches.iter().zip(ends).filter_map(|(stretch, end)| {
         let (label, colour) = band(&stretch.value)?;
         Some(Band { seconds: stretch.start..=end, label, colour })

@@ -20,8 +20,8 @@ pub(crate) fn lane(timeline: &Timeline) -> Option<Markup> {
     };
     let edges = vec![curve("left", "one", &lane.left_m), curve("right", "three", &lane.right_m)];
     let edges = Chart {
-        bands: bands(timeline, &lane.warnings, |warning| warning.map(warning_band)),
-        strip: bands(timeline, &lane.silences, |because| because.as_deref().map(silence_band)),
+        bands: bands(&seconds, &lane.warnings, |warning| warning.map(warning_band)),
+        strip: bands(&seconds, &lane.silences, |because| because.as_deref().map(silence_band)),
         ..chart(
             "Edges of the lane beside the rear axle; coloured where the lane is left, below where that is passed over",
             "metres to the left",

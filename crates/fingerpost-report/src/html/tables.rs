@@ -43,7 +43,7 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
         facts.extend(truth.bound_violations.map(|n| ("frames outside the bound", n.to_string())));
     }
     html! {
-        dl class="facts" { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } }
+        (self::facts(&facts))
         @for (state, frames) in &summary.camera_frames {
             p class="warning" { "The camera " (state) " in " (frames) " frames." }
         }
@@ -52,7 +52,12 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
     }
 }
 
-fn metres(error: ErrorQuantiles) -> String {
+/// Names and what they are.
+pub(crate) fn facts(facts: &[(&str, String)]) -> Markup {
+    html! { dl class="facts" { @for (name, value) in facts { div { dt { (name) } dd { (value) } } } } }
+}
+
+pub(crate) fn metres(error: ErrorQuantiles) -> String {
     format!("{:.2} m median, {:.2} m p95, {:.2} m largest", error.p50, error.p95, error.max)
 }
 

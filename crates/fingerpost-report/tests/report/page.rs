@@ -10,7 +10,7 @@ use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, Timeline,
 const THRESHOLDS: Thresholds = Thresholds { detect: 0.75, confirm: 0.65 };
 
 /// Every inline SVG of a page, parsed.
-fn svgs(page: &str) -> usize {
+pub(crate) fn svgs(page: &str) -> usize {
     let mut count = 0;
     for rest in page.split("<svg").skip(1) {
         let svg = format!("<svg{}</svg>", rest.split("</svg>").next().unwrap());
@@ -18,6 +18,14 @@ fn svgs(page: &str) -> usize {
         count += 1;
     }
     count
+}
+
+/// Every element is closed.
+pub(crate) fn closed_tags(page: &str) {
+    for tag in ["figure", "details", "table", "article", "div", "ul", "body", "html", "svg"] {
+        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "<{tag}>");
+    }
 }
 
 fn escaped(text: &str) -> String {
@@ -65,10 +73,7 @@ fn the_page_of_a_drive_holds_everything() {
     for outside in ["http:", "https:", "<script", "url("] {
         assert!(!page.contains(outside), "nothing from outside: {outside}");
     }
-    for tag in ["figure", "details", "table", "article", "div", "ul", "body", "html", "svg"] {
-        let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
-        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "<{tag}>");
-    }
+    closed_tags(&page);
 }
 
 fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
