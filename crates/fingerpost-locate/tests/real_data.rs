@@ -7,7 +7,6 @@
 // Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-#[allow(dead_code, reason = "every test uses a part")]
 mod drives;
 
 use std::path::PathBuf;

@@ -1,19 +1,13 @@
 //! Made-up drives on the roads of the built-in town: sensors with errors, and a map that was drawn a metre or two beside the roads.
 
-// Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
-
-#[allow(dead_code, reason = "every test uses a part")]
-mod drives;
-
 use fingerpost_geometry::Polyline;
 use fingerpost_locate::{Locator, MotionSample, Status, Traffic};
 use fingerpost_map::{OsmData, RoadGraph};
 use nalgebra::{Point2, Vector2};
 
-use self::drives::{Faults, Numbers, Pose, Road, Score, drive, line, locate, typical_faults};
+use crate::drives::{Faults, Numbers, Pose, Road, Score, drive, line, locate, typical_faults};
 
-const TOWN: &[u8] = include_bytes!("../../fingerpost-sim/assets/town.osm");
+const TOWN: &[u8] = include_bytes!("../../../fingerpost-sim/assets/town.osm");
 
 fn town() -> OsmData {
     OsmData::from_bytes(TOWN).unwrap()
@@ -76,7 +70,7 @@ fn a_kidnapped_vehicle_is_noticed_and_found_again() {
         let second = drive(&line_of(&roads(), 2000.0, &mut numbers), faults, &mut numbers);
         let kidnapped = first.len();
         let rows = after(first, second);
-        let fixes = drives::fixes(&town(), &rows, &mut numbers);
+        let fixes = crate::drives::fixes(&town(), &rows, &mut numbers);
         let noticed =
             fixes.iter().skip(kidnapped).position(|(fix, _)| fix.status != Status::Converged).unwrap();
         let driven_m = |i: usize| rows[kidnapped + i].1.driven_m;
@@ -121,7 +115,7 @@ fn a_yard_is_no_road_and_the_road_is_found_again_behind_it() {
             on(0.0, leaves_m).into_iter().chain(circle).chain(on(leaves_m, road.length_m())).collect();
         let line = Polyline::new(points).unwrap();
         let rows = drive(&Road { line, lanes: Vec::new() }, typical_faults(&mut numbers), &mut numbers);
-        let fixes = drives::fixes(&town(), &rows, &mut numbers);
+        let fixes = crate::drives::fixes(&town(), &rows, &mut numbers);
         let at = |from_m: f64, to_m: f64| {
             let inside = move |pose: &Pose| (from_m..to_m).contains(&pose.driven_m);
             rows.iter().zip(&fixes).filter(move |((_, pose), _)| inside(pose)).map(|(_, fix)| fix)

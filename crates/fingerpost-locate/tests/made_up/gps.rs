@@ -1,19 +1,13 @@
 //! Made-up drives in the built-in town with a GPS receiver that errs, jumps, falls silent and lies. Nothing of this may put the
 //! vehicle outside its protection level, and it is found at least as soon as without GPS.
 
-// Functions shared by tests fail their test by unwrapping; figures are shown with `--nocapture`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
-
-#[allow(dead_code, reason = "every test uses a part")]
-mod drives;
-
 use fingerpost_locate::GpsEvidence;
 use fingerpost_map::{OsmData, RoadGraph};
 use nalgebra::Vector2;
 
-use self::drives::{Drive, Numbers, Score, drive, line, score, typical_faults};
+use crate::drives::{Drive, Numbers, Score, drive, line, score, typical_faults};
 
-const TOWN: &[u8] = include_bytes!("../../fingerpost-sim/assets/town.osm");
+const TOWN: &[u8] = include_bytes!("../../../fingerpost-sim/assets/town.osm");
 /// Time between two fixes of GPS, in rows of motion.
 const ROWS: usize = 10;
 
