@@ -22,6 +22,6 @@ mod state;
 pub use fix::{ALERT_LIMIT_M, Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;
 pub use locator::{Locator, MotionError};
-pub use odometry::{Motion, MotionInterval, MotionSample};
+pub use odometry::{Motion, MotionInterval, MotionSample, YAW_RATE_NOISE};
 pub use roads::Traffic;
 pub use start::Start;

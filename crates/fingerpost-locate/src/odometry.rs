@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// White noise of a yaw rate, rad/s over the square root of a hertz: 0.03 degrees, three times the data sheets of automotive
 /// MEMS gyroscopes (Bosch SMI7xx, Murata SCC2000), for vibration.
-const YAW_RATE_NOISE: f64 = 5.2e-4;
+pub const YAW_RATE_NOISE: f64 = 5.2e-4;
 /// Error of a gyroscope's scale and of a road's superelevation together: this part of every turn.
 const TURN_SCALE: f64 = 0.01;
 /// Slip and quantisation, metres over the square root of a metre driven.

@@ -5,7 +5,9 @@
 //! what it takes in. Limits: features, lanes and the road's edges do not correct it yet, and frames need times.
 
 use fingerpost_geometry::wrap_angle;
-use fingerpost_locate::{Fix, Locator, MotionInterval, Start, Status, Traffic as TrafficSide};
+use fingerpost_locate::{
+    Fix, Locator, MotionInterval, Start, Status, Traffic as TrafficSide, YAW_RATE_NOISE,
+};
 use fingerpost_map::{LatLon, RoadGraph, TangentPlane};
 
 use crate::motion::Motion;
@@ -16,9 +18,6 @@ use crate::vehicle_signals::VehicleState;
 const SEED: u64 = 1;
 /// How much a turn may differ from what the frames before had where nothing shows it, rad/s: a corner in town traffic.
 const UNSEEN_TURN_RPS: f64 = 0.3;
-/// Noise of a yaw rate that has no variance of its own, rad/s over the square root of a hertz: 0.03 degrees, as `fingerpost-locate`
-/// takes it of a gyroscope.
-const YAW_RATE_NOISE: f64 = 5.2e-4;
 
 /// A place that the vehicle starts near.
 #[derive(Debug, Clone, Copy, PartialEq)]
