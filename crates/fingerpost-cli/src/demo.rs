@@ -18,7 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlap::{self, Overlap};
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
 
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
@@ -65,6 +65,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         title: "Fingerpost demo: a simulated drive through Mauren".to_owned(),
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video: None,
+        recording: RecordingWish::Mcap,
     };
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;

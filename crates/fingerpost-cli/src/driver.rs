@@ -12,12 +12,13 @@ use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_recording::{FrameRecorder, RecordedFrame};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::picture_scaling::PictureScaling;
 use crate::record::{FrameTime, feature_identities, frame_record};
-use crate::recorder::{Pictures, Subject, Wishes};
+use crate::recorder::{Pictures, RecordingWish, Subject, Wishes};
 use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};
 use crate::version::WRITTEN_BY;
@@ -75,6 +76,8 @@ pub(crate) struct Seen {
     pub(crate) key_frame: Option<DrawnFrame>,
     /// All panels in one picture, where that is wanted.
     pub(crate) annotated: Option<RgbImage>,
+    /// Its messages, where the run is recorded.
+    pub(crate) recorded: Option<RecordedFrame>,
 }
 
 /// The method with what the results need of it.
@@ -88,6 +91,8 @@ pub(crate) struct Driver {
     key_frames: KeyFrameChoice,
     pictures: Pictures,
     video: bool,
+    /// None where the run is not recorded.
+    frame_recorder: Option<FrameRecorder>,
     frames_used: u64,
     /// Time of the last frame that was used, seconds.
     last_t_s: Option<f64>,
@@ -106,6 +111,7 @@ impl Driver {
             key_frames: KeyFrameChoice::new(frames),
             pictures: wishes.pictures.clone(),
             video: wishes.video.is_some(),
+            frame_recorder: (wishes.recording == RecordingWish::Mcap).then(FrameRecorder::default),
             frames_used: 0,
             last_t_s: None,
         })
@@ -199,7 +205,10 @@ impl Driver {
         let key_frame = key_frame.map(|chosen| chosen.draw(&scene));
         let annotated = (self.video || self.pictures.want(frame)).then(|| compose(&scene));
         clock.finished("drawing");
-        Ok(FrameResult { time, outcome: Ok(Seen { record, key_frame, annotated }), stage_ms: clock.stage_ms })
+        let recorded = self.frame_recorder.as_mut().map(|recorder| recorder.record(&scene));
+        clock.finished("recording");
+        let seen = Seen { record, key_frame, annotated, recorded };
+        Ok(FrameResult { time, outcome: Ok(seen), stage_ms: clock.stage_ms })
     }
 
     /// Puts the method before its first frame.

@@ -2,6 +2,7 @@
 //! ends.
 
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -12,6 +13,7 @@ use fingerpost_format::{
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::Route;
+use fingerpost_recording::Recording;
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };
@@ -63,6 +65,17 @@ pub(crate) struct Wishes {
     pub(crate) pictures: Pictures,
     /// The annotated video, where one is wanted.
     pub(crate) video: Option<VideoWish>,
+    /// Whether all that was seen is recorded for viewers.
+    pub(crate) recording: RecordingWish,
+}
+
+/// Whether `run.mcap` is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum RecordingWish {
+    /// It is.
+    Mcap,
+    /// It is not.
+    None,
 }
 
 /// A video that is wanted.
@@ -98,6 +111,7 @@ pub(crate) struct Recorder {
     subject: Subject,
     wishes: Wishes,
     video: Option<VideoWriter>,
+    recording: Option<Recording<File>>,
     key_frames: KeyFrames,
     timeline: Timeline,
     outcomes: FeatureOutcomes,
@@ -129,12 +143,20 @@ impl Recorder {
             VideoWriter::create(&folder.video_path(), size, *fps, programs)
         });
         let video = video.transpose()?;
+        let recording = match wishes.recording {
+            RecordingWish::Mcap => {
+                let written_by = format!("fingerpost {VERSION}");
+                Some(Recording::create(folder.create_recording()?, &written_by, subject.route.as_ref())?)
+            }
+            RecordingWish::None => None,
+        };
         Ok(Self {
             folder,
             outcomes: FeatureOutcomes::new(&subject.features),
             subject,
             wishes,
             video,
+            recording,
             key_frames: KeyFrames::default(),
             timeline: Timeline::default(),
             mount_faults: Vec::new(),
@@ -189,8 +211,11 @@ impl Recorder {
 
     fn add_seen(&mut self, time: FrameTime, seen: Seen) -> Result<()> {
         let mut clock = FrameClock::start();
-        let Seen { record, key_frame, annotated } = seen;
+        let Seen { record, key_frame, annotated, recorded } = seen;
         self.keep(record)?;
+        if let (Some(recording), Some(frame), Some(record)) = (&mut self.recording, recorded, &self.last) {
+            recording.write(frame, record)?;
+        }
         if let Some(key_frame) = key_frame {
             self.key_frames.add(key_frame)?;
         }
@@ -213,7 +238,11 @@ impl Recorder {
         self.broken_frames += 1;
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
         let record = broken_record(time, self.last.as_ref(), at_first, error);
-        self.keep(record)
+        self.keep(record)?;
+        if let (Some(recording), Some(record)) = (&mut self.recording, &self.last) {
+            recording.write_record(record)?;
+        }
+        Ok(())
     }
 
     fn keep(&mut self, record: FrameRecord) -> Result<()> {
@@ -247,6 +276,7 @@ impl Recorder {
         let elapsed_s = self.started.elapsed().as_secs_f64();
         self.bar.finish_and_clear();
         let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
+        let recording = self.recording.take().map_or(Ok(()), |recording| recording.finish().map(drop));
         let compared = truth.filter(|_| self.frames > 0).map(|truth| self.compare(truth)).transpose();
         let of_truth = compared.as_ref().ok().and_then(Option::as_ref);
         let summary = Summary {
@@ -283,6 +313,7 @@ impl Recorder {
         self.folder.finish()?;
         compared?;
         video?;
+        recording?;
         Ok(summary)
     }
 

@@ -25,7 +25,7 @@ use crate::interrupt::Interrupt;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
 use crate::record::FrameTime;
-use crate::recorder::{Pictures, Recorder, RunEnd, Subject, VideoWish, Wishes};
+use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
@@ -117,6 +117,9 @@ pub(crate) struct RunArgs {
     /// is faulty.
     #[arg(long, value_name = "PERCENT", default_value_t = 10, value_parser = clap::value_parser!(u8).range(0..=100))]
     max_broken_pct: u8,
+    /// Do not write run.mcap, the recording of all that was seen for Foxglove and Rerun.
+    #[arg(long)]
+    no_recording: bool,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
@@ -166,6 +169,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         title: args.input.clone(),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
+        recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);

@@ -7,13 +7,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 10] = [
+const PURE: [&str; 11] = [
     "fingerpost",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
     "fingerpost-locate",
     "fingerpost-map",
+    "fingerpost-recording",
     "fingerpost-report",
     "fingerpost-search",
     "fingerpost-sim",

@@ -27,6 +27,8 @@ pub(crate) const MASKS_FOLDER: &str = "road_masks";
 pub const FIXES_FILE: &str = "fix.jsonl";
 /// File of a run's frames.
 pub(crate) const FRAMES_FILE: &str = "frames.jsonl";
+/// A run for viewers.
+pub(crate) const RECORDING_FILE: &str = "run.mcap";
 /// Folder of a run's pictures.
 pub(crate) const PICTURES_FOLDER: &str = "pictures";
 /// Folder of a marked video's pictures.
@@ -92,7 +94,7 @@ impl FolderKind {
     fn files(self) -> &'static [&'static str] {
         match self {
             Self::Run => {
-                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", "run.mcap"]
+                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", RECORDING_FILE]
             }
             Self::CampaignRun => {
                 &["config.toml", FRAMES_FILE, "summary.json", "report.html", "route.geojson", TRUTH_FILE]

@@ -1,5 +1,6 @@
 //! A run's results as a folder.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use fingerpost_format::{FrameRecord, Summary};
@@ -8,7 +9,7 @@ use thiserror::Error;
 
 use crate::{
     file::{FileError, create_folder},
-    folder_kind::{FRAMES_FILE, FolderKind, PICTURES_FOLDER},
+    folder_kind::{FRAMES_FILE, FolderKind, PICTURES_FOLDER, RECORDING_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_png},
@@ -40,8 +41,8 @@ pub enum RunFolderError {
     },
 }
 
-/// The folder of a run being written: `config.toml`, `frames.jsonl`, `summary.json`, `report.html`, `pictures/`, and
-/// the path of `annotated.mp4`.
+/// The folder of a run being written: `config.toml`, `frames.jsonl`, `summary.json`, `report.html`, `pictures/`,
+/// `run.mcap`, and the path of `annotated.mp4`.
 #[derive(Debug)]
 pub struct RunFolder {
     frames: JsonLinesFile,
@@ -137,6 +138,15 @@ impl RunFolder {
     /// Where the records are: every one that was added is there to be read.
     pub fn frames_path(&self) -> PathBuf {
         self.path().join(FRAMES_FILE)
+    }
+
+    /// The empty recording, `run.mcap`; its writer is to hand over whole chunks.
+    ///
+    /// # Errors
+    /// [`RunFolderError::File`] when it cannot be made.
+    pub fn create_recording(&self) -> Result<File, RunFolderError> {
+        let path = self.path().join(RECORDING_FILE);
+        Ok(File::create(&path).map_err(FileError::writing(&path))?)
     }
 
     /// Where the annotated video belongs.

@@ -9,7 +9,7 @@ use fingerpost_locate::Status;
 use fingerpost_map::FeatureKind;
 
 /// Red, green, blue.
-pub(crate) type Rgb = [u8; 3];
+pub type Rgb = [u8; 3];
 
 pub(crate) const BACKGROUND: Rgb = [22, 25, 29];
 pub(crate) const PANEL: Rgb = [33, 37, 43];
@@ -42,7 +42,7 @@ const EXIT: Rgb = [240, 159, 30];
 const SIDES: [Rgb; 4] = [[222, 128, 190], [240, 228, 66], [0, 190, 150], [200, 170, 255]];
 
 /// Colour of a sub-mask by its label: `approach`, `exit`, `driving_line`, `side_1`, `side_2`, ...
-pub(crate) fn sub_mask(label: &str) -> Rgb {
+pub fn sub_mask(label: &str) -> Rgb {
     match label {
         "approach" => APPROACH,
         "exit" => EXIT,

@@ -64,7 +64,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The followed feature and its model.
-    pub(crate) fn followed(&self) -> Option<(&'a Followed, &'a FeatureModel)> {
+    pub fn followed(&self) -> Option<(&'a Followed, &'a FeatureModel)> {
         let followed = self.output.track.followed.as_ref()?;
         Some((followed, self.setting.features.get(followed.index)?))
     }

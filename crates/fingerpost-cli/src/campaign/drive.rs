@@ -14,7 +14,7 @@ use super::{Plan, Setting};
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
 use crate::output;
 use crate::record::{FrameTime, broken_record};
-use crate::recorder::{Pictures, Recorder, RunEnd, Wishes};
+use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 
 /// Every so many frames of a drive with a report one is written with all that was seen in it: one a second.
 const PICTURE_EVERY_FRAMES: u64 = 10;
@@ -72,7 +72,12 @@ impl Run {
         let name = format!("{}_{}", named.conditions, named.seed);
         let pictures =
             if setting.args.reports { Pictures::Every(PICTURE_EVERY_FRAMES) } else { Pictures::None };
-        let wishes = Wishes { title: format!("Fingerpost campaign: {name}"), pictures, video: None };
+        let wishes = Wishes {
+            title: format!("Fingerpost campaign: {name}"),
+            pictures,
+            video: None,
+            recording: RecordingWish::None,
+        };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
         let folder = setting.args.out.join(name);
         let recorder = setting.args.reports.then(|| {

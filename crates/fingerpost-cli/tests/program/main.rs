@@ -27,6 +27,7 @@ mod networks;
 mod outputs;
 mod papers;
 mod program;
+mod recording;
 mod running;
 mod sampling;
 mod simulated_bus;

@@ -1,0 +1,139 @@
+//! Planes of the ground view as grids on the road.
+
+use fingerpost::feature_masks::PlacedMasks;
+use fingerpost::height::GroundHeight;
+use fingerpost::road_surface::RoadSurface;
+use fingerpost_geometry::{GroundGrid, GroundPixel};
+use fingerpost_vision::picture::{Plane, Rect};
+use foxglove::messages::packed_element_field::NumericType;
+use foxglove::messages::{Grid, PackedElementField, Pose, Timestamp, Vector2, Vector3};
+use nalgebra::UnitQuaternion;
+
+use crate::transforms::{VEHICLE, quaternion};
+
+/// The field `known` where the frame shows the road; 1 where it is remembered, 0 where nothing is known.
+const SEEN: u8 = 2;
+
+/// Bytes of a grid from the nearest row to the farthest, each from left to right.
+struct Cells {
+    columns: usize,
+    rows: usize,
+    side_px: usize,
+    fields: Vec<PackedElementField>,
+    bytes: Vec<u8>,
+    cell_bytes: usize,
+}
+
+/// The probability of road and what it is known from.
+pub(crate) fn road_surface(
+    timestamp: Timestamp,
+    grid: &GroundGrid,
+    surface: &RoadSurface,
+    seen: &Plane<u8>,
+) -> Grid {
+    let (columns, rows) = surface.probability.size();
+    // A surface that was never summed up is known where it is seen.
+    let summed = surface.known();
+    let known = if summed.size() == seen.size() { summed.plane() } else { seen };
+    let mut bytes = Vec::with_capacity(2 * columns * rows);
+    for row in (0..rows.min(seen.height())).rev() {
+        let shown = seen.row(row).iter().zip(known.row(row));
+        bytes.extend(surface.probability.row(row).iter().zip(shown).flat_map(|(&road, (&seen, &known))| {
+            let knowledge = if seen != 0 { SEEN } else { u8::from(known != 0) };
+            [road, knowledge]
+        }));
+    }
+    let fields = vec![field("road", 0, NumericType::Uint8), field("known", 1, NumericType::Uint8)];
+    message(timestamp, grid, Cells { columns, rows, side_px: 1, fields, bytes, cell_bytes: 2 })
+}
+
+/// The log-odds that ground is raised.
+pub(crate) fn height(timestamp: Timestamp, grid: &GroundGrid, height: &GroundHeight) -> Grid {
+    let (columns, rows) = height.raised.size();
+    let nearest_first = (0..rows).rev().flat_map(|row| height.raised.row(row));
+    let bytes = nearest_first.flat_map(|raised| raised.to_le_bytes()).collect();
+    let fields = vec![field("raised", 0, NumericType::Int16)];
+    let side_px = height.side_px.max(1);
+    message(timestamp, grid, Cells { columns, rows, side_px, fields, bytes, cell_bytes: 2 })
+}
+
+/// The sub-masks by their numbers from 1; where they lie on each other, the last.
+pub(crate) fn masks(timestamp: Timestamp, grid: &GroundGrid, placed: &PlacedMasks<'_>) -> Grid {
+    let (columns, rows) = (grid.columns(), grid.rows());
+    let mut bytes = vec![0; columns * rows];
+    let inside = Rect { x: 0, y: 0, width: columns, height: rows };
+    for (sub, number) in placed.masks.subs.iter().zip(1..=u8::MAX) {
+        let spans = sub.spans.translated(placed.column, placed.row).intersect_rect(inside);
+        for span in spans.spans() {
+            let first = (rows - 1 - span.row as usize) * columns;
+            bytes[first + span.start as usize..first + span.end as usize].fill(number);
+        }
+    }
+    let fields = vec![field("mask", 0, NumericType::Uint8)];
+    message(timestamp, grid, Cells { columns, rows, side_px: 1, fields, bytes, cell_bytes: 1 })
+}
+
+fn field(name: &str, offset: u32, of: NumericType) -> PackedElementField {
+    PackedElementField { name: name.to_owned(), offset, r#type: of as i32 }
+}
+
+/// Cells of the ground view where they lie: columns to the right, rows ahead.
+fn message(timestamp: Timestamp, grid: &GroundGrid, cells: Cells) -> Grid {
+    // The outer corner of the nearest row's left cell.
+    let below = (cells.rows * cells.side_px) as f64 - 0.5;
+    let corner = grid.vehicle_from_ground(GroundPixel { column: -0.5, row: below });
+    let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2);
+    let side_m = grid.metres_per_pixel() * cells.side_px as f64;
+    Grid {
+        timestamp: Some(timestamp),
+        frame_id: VEHICLE.to_owned(),
+        pose: Some(Pose {
+            position: Some(Vector3 { x: corner.x, y: corner.y, z: 0.0 }),
+            orientation: Some(quaternion(&turn)),
+        }),
+        column_count: cells.columns as u32,
+        cell_size: Some(Vector2 { x: side_m, y: side_m }),
+        row_stride: (cells.columns * cells.cell_bytes) as u32,
+        cell_stride: cells.cell_bytes as u32,
+        fields: cells.fields,
+        data: cells.bytes.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point2, Quaternion, Vector3 as Offset};
+
+    use super::*;
+
+    /// Where a viewer puts the middle of a cell: by the pose, columns along its x axis and rows along its y axis.
+    fn cell_in_vehicle(grid: &Grid, column: u32, row: u32) -> Point2<f64> {
+        let pose = grid.pose.as_ref().unwrap();
+        let (at, q, cell) = (
+            pose.position.as_ref().unwrap(),
+            pose.orientation.as_ref().unwrap(),
+            grid.cell_size.as_ref().unwrap(),
+        );
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(q.w, q.x, q.y, q.z));
+        let offset =
+            turn * Offset::new((f64::from(column) + 0.5) * cell.x, (f64::from(row) + 0.5) * cell.y, 0.0);
+        Point2::new(at.x + offset.x, at.y + offset.y)
+    }
+
+    #[test]
+    fn a_cell_lies_where_the_ground_view_has_it() {
+        let ground = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
+        let mut surface = RoadSurface::default();
+        surface.probability = Plane::new(ground.columns(), ground.rows(), 0);
+        let place = ground.ground_from_vehicle(Point2::new(10.0, 2.0));
+        let (column, row) = (place.column.round() as usize, place.row.round() as usize);
+        surface.probability.row_mut(row)[column] = 255;
+        let seen = Plane::new(ground.columns(), ground.rows(), 255);
+        let grid = road_surface(Timestamp::MIN, &ground, &surface, &seen);
+        let at = grid.data.chunks_exact(2).position(|cell| cell[0] == 255).unwrap();
+        let (column, row) = (at as u32 % grid.column_count, at as u32 / grid.column_count);
+        let shown = cell_in_vehicle(&grid, column, row);
+        assert!((shown - Point2::new(10.0, 2.0)).norm() < 0.04, "{shown}");
+        assert!(grid.data.chunks_exact(2).all(|cell| cell[1] == 2), "all of it is seen");
+    }
+}

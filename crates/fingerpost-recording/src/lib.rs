@@ -1,0 +1,43 @@
+//! Recordings: a run as MCAP messages in Foxglove's published schemas, for the viewers that people already have.
+//!
+//! [`FrameRecorder`] turns a frame with its evidence into messages while the evidence is there, and [`Recording`] writes them,
+//! later and elsewhere if need be, to whatever takes bytes. What compresses slowly (the pictures) is compressed on the writing
+//! side. Times are those of the drive, from zero, so that the same run gives the same bytes.
+//!
+//! | topic | schema | frame |
+//! |---|---|---|
+//! | `/camera/image` | `foxglove.CompressedImage`, JPEG | `camera` |
+//! | `/camera/calibration` | `foxglove.CameraCalibration` | `camera` |
+//! | `/camera/annotations` | `foxglove.ImageAnnotations`: lane edges, driving line, the feature's node | pixels |
+//! | `/ground_view/image` | `foxglove.CompressedImage`, JPEG | `ground` |
+//! | `/road_surface` | `foxglove.Grid`: `road` (0 to 255: probability 0 to 1), `known` (0 unknown, 1 remembered, 2 seen) | `vehicle` |
+//! | `/height` | `foxglove.Grid`: `raised`, log-odds in 256ths | `vehicle` |
+//! | `/feature/masks` | `foxglove.Grid`: `mask`, number of the sub-mask from 1, 0 for none | `vehicle` |
+//! | `/feature` | `foxglove.SceneUpdate`: arms and node of the followed feature | `vehicle` |
+//! | `/driving_line`, `/centreline`, `/lanes` | `foxglove.SceneUpdate` | `vehicle` |
+//! | `/driving_line/poses` | `foxglove.PosesInFrame` | `vehicle` |
+//! | `/odometry` | `foxglove.Odometry` with covariance | `odom` |
+//! | `/tf` | `foxglove.FrameTransforms`: `odom` to `vehicle` to `camera` | |
+//! | `/fix` | `foxglove.LocationFix` with covariance | |
+//! | `/route` | `foxglove.GeoJSON` | |
+//! | `/record` | the line of `frames.jsonl`, JSON | |
+//! | `/log` | `foxglove.Log`: what changed and why | |
+//!
+//! Limits: `odom` is dead reckoning from the first frame and drifts; a camera that is known by points has neither calibration nor
+//! place.
+
+mod annotations;
+mod channel;
+mod colour;
+mod entities;
+mod frame_recorder;
+mod ground;
+mod log;
+mod odometry;
+mod place;
+mod recording;
+mod transforms;
+
+pub use channel::Channel;
+pub use frame_recorder::{FrameRecorder, RecordedFrame};
+pub use recording::{Recording, RecordingError};
