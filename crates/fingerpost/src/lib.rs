@@ -4,6 +4,31 @@
 //! `(config, state, input)` that gives `(output, evidence)`; evidence is what a person is shown. The method reads no
 //! file, clock or environment, and never sees truth.
 //!
+//! A camera, a route and frames in; the feature ahead out:
+//!
+//! ```
+//! use fingerpost::geometry::{Camera, Distortion, Intrinsics, Mount};
+//! use fingerpost::{Config, Pipeline, Sensors, map};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let route_text = include_str!("../../fingerpost-sim/assets/town_route.geojson");
+//! # let frames = [fingerpost::vision::picture::RgbImage::new(640, 480)];
+//! let lens = Intrinsics { fx: 560.0, fy: 560.0, cx: 319.5, cy: 239.5 };
+//! let camera = Camera::calibrated(640, 480, lens, Distortion::None, Mount::level(1.4))?;
+//! let route = map::read_route(route_text)?;
+//! let mut pipeline = Pipeline::new(&Config::default(), &camera, Some(&route), Some(0.0))?;
+//! for frame in &frames {
+//!     let (output, _evidence) = pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
+//!     if let Some(feature) = &output.track.followed {
+//!         println!("{:.1} m ahead", feature.vehicle_from_feature.translation.x);
+//!     }
+//!     println!("{}", output.why);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Whole programs are in `examples/`: a simulated drive, pictures of a folder, and a road detector of one's own.
+//!
 //! Sources: paper 1, M. McDonnell, "An interpretable system for single camera autonomous vehicle navigation
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
@@ -31,6 +56,12 @@ pub mod track;
 pub mod vehicle;
 pub mod vehicle_signals;
 mod why;
+
+// What callers of the method meet in its arguments and results.
+pub use fingerpost_geometry as geometry;
+pub use fingerpost_map as map;
+pub use fingerpost_vision as vision;
+pub use nalgebra;
 
 pub use config::{Config, ConfigError};
 pub use pipeline::{FrameEvidence, FrameOutput, Pipeline, PipelineError, Sensors, Stage};

@@ -33,7 +33,7 @@ impl Seek for Disk {
 }
 
 fn record(frame: u64, t_s: f64) -> FrameRecord {
-    let line = format!(r#"{{"frame":{frame},"t_s":{t_s},"state":"searching","why":"nothing is in reach"}}"#);
+    let line = format!(r#"{{"frame":{frame},"t_s":{t_s},"state":"searching","driving_line_m":[],"stage_ms":{{}},"why":"nothing is in reach"}}"#);
     from_json_lines(&line).unwrap().remove(0)
 }
 
