@@ -4,8 +4,8 @@
     tools/notices.py [--check]
 
 Takes the crates that `cargo metadata` resolves for the program on Linux, with every feature that ships, and the licence files
-in their packages. A text that several crates share stands once. A crate without a licence file must offer Apache-2.0 or
-MIT-0, whose texts name nobody; any other ends the script with an error.
+in their packages. A text that several crates share stands once. A crate without a licence file has its repository's in
+tools/licences/, or must offer Apache-2.0, whose text names nobody; any other ends the script with an error.
 """
 import argparse
 import json
@@ -58,10 +58,13 @@ def licence_texts(package):
     texts = [path.read_text(encoding="utf-8", errors="replace").replace("\r\n", "\n").strip() for path in files]
     if texts:
         return [text for text in texts if text]
+    by_hand = ROOT / "tools" / "licences" / f"{package['name']}.txt"
+    if by_hand.exists():
+        return [by_hand.read_text().strip()]
     expression = package["license"] or ""
     if "Apache-2.0" in expression:
         return [(ROOT / "LICENSE-APACHE").read_text().strip()]
-    sys.exit(f"{package['name']} {package['version']} ({expression}) has no licence file; add its text by hand")
+    sys.exit(f"{package['name']} {package['version']} ({expression}) has no licence file; add its repository's as tools/licences/{package['name']}.txt")
 
 
 def notices():

@@ -33,8 +33,8 @@ pub enum RecordingError {
     /// The stream takes no more bytes, or the messages do not fit into it.
     #[error("the recording cannot be written ({cause}); check the disk's free space")]
     Stream {
-        /// What the writer says.
-        cause: mcap::McapError,
+        /// What the system or the writer says.
+        cause: String,
     },
     /// A picture cannot be compressed.
     #[error(
@@ -65,7 +65,13 @@ pub enum RecordingError {
 
 impl From<mcap::McapError> for RecordingError {
     fn from(cause: mcap::McapError) -> Self {
-        Self::Stream { cause }
+        Self::Stream {
+            cause: match cause {
+                // The writer's own message leaves out the system's.
+                mcap::McapError::Io(cause) => cause.to_string(),
+                cause => cause.to_string(),
+            },
+        }
     }
 }
 

@@ -33,7 +33,9 @@ impl Seek for Disk {
 }
 
 fn record(frame: u64, t_s: f64) -> FrameRecord {
-    let line = format!(r#"{{"frame":{frame},"t_s":{t_s},"state":"searching","driving_line_m":[],"stage_ms":{{}},"why":"nothing is in reach"}}"#);
+    let line = format!(
+        r#"{{"frame":{frame},"t_s":{t_s},"state":"searching","driving_line_m":[],"stage_ms":{{}},"why":"nothing is in reach"}}"#
+    );
     from_json_lines(&line).unwrap().remove(0)
 }
 
@@ -115,5 +117,6 @@ fn a_full_disk_is_an_error_and_no_panic() {
     }
     let mut recording = Recording::create(Full(0), "test", None).unwrap();
     let failure = (0..100_000).find_map(|frame| recording.write_record(&record(frame, frame as f64)).err());
-    assert!(failure.unwrap().to_string().contains("no space left"));
+    let message = failure.unwrap().to_string();
+    assert!(message.contains("no space left"), "{message}");
 }
