@@ -13,6 +13,7 @@ use crate::crossing::{Crossing, crossings};
 use crate::drive::{Drive, VehicleState};
 use crate::driving::PlannedDriving;
 use crate::ground::{GroundMap, REACH_M};
+use crate::lane_middle::LaneMiddle;
 use crate::object::Object;
 use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
@@ -20,7 +21,7 @@ use crate::render::{FrameView, Renderer};
 use crate::roads::RoadNetwork;
 use crate::scenery::Scenery;
 use crate::surface::Painter;
-use crate::traffic::Traffic;
+use crate::traffic::{HEADWAY_S, Traffic};
 use crate::truth::{LaneEdges, RoadPlace};
 use crate::{Markings, SimConfig, SimError, SimVehicle};
 
@@ -57,16 +58,30 @@ pub struct Simulator {
     camera: Camera,
     mount: Mount,
     plane: TangentPlane,
-    fps: f64,
+    pub(crate) fps: f64,
     frames: usize,
-    vehicle: SimVehicle,
-    drive: Drive,
+    pub(crate) vehicle: SimVehicle,
+    pub(crate) drive: Drive,
     planned: Option<PlannedDriving>,
     traffic: Traffic,
     relief: Relief,
     lanes: LaneEdges,
+    pub(crate) lane_middle: LaneMiddle,
     targets: Vec<Target>,
-    renderer: Renderer,
+    pub(crate) renderer: Renderer,
+}
+
+/// The vehicle at the time of a frame, driven as planned or as it is steered.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment {
+    /// Number of the frame.
+    pub(crate) frame: u64,
+    /// Its time, seconds.
+    pub(crate) t_s: f64,
+    /// The vehicle.
+    pub(crate) state: VehicleState,
+    /// Where along the route the one that drives ahead is, metres.
+    pub(crate) leader_m: f64,
 }
 
 impl Simulator {
@@ -122,6 +137,7 @@ impl Simulator {
             relief,
             targets: targets(route, &plane),
             lanes: LaneEdges::new(line, &roads, config),
+            lane_middle: LaneMiddle::new(driven.lane_middle()),
             renderer,
         })
     }
@@ -133,8 +149,12 @@ impl Simulator {
 
     /// The frame of that number, rendered. Numbers beyond the drive's end show its end.
     pub fn frame(&self, index: usize) -> SimFrame {
-        let (picture, road) = self.renderer.render(&self.view(index));
-        SimFrame { picture, road, truth: self.truth(index) }
+        self.frame_of(&self.moment(index))
+    }
+
+    pub(crate) fn frame_of(&self, moment: &Moment) -> SimFrame {
+        let (picture, road) = self.renderer.render(&self.view(moment));
+        SimFrame { picture, road, truth: self.truth_of(moment) }
     }
 
     /// Whether streets have heights of their own: [`Conditions::kerbs`](crate::Conditions::kerbs).
@@ -146,20 +166,25 @@ impl Simulator {
     /// heights of their own ([`Conditions::kerbs`](crate::Conditions::kerbs)): 32768 for none and a step more for each millimetre up; 0 where something else than ground
     /// is seen.
     pub fn heights(&self, index: usize) -> Option<Plane<u16>> {
-        self.has_heights().then(|| self.renderer.heights(&self.view(index)))
+        self.has_heights().then(|| self.renderer.heights(&self.view(&self.moment(index))))
     }
 
-    fn view(&self, index: usize) -> FrameView {
-        let state = self.state(index);
-        let map_from_vehicle = self.map_from_vehicle(&state);
+    fn view(&self, moment: &Moment) -> FrameView {
+        let map_from_vehicle = self.map_from_vehicle(&moment.state);
         FrameView {
             map_from_vehicle,
-            frame: index as u64,
-            t_s: index as f64 / self.fps,
-            map_from_camera: map_from_vehicle * self.mount_of(&state).vehicle_from_camera(),
+            frame: moment.frame,
+            t_s: moment.t_s,
+            map_from_camera: map_from_vehicle * self.mount_of(&moment.state).vehicle_from_camera(),
             ground_m: map_from_vehicle.translation.vector.z,
-            vehicles: self.vehicles(&state, index),
+            vehicles: self.vehicles(moment),
         }
+    }
+
+    fn moment(&self, index: usize) -> Moment {
+        let t_s = index as f64 / self.fps;
+        let leader_m = self.drive.route_m_at(t_s + HEADWAY_S);
+        Moment { frame: index as u64, t_s, state: self.state(index), leader_m }
     }
 
     /// Where the vehicle is on its road in that frame, marked or not; none off the roads.
@@ -206,9 +231,9 @@ impl Simulator {
     }
 
     /// The other vehicles that can be seen in a frame.
-    fn vehicles(&self, state: &VehicleState, index: usize) -> Vec<Object> {
-        let route_at = |t_s: f64| self.drive.route_m_at(t_s);
-        self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, |p| self.height_m(p))
+    fn vehicles(&self, moment: &Moment) -> Vec<Object> {
+        let Moment { t_s, state, leader_m, .. } = *moment;
+        self.traffic.seen(state.p_in_map, t_s, leader_m, |p| self.height_m(p))
     }
 
     /// Height of the ground at a place of the map, metres.
@@ -282,4 +307,4 @@ fn targets(route: &Route, plane: &TangentPlane) -> Vec<Target> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
