@@ -8,6 +8,7 @@
 
 mod campaign;
 mod claims;
+mod closed_loop;
 mod error;
 mod features;
 mod first_detections;
@@ -23,6 +24,7 @@ mod truth_features;
 
 pub use campaign::CampaignTally;
 pub use claims::{CONFIDENT_FROM, Claim, ClaimError, DriveClaims, FirstDetection};
+pub use closed_loop::{LoopWatch, closed_loop_table};
 pub use error::EvalError;
 pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
 pub use first_detections::first_detections;

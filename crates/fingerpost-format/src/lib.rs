@@ -8,6 +8,7 @@ mod camera_file;
 mod camera_yaml;
 mod campaign;
 mod centreline;
+mod closed_loop;
 mod columns;
 mod frame_record;
 mod lanes;
@@ -26,6 +27,7 @@ pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_f
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
+pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,

@@ -183,6 +183,11 @@ impl Drive {
         [pitch_spring - self.rad_per_mps2 * lengthwise_mps2, roll_spring + self.rad_per_mps2 * lateral_mps2]
     }
 
+    /// Where along the route the drive begins, metres.
+    pub(crate) fn start_m(&self) -> f64 {
+        self.path[0].route_m
+    }
+
     /// Where along the route the drive ends, metres.
     pub(crate) fn end_m(&self) -> f64 {
         self.path[self.path.len() - 1].route_m

@@ -14,6 +14,8 @@
 
 mod bicycle;
 mod bus;
+mod camera_channel;
+mod camera_knock;
 mod conditions;
 mod config;
 mod corners;
@@ -59,6 +61,7 @@ mod world;
 
 pub use bicycle::{Actuation, Bicycle, DriveCommand};
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
+pub use camera_channel::{Arrival, CameraChannel, CameraFault};
 pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
 pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
 pub use corners::CornerStyle;
@@ -71,4 +74,4 @@ pub use simulator::{SimFrame, Simulator};
 pub use steered::{SteeredDrive, SteeredPlace};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
-pub use world::{World, WorldOptions};
+pub use world::{MapFault, World, WorldOptions, misled_route};

@@ -9,6 +9,7 @@ use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::{Isometry3, Point2, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::bus;
+use crate::camera_knock::CameraKnock;
 use crate::crossing::{Crossing, crossings};
 use crate::drive::{Drive, VehicleState};
 use crate::driving::PlannedDriving;
@@ -57,6 +58,7 @@ struct Target {
 pub struct Simulator {
     camera: Camera,
     mount: Mount,
+    knock: Option<CameraKnock>,
     plane: TangentPlane,
     pub(crate) fps: f64,
     frames: usize,
@@ -115,7 +117,8 @@ impl Simulator {
         let roads = if conditions.markings == Markings::Streets { roads.painted(config.seed) } else { roads };
         let driven = DrivenLine::new(&line, &roads, config)?;
         let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
-        let relief = Relief::new(config.seed, conditions.undulation_m);
+        let relief =
+            Relief::new(config.seed, conditions.undulation_m).with_hills(config.seed, conditions.hill_slope);
         let near_route = |p: Point2<f64>| line.nearest(p).left_m.abs() < REACH_M;
         let scenery = Scenery::new(config.seed, conditions, &roads, &relief, near_route);
         let ground = GroundMap::new(config.seed, &line, &roads, config.corners, &scenery);
@@ -127,6 +130,11 @@ impl Simulator {
         Ok(Self {
             camera: camera.clone(),
             mount: *mount,
+            knock: CameraKnock::new(
+                config.seed,
+                conditions.camera_knock_rad,
+                [drive.start_m(), drive.end_m()],
+            ),
             plane,
             fps: config.fps,
             frames: config.frames.map_or(route_frames, |most| most.min(route_frames)),
@@ -223,10 +231,11 @@ impl Simulator {
     }
 
     fn mount_of(&self, state: &VehicleState) -> Mount {
+        let mount = self.knock.map_or(self.mount, |knock| knock.on(self.mount, state.route_m));
         Mount {
-            pitch_rad: self.mount.pitch_rad + state.pitch_rad,
-            roll_rad: self.mount.roll_rad + state.roll_rad,
-            ..self.mount
+            pitch_rad: mount.pitch_rad + state.pitch_rad,
+            roll_rad: mount.roll_rad + state.roll_rad,
+            ..mount
         }
     }
 

@@ -58,7 +58,7 @@ impl<'a> SteeredDrive<'a> {
     /// [`SimError::OutOfRange`] for an actuation that no vehicle has.
     pub fn new(simulator: &'a Simulator, actuation: Actuation) -> Result<Self, SimError> {
         actuation.check()?;
-        let start_m = simulator.drive.at(0.0).route_m;
+        let start_m = simulator.drive.start_m();
         let points = simulator.lane_middle.points();
         let at = points.partition_point(|point| point.route_m < start_m).min(points.len() - 1);
         let point = points[at];
