@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 10] = [
+const PURE: [&str; 11] = [
     "fingerpost",
+    "fingerpost-control",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
