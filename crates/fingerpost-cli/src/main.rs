@@ -3,6 +3,7 @@
 //! One file a subcommand. Standard output carries data only where it is asked for (`--json`, `schema`); progress and
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
+mod advice_record;
 mod arguments;
 mod calibrate;
 mod campaign;

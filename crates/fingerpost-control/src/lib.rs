@@ -29,7 +29,7 @@ use thiserror::Error;
 pub use command::{Command, ControlEvidence, FiredRule, Limited};
 pub use fuzzy::{DEFAULT_RULES, FuzzyController, FuzzyError, Inference, Membership, RuleBase};
 pub use limits::{Moving, VehicleLimits};
-pub use path::{Foot, PathPoint, arc, at, foot, lay};
+pub use path::{Foot, PathPoint, arc, at, foot, lay, seen_from};
 pub use pure_pursuit::PurePursuit;
 pub use speed::{SpeedPlan, SpeedReason};
 pub use stanley::Stanley;

@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry2, Vector2};
 
-use crate::Situation;
 use crate::command::{Command, Limited};
 
 /// Acceleration to the side that tyres hold on a wet road, m/s²: a friction of 0.4.
@@ -73,10 +72,10 @@ impl VehicleLimits {
         (self.lateral_acceleration_mps2 / curvature_per_m.abs().max(1e-9)).sqrt().min(self.speed_max_mps)
     }
 
-    /// Where the vehicle will be after some seconds, as a pose in the vehicle frame, if it drives on as it was asked to.
-    pub fn driven(&self, situation: &Situation<'_>, time_s: f64) -> Isometry2<f64> {
-        let way_m = situation.speed_mps * time_s;
-        let turn_rad = way_m * self.curvature_per_m(situation.steer_rad);
+    /// Where a vehicle at this speed (m/s) and steering angle (radians) is after some seconds, as a pose in its frame before.
+    pub fn driven(&self, from: Moving, time_s: f64) -> Isometry2<f64> {
+        let way_m = from.speed_mps * time_s;
+        let turn_rad = way_m * self.curvature_per_m(from.steer_rad);
         let chord = Vector2::new((0.5 * turn_rad).cos(), (0.5 * turn_rad).sin());
         Isometry2::new(chord * way_m, turn_rad)
     }

@@ -109,7 +109,7 @@ pub fn arc(
 }
 
 /// Copies a path as it is seen from another pose of the vehicle, `vehicle_from_other`, into `seen`.
-pub(crate) fn seen_from(vehicle_from_other: &Isometry2<f64>, path: &[PathPoint], seen: &mut Vec<PathPoint>) {
+pub fn seen_from(vehicle_from_other: &Isometry2<f64>, path: &[PathPoint], seen: &mut Vec<PathPoint>) {
     let (other_from_vehicle, turn_rad) = (vehicle_from_other.inverse(), vehicle_from_other.rotation.angle());
     seen.clear();
     seen.extend(path.iter().map(|point| {

@@ -2,7 +2,7 @@
 
 use crate::{
     Command, ControlError, ControlEvidence, Controller, ControllerName, FuzzyController, FuzzyError, Moving,
-    PathPoint, PurePursuit, RuleBase, Situation, SpeedPlan, Stanley, VehicleLimits, foot, path::seen_from,
+    PathPoint, PurePursuit, RuleBase, Situation, SpeedPlan, Stanley, VehicleLimits, foot, seen_from,
 };
 use nalgebra::Point2;
 
@@ -45,7 +45,8 @@ impl Steersman {
         let no_path = ControlError::NoPath { points: situation.path.len() };
         let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
         // By the time that the wheels are where they are wished the vehicle has driven on with what was asked for before.
-        let soon = self.limits.driven(situation, self.limits.steering_lag_s);
+        let from = Moving { steer_rad: situation.steer_rad, speed_mps: situation.speed_mps };
+        let soon = self.limits.driven(from, self.limits.steering_lag_s);
         seen_from(&soon, situation.path, &mut self.path);
         let seen = Situation { path: &self.path, ..*situation };
         let wished = self.controller.control(&seen, &mut self.evidence)?;
@@ -53,7 +54,6 @@ impl Steersman {
         self.evidence.aim = self.evidence.aim.map(|aim| soon * aim);
         self.plan = SpeedPlan::new(&self.limits, situation);
         let wished = Command { speed_mps: wished.speed_mps.min(self.plan.speed_mps), ..wished };
-        let from = Moving { steer_rad: situation.steer_rad, speed_mps: situation.speed_mps };
         let (command, limited) = self.limits.limited(wished, from, dt_s);
         self.evidence.limited = limited;
         Ok(command)

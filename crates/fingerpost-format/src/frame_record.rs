@@ -6,6 +6,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use crate::FixStatus;
+use crate::advice::AdviceRecord;
 use crate::centreline::CentrelineRecord;
 use crate::lanes::LanesRecord;
 
@@ -70,6 +71,9 @@ pub struct FrameRecord {
     pub lanes: Option<LanesRecord>,
     /// The vehicle's place on the map.
     pub fix: Option<FixRecord>,
+    /// Steering angle and speed for a controller; none in records that do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advice: Option<AdviceRecord>,
     /// Distance along the route at which the vehicle is believed to be, metres.
     #[serde(default)]
     pub route_m: Option<f64>,

@@ -4,6 +4,7 @@
 //! evaluation, anybody else's tools) meet in these types and in nothing else. Degrees appear here alone, in keys that
 //! end in `_deg`; everything behind the files is in radians.
 
+mod advice;
 mod camera_file;
 mod camera_yaml;
 mod campaign;
@@ -23,6 +24,7 @@ mod truth;
 mod tuning;
 mod tusimple;
 
+pub use advice::{AdviceRecord, FiredRuleRecord};
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};

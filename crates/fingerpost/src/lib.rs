@@ -7,6 +7,7 @@
 //! Sources: paper 1, M. McDonnell, "An interpretable system for single camera autonomous vehicle navigation
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
+pub mod advice;
 pub mod calibration_check;
 pub mod camera_state;
 pub mod centreline;

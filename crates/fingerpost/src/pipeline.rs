@@ -5,6 +5,7 @@ mod lane_watch;
 mod parts;
 mod passed_over;
 
+use fingerpost_control::FuzzyError;
 use fingerpost_geometry::{Camera, GeometryError, View};
 use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
@@ -13,6 +14,7 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
 
+use crate::advice::{Advice, AdviceStage};
 use crate::calibration_check::{self, CalibrationFault};
 use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
@@ -72,6 +74,8 @@ pub enum Stage {
     Centreline,
     /// The lane by its markings.
     Lanes,
+    /// The line that leads to steering angle and speed.
+    Advice,
 }
 
 /// What the method says after a frame.
@@ -99,6 +103,8 @@ pub struct FrameOutput {
     pub lane: Option<Lane>,
     /// How the vehicle moves towards the lane's edges; none for a camera known by points and where no lane is looked for.
     pub departure: Option<DepartureOutput>,
+    /// Steering angle and speed for a controller.
+    pub advice: Advice,
     /// What was decided and what decided it.
     pub why: String,
 }
@@ -153,6 +159,9 @@ pub enum PipelineError {
     /// The motion cannot be found.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// The advice's rules cannot be used.
+    #[error("advice.rules: {0}")]
+    Advice(#[from] FuzzyError),
     /// The lane cannot be looked for.
     #[error(transparent)]
     Lane(#[from] LaneError),
@@ -181,6 +190,7 @@ pub struct Pipeline {
     matcher: Box<dyn FeatureMatcher>,
     tracker: Box<dyn FeatureTracker>,
     lanes: LaneWatch,
+    advice: AdviceStage,
     map: Option<TangentPlane>,
     /// None without a map.
     fix: Option<FixStage>,
@@ -259,6 +269,7 @@ impl Pipeline {
             matcher: parts.take_matcher(config, view.grid()),
             tracker,
             lanes: LaneWatch::new(parts.take_lane_finder(config)?),
+            advice: AdviceStage::new(config)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             fix: None,
             config: config.clone(),
@@ -369,6 +380,14 @@ impl Pipeline {
         }
         .write_to(&mut output.why);
         finished(Stage::Lanes);
+
+        self.advice.step(
+            output,
+            tracker.stops(),
+            (&track_evidence.decision, centreline_evidence),
+            sensors.dt_s,
+        );
+        finished(Stage::Advice);
 
         let evidence = FrameEvidence {
             ground,

@@ -94,6 +94,7 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
         no_centreline: None,
         lanes: None,
         fix: None,
+        advice: None,
         route_m: None,
         stage_ms: std::collections::BTreeMap::new(),
         why,

@@ -39,6 +39,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         camera: Default::default(),
         track: TrackOutput::default(),
         fix: None,
+        advice: Default::default(),
         mount: None,
         vehicle: Default::default(),
         centreline: None,

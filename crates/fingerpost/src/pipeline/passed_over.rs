@@ -50,13 +50,15 @@ impl Pipeline {
             departure: None,
         }
         .write_to(&mut output.why);
+        let centreline = self.centreline.pass_over();
+        self.advice.step(output, tracker.stops(), (&track_evidence.decision, centreline), dt_s);
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
             height: None,
             surface,
             road: RoadEvidence::default(),
-            centreline: self.centreline.pass_over(),
+            centreline,
             motion: None,
             signals: signals.map(|_| signals_evidence),
             track: track_evidence,
