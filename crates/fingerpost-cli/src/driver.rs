@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, anyhow};
+use fingerpost::advice::Advice;
 use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::road_surface::SurfaceFile;
-use fingerpost::track::{TrackConfig, TrackMethod};
+use fingerpost::track::{State, TrackConfig, TrackMethod};
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
@@ -91,6 +92,7 @@ pub(crate) struct Driver {
     frames_used: u64,
     /// Time of the last frame that was used, seconds.
     last_t_s: Option<f64>,
+    advised: (Advice, State),
 }
 
 impl Driver {
@@ -108,6 +110,7 @@ impl Driver {
             video: wishes.video.is_some(),
             frames_used: 0,
             last_t_s: None,
+            advised: (Advice::default(), State::default()),
         })
     }
 
@@ -152,6 +155,11 @@ impl Driver {
         self.pipeline.road_detector().known_surfaces()
     }
 
+    /// What is advised after the last frame, and what state the method is in.
+    pub(crate) fn advice(&self) -> (Advice, State) {
+        self.advised.clone()
+    }
+
     /// What the route's features are called.
     pub(crate) fn features(&self) -> &[FeatureIdentity] {
         &self.features
@@ -187,6 +195,8 @@ impl Driver {
         };
         self.frames_used += 1;
         self.last_t_s = Some(time.t_s);
+        self.advised.0.clone_from(&output.advice);
+        self.advised.1 = output.track.state;
         let stage_ms = clock.stage_ms;
         let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
         if let Some(scaling) = &self.scaling {

@@ -41,6 +41,15 @@ pub(crate) const FRONT_FILE: &str = "front.json";
 /// Folder of the drives that it simulated.
 pub(crate) const DRIVES_FOLDER: &str = "drives";
 
+/// File of closed-loop drives, one a line.
+pub(crate) const CLOSED_LOOP_LINES_FILE: &str = "closed_loop.jsonl";
+/// File of the table of closed-loop drives.
+pub const CLOSED_LOOP_FILE: &str = "closed_loop.json";
+/// File of a closed-loop drive's frames: what was advised, and where the vehicle was.
+pub const LOOP_FRAMES_FILE: &str = "loop.jsonl";
+/// Picture of a closed-loop drive from above.
+pub const PLAN_FILE: &str = "plan.svg";
+
 /// Folder of the plots of the papers' claims.
 const PLOTS_FOLDER: &str = "papers";
 
@@ -59,6 +68,8 @@ pub enum FolderKind {
     Drive,
     /// A campaign, with the folders of its runs.
     Campaign,
+    /// Closed-loop drives, with the folders of their runs.
+    ClosedLoop,
     /// A search of settings, with the drives that it simulated.
     Tuning,
     /// The papers' claims measured again.
@@ -79,6 +90,7 @@ impl fmt::Display for FolderKind {
             Self::CampaignRun => "a run of a campaign",
             Self::Drive => "a simulated drive",
             Self::Campaign => "a campaign",
+            Self::ClosedLoop => "closed-loop drives",
             Self::Tuning => "a search of settings",
             Self::Papers => "measurements of the papers' claims",
             Self::Marks => "lane marks",
@@ -94,9 +106,17 @@ impl FolderKind {
             Self::Run => {
                 &["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", "run.mcap"]
             }
-            Self::CampaignRun => {
-                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "route.geojson", TRUTH_FILE]
-            }
+            Self::CampaignRun => &[
+                "config.toml",
+                FRAMES_FILE,
+                "summary.json",
+                "report.html",
+                "route.geojson",
+                TRUTH_FILE,
+                LOOP_FRAMES_FILE,
+                PLAN_FILE,
+                "annotated.mp4",
+            ],
             Self::Drive => &[
                 TIMES_FILE,
                 TRUTH_FILE,
@@ -108,6 +128,7 @@ impl FolderKind {
                 "can.toml",
             ],
             Self::Campaign => &["campaign.json"],
+            Self::ClosedLoop => &[SETUP_FILE, CLOSED_LOOP_LINES_FILE, CLOSED_LOOP_FILE, "report.html"],
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
             Self::Papers => &["papers.md", "measured.jsonl"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
@@ -130,7 +151,7 @@ impl FolderKind {
             Self::Drive => {
                 &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
             }
-            Self::Campaign | Self::Tuning | Self::Location => &[],
+            Self::Campaign | Self::ClosedLoop | Self::Tuning | Self::Location => &[],
             Self::Papers => &[(PLOTS_FOLDER, is_plot)],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }
@@ -155,7 +176,7 @@ impl FolderKind {
             remove_pictures(&path.join(name), *is_ours)?;
         }
         match self {
-            Self::Campaign => remove_campaign_runs(path)?,
+            Self::Campaign | Self::ClosedLoop => remove_campaign_runs(path)?,
             Self::Tuning => remove_numbered_configs(path)?,
             Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks | Self::Location => {}
         }

@@ -5,6 +5,7 @@
 
 mod camera;
 mod can;
+mod closed_loop_folder;
 mod decoders;
 mod drive_folder;
 mod ffmpeg;
@@ -21,6 +22,7 @@ mod picture_file;
 mod picture_folder;
 mod run_folder;
 mod sampling;
+mod setup_file;
 mod source;
 mod tether;
 mod tuning_folder;
@@ -36,10 +38,14 @@ pub use can::{
 };
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
+pub use closed_loop_folder::{ClosedLoopFolder, ClosedLoopFolderError};
 pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_bytes_within, read_text, read_text_within};
-pub use folder_kind::{CROSSINGS_FILE, FIXES_FILE, FolderKind, MARKED_FRAMES_FOLDER};
+pub use folder_kind::{
+    CLOSED_LOOP_FILE, CROSSINGS_FILE, FIXES_FILE, FolderKind, LOOP_FRAMES_FILE, MARKED_FRAMES_FOLDER,
+    PLAN_FILE,
+};
 pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};

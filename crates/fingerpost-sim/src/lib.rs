@@ -71,7 +71,7 @@ pub use driving::{DrivingManner, DrivingPlan, Manoeuvre};
 pub use error::SimError;
 pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};
-pub use steered::{SteeredDrive, SteeredPlace};
+pub use steered::{RoadStrip, SteeredDrive, SteeredPlace};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
 pub use world::{MapFault, World, WorldOptions, misled_route};

@@ -19,8 +19,9 @@ use crate::object::Object;
 use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
 use crate::render::{FrameView, Renderer};
-use crate::roads::RoadNetwork;
+use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
+use crate::steered::RoadStrip;
 use crate::surface::Painter;
 use crate::traffic::{HEADWAY_S, Traffic};
 use crate::truth::{LaneEdges, RoadPlace};
@@ -44,10 +45,10 @@ pub struct SimFrame {
 
 /// A route feature as the truth needs it.
 #[derive(Debug, Clone, Copy)]
-struct Target {
+pub(crate) struct Target {
     id: i64,
     p_in_map: Point2<f64>,
-    route_m: f64,
+    pub(crate) route_m: f64,
 }
 
 /// A drive along a route with a camera, rendered on demand.
@@ -69,7 +70,8 @@ pub struct Simulator {
     relief: Relief,
     lanes: LaneEdges,
     pub(crate) lane_middle: LaneMiddle,
-    targets: Vec<Target>,
+    pub(crate) targets: Vec<Target>,
+    pub(crate) strips: Vec<RoadStrip>,
     pub(crate) renderer: Renderer,
 }
 
@@ -146,6 +148,7 @@ impl Simulator {
             targets: targets(route, &plane),
             lanes: LaneEdges::new(line, &roads, config),
             lane_middle: LaneMiddle::new(driven.lane_middle()),
+            strips: strips(&roads),
             renderer,
         })
     }
@@ -301,6 +304,14 @@ fn surroundings(line: &Polyline) -> (Point2<f64>, Point2<f64>) {
     let low = points.iter().fold(points[0], |low, p| low.inf(p));
     let high = points.iter().fold(points[0], |high, p| high.sup(p));
     (low - margin, high + margin)
+}
+
+fn strips(roads: &RoadNetwork) -> Vec<RoadStrip> {
+    let strip = |stroke: &Stroke| RoadStrip {
+        axis: [stroke.start, stroke.start + stroke.direction * stroke.length_m],
+        half_width_m: stroke.half_width_m,
+    };
+    roads.strokes().iter().map(strip).collect()
 }
 
 fn targets(route: &Route, plane: &TangentPlane) -> Vec<Target> {

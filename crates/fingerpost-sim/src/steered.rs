@@ -143,7 +143,26 @@ impl<'a> SteeredDrive<'a> {
     }
 }
 
+/// A straight piece of a road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoadStrip {
+    /// Its axis from end to end, map frame, metres.
+    pub axis: [Point2<f64>; 2],
+    /// Half of its width, metres.
+    pub half_width_m: f64,
+}
+
 impl Simulator {
+    /// The roads about the route.
+    pub fn road_strips(&self) -> &[RoadStrip] {
+        &self.strips
+    }
+
+    /// Where along the route its features are, metres.
+    pub fn features_m(&self) -> impl Iterator<Item = f64> + '_ {
+        self.targets.iter().map(|target| target.route_m)
+    }
+
     /// Where along the route a drive ends, metres.
     pub fn end_m(&self) -> f64 {
         self.drive.end_m()

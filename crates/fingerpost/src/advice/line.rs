@@ -126,10 +126,11 @@ impl LineFinder {
             lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
             return Some(self.driving_line(followed, stop, path));
         }
-        if let Some(led) = output.lane.as_ref().and_then(|lane| self.lane(lane, path)) {
-            return Some(led);
+        // The road's surface shows bends and ends that a lane's kept edges do not, and which side of the road the vehicle is on.
+        if let Some(road) = &output.centreline {
+            return Some(self.centreline(road, input.centreline, path));
         }
-        output.centreline.as_ref().map(|road| self.centreline(road, input.centreline, path))
+        output.lane.as_ref().and_then(|lane| self.lane(lane, path))
     }
 
     fn room_m(&self, half_width_m: f64) -> f64 {
