@@ -3,6 +3,7 @@
 use nalgebra::{Isometry2, Vector2};
 
 use crate::command::{Command, Limited};
+use crate::path::chord_m;
 
 /// Acceleration to the side that tyres hold on a wet road, m/s²: a friction of 0.4.
 const GRIP_MPS2: f64 = 4.0;
@@ -77,7 +78,7 @@ impl VehicleLimits {
         let way_m = from.speed_mps * time_s;
         let turn_rad = way_m * self.curvature_per_m(from.steer_rad);
         let chord = Vector2::new((0.5 * turn_rad).cos(), (0.5 * turn_rad).sin());
-        Isometry2::new(chord * way_m, turn_rad)
+        Isometry2::new(chord * chord_m(way_m, turn_rad), turn_rad)
     }
 
     /// The most of what is wished for that the vehicle can do within `dt_s` seconds. Without a time the wheels may be anywhere.

@@ -94,8 +94,7 @@ pub fn arc(
     for i in 0..=steps {
         let along_m = length_m * i as f64 / steps as f64;
         let turned = 0.5 * curvature_per_m * along_m;
-        // Chord of the arc so far.
-        let chord_m = if turned.abs() > 1e-6 { along_m * turned.sin() / turned } else { along_m };
+        let chord_m = chord_m(along_m, 2.0 * turned);
         let towards = heading_rad + turned;
         path.push(PathPoint {
             x_m: chord_m * towards.cos(),
@@ -106,6 +105,12 @@ pub fn arc(
         });
     }
     begin_beside_vehicle(path);
+}
+
+/// Chord of an arc, metres, by its length and by the angle through which it turns, radians.
+pub(crate) fn chord_m(length_m: f64, turn_rad: f64) -> f64 {
+    let half_rad = 0.5 * turn_rad;
+    if half_rad.abs() > 1e-6 { length_m * half_rad.sin() / half_rad } else { length_m }
 }
 
 /// Copies a path as it is seen from another pose of the vehicle, `vehicle_from_other`, into `seen`.
