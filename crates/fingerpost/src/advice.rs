@@ -137,7 +137,7 @@ impl AdviceStage {
     /// Advice for a frame, in place of the one before in `advice`.
     pub fn advise(&mut self, input: &AdviceInput<'_>, advice: &mut Advice) {
         self.drive_on(input);
-        if let Some(led) = self.finder.find(input, &mut self.path) {
+        if let Some(led) = self.finder.find(input, self.led.as_ref(), &mut self.path) {
             self.led = Some(led);
         }
         self.watch_route(input);
