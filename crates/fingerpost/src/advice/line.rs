@@ -6,7 +6,6 @@ use nalgebra::Point2;
 use super::AdviceInput;
 use crate::Config;
 use crate::centreline::{Centreline, CentrelineEvidence, SteerBy, WayKind};
-use crate::driving_line::DrivingLine;
 use crate::feature_model::ArmModel;
 use crate::lanes::{Lane, Side};
 use crate::track::{Followed, RouteStop};
@@ -130,11 +129,10 @@ impl LineFinder {
         let stop = followed.and_then(|followed| input.stops.get(followed.index));
         self.width.learn(stop.zip(followed), output.centreline.as_ref());
         let passes = |place: &Point2<f64>| place.coords.norm() < MOST_BESIDE_M;
-        if let Some((followed, stop)) = followed.zip(stop)
-            && output.driving_line.len() > 1
-            && output.driving_line.iter().any(passes)
-            && can_be_driven_or_turns(stop)
-        {
+        let through = followed
+            .zip(stop)
+            .filter(|_| output.driving_line.len() > 1 && output.driving_line.iter().any(passes));
+        if let Some((followed, stop)) = through.filter(|(_, stop)| turns(stop)) {
             lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
             return Some(self.driving_line(followed, stop, path));
         }
@@ -151,6 +149,10 @@ impl LineFinder {
         }
         if leads_on && kept.is_some() {
             return None;
+        }
+        if let Some((followed, stop)) = through {
+            lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
+            return Some(self.driving_line(followed, stop, path));
         }
         output.lane.as_ref().and_then(|lane| self.lane(lane, path))
     }
@@ -268,9 +270,7 @@ impl KnownWidth {
     }
 }
 
-/// Whether the vehicle can drive the line through a feature, or has to turn there: where the route goes on along its road, a line
-/// too tight is made of the map's nodes, and the road is none.
-fn can_be_driven_or_turns(stop: &RouteStop) -> bool {
-    let turns = stop.model.exit().is_some_and(ArmModel::leaves_the_line);
-    turns || stop.line.as_ref().is_some_and(DrivingLine::within_turning_circle)
+/// Whether the route turns at a feature: where it goes on along its road, the road itself is surer than the feature's place.
+fn turns(stop: &RouteStop) -> bool {
+    stop.model.exit().is_some_and(ArmModel::leaves_the_line)
 }
