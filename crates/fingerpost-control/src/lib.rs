@@ -59,6 +59,11 @@ pub trait Controller: Send {
     /// Its name, as it stands in files.
     fn name(&self) -> &'static str;
 
+    /// The texts of its rules, in their order; none of a controller without rules.
+    fn rules(&self) -> &[String] {
+        &[]
+    }
+
     /// Steering angle and speed that it wishes for; how it came to them goes into `evidence`, whose memory is reused.
     ///
     /// # Errors

@@ -57,6 +57,7 @@ const PACE: &str = "pace";
 pub struct FuzzyController {
     limits: VehicleLimits,
     rules: RuleBase,
+    texts: Vec<String>,
     /// What each input of the rules is.
     inputs: Vec<Input>,
     /// The outputs' places among those of the rules.
@@ -87,19 +88,19 @@ impl FuzzyController {
         }
         let place = |name| rules.outputs().position(|output| output == name);
         let turn = place(TURN).ok_or(FuzzyError::Missing { what: "output turn_deg" })?;
-        let pace = place(PACE);
-        Ok(Self { limits, inputs, turn, pace, rules, values: Vec::new(), inference: Inference::default() })
-    }
-
-    /// The rules' texts, in their order; rule 1 is the first.
-    pub fn rules(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.rules.rules()
+        let (pace, texts) = (place(PACE), rules.rules().map(str::to_owned).collect());
+        let (values, inference) = (Vec::new(), Inference::default());
+        Ok(Self { limits, inputs, turn, pace, rules, texts, values, inference })
     }
 }
 
 impl Controller for FuzzyController {
     fn name(&self) -> &'static str {
         ControllerName::Fuzzy.name()
+    }
+
+    fn rules(&self) -> &[String] {
+        &self.texts
     }
 
     fn control(
