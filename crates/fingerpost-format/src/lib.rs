@@ -10,6 +10,7 @@ mod camera_yaml;
 mod campaign;
 mod centreline;
 mod columns;
+mod frame_header;
 mod frame_record;
 mod lanes;
 mod lines;
@@ -29,6 +30,7 @@ pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
 pub use columns::ColumnsError;
+pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
     FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
