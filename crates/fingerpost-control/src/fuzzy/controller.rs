@@ -114,7 +114,8 @@ impl Controller for FuzzyController {
         let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
         (evidence.offset_m, evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
         let look_ahead_m = self.limits.look_ahead_m(situation.speed_mps);
-        let curvature_per_m = beside.on_path.curvature_per_m;
+        let curvature_per_m =
+            self.limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
         let end_m = situation.path.last().map_or(0.0, |point| point.along_m);
         let value = |input: &Input| match input {
             Input::Offset => evidence.offset_m.atan2(look_ahead_m).to_degrees(),
