@@ -40,7 +40,7 @@ pub(crate) struct RunSetting<'a> {
 
 impl RunSetting<'_> {
     /// The method before its first frame.
-    fn pipeline(&self) -> Result<Pipeline> {
+    pub(crate) fn pipeline(&self) -> Result<Pipeline> {
         let detector = road_detector(&self.config.road_surface)?;
         Ok(Pipeline::with_road_detector(self.config, self.camera, self.route, self.start_m, detector)?)
     }
@@ -137,6 +137,7 @@ impl Driver {
             config_toml: toml::to_string(setting.config)
                 .map(|settings| format!("{WRITTEN_BY}{settings}"))
                 .context("the configuration cannot be written as TOML")?,
+            rules: self.pipeline.advice_rules().map(str::to_owned).collect(),
             thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),
             features: self.features.clone(),

@@ -79,6 +79,8 @@ pub(crate) struct VideoWish {
 pub(crate) struct Subject {
     /// The effective configuration.
     pub(crate) config_toml: String,
+    /// Texts of the rules that steer; none of controllers without rules.
+    pub(crate) rules: Vec<String>,
     /// Thresholds in it.
     pub(crate) thresholds: Thresholds,
     /// The route.
@@ -276,6 +278,7 @@ impl Recorder {
             truth: truth.filter(|_| of_truth.is_some()),
             route: self.subject.route.as_ref(),
             thresholds: self.subject.thresholds,
+            rules: &self.subject.rules,
             config_toml: &self.subject.config_toml,
             key_frames: &self.key_frames,
         });
@@ -305,6 +308,10 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
     if record.state != TrackState::Lost && departure.is_none_or(|departure| departure.warning.is_none()) {
         // Sentences are listed for losses and departures alone.
         record.why = String::new();
+    }
+    if let Some(advice) = record.advice.as_mut().filter(|advice| advice.stop.is_none()) {
+        // Sentences are listed for stops alone.
+        advice.because = String::new();
     }
     if let Some(lanes) = &mut record.lanes {
         (lanes.left_px, lanes.right_px) = (Vec::new(), Vec::new());

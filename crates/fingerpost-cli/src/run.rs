@@ -30,7 +30,7 @@ use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
 /// How well the place that --near gives is known, standard deviation, metres: two in three are within 30 m.
-const NEAR_SIGMA_M: f64 = 20.0;
+pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
 /// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,

@@ -59,6 +59,11 @@ pub trait Controller: Send {
     /// Its name, as it stands in files.
     fn name(&self) -> &'static str;
 
+    /// The texts of its rules, in their order; none of a controller without rules.
+    fn rules(&self) -> &[String] {
+        &[]
+    }
+
     /// Steering angle and speed that it wishes for; how it came to them goes into `evidence`, whose memory is reused.
     ///
     /// # Errors
@@ -75,11 +80,11 @@ pub trait Controller: Send {
 #[serde(rename_all = "snake_case")]
 pub enum ControllerName {
     /// An arc to a point of the line ahead (Coulter 1992).
-    #[default]
     PurePursuit,
     /// The front axle onto the line (Thrun et al. 2006).
     Stanley,
     /// Mamdani rules, which are text.
+    #[default]
     Fuzzy,
 }
 

@@ -4,6 +4,7 @@ use nalgebra::{Isometry2, Vector2};
 
 use crate::command::{Command, Limited};
 use crate::path::chord_m;
+use crate::{Situation, at};
 
 /// Acceleration to the side that tyres hold on a wet road, m/s²: a friction of 0.4.
 const GRIP_MPS2: f64 = 4.0;
@@ -71,6 +72,19 @@ impl VehicleLimits {
     /// Speed at which a curvature (1/m) asks for the largest acceleration to the side, m/s.
     pub fn bend_speed_mps(&self, curvature_per_m: f64) -> f64 {
         (self.lateral_acceleration_mps2 / curvature_per_m.abs().max(1e-9)).sqrt().min(self.speed_max_mps)
+    }
+
+    /// Curvature, 1/m, of a path from beside the rear axle at `beside_m` along it, as far ahead as the vehicle drives while its wheels
+    /// are half turned to it: a corner that begins at once is met in the middle of the turning.
+    pub fn curvature_soon_per_m(&self, situation: &Situation<'_>, beside_m: f64) -> Option<f64> {
+        let speed_mps = situation.speed_mps.max(0.0);
+        let half_turned_s = |curvature_per_m: f64| {
+            0.5 * (self.steer_rad(curvature_per_m) - situation.steer_rad).abs() / self.steering_rate_radps
+        };
+        let farthest_m = speed_mps * self.steer_max_rad() / (2.0 * self.steering_rate_radps);
+        let curvature_per_m = at(situation.path, beside_m + farthest_m)?.curvature_per_m;
+        let soon_m = speed_mps * half_turned_s(curvature_per_m);
+        Some(at(situation.path, beside_m + soon_m.min(farthest_m))?.curvature_per_m)
     }
 
     /// Where a vehicle at this speed (m/s) and steering angle (radians) is after some seconds, as a pose in its frame before.

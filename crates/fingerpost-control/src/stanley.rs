@@ -4,7 +4,8 @@
 //! the wheels point along the path, and towards it by atan(k e / v), with the front axle's distance e from it.
 //!
 //! Here the path is the rear axle's. The front axle's is the one that it traces when the rear axle follows that: the wheelbase
-//! ahead along the tangent, turned by atan(L kappa). Without this the rear axle would cut a corner of 6 m by 0.6 m.
+//! ahead along the tangent, turned by atan(L kappa). Without this the rear axle would cut a corner of 6 m by 0.6 m. What the path will
+//! bend more while the wheels turn is added.
 
 use crate::{
     Command, ControlError, ControlEvidence, Controller, ControllerName, PathPoint, Situation, SpeedPlan,
@@ -60,8 +61,11 @@ impl Controller for Stanley {
         let axle = foot(&self.front, Point2::new(limits.wheelbase_m, 0.0)).ok_or(no_path)?;
         evidence.aim = Some(axle.on_path.place());
         let towards_rad = (-self.gain_per_s() * axle.left_m).atan2(situation.speed_mps.abs() + SOFTENING_MPS);
+        let here_per_m = beside.on_path.curvature_per_m;
+        let soon_per_m = limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
+        let turning_rad = limits.steer_rad(soon_per_m) - limits.steer_rad(here_per_m);
         Ok(Command {
-            steer_rad: axle.on_path.heading_rad + towards_rad,
+            steer_rad: axle.on_path.heading_rad + towards_rad + turning_rad,
             speed_mps: SpeedPlan::new(limits, situation).speed_mps,
         })
     }

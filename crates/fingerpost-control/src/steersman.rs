@@ -64,6 +64,11 @@ impl Steersman {
         self.controller.name()
     }
 
+    /// The texts of the controller's rules, in their order; none of controllers without rules.
+    pub fn rules(&self) -> &[String] {
+        self.controller.rules()
+    }
+
     /// The vehicle's limits.
     pub const fn limits(&self) -> &VehicleLimits {
         &self.limits

@@ -11,6 +11,7 @@ mod campaign;
 mod centreline;
 mod closed_loop;
 mod columns;
+mod frame_header;
 mod frame_record;
 mod lanes;
 mod lines;
@@ -31,6 +32,7 @@ pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, Worst
 pub use centreline::{CentrelineRecord, WaysRecord};
 pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;
+pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
     FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,

@@ -224,8 +224,9 @@ fn remove_pictures(folder: &Path, is_ours: IsPicture) -> Result<(), FileError> {
     let mut others = false;
     for entry in fs::read_dir(folder).map_err(FileError::reading(folder))? {
         let path = entry.map_err(FileError::reading(folder))?.path();
-        let is_picture =
-            path.extension().is_some_and(|ending| ending == "png" || ending == "jpg" || ending == "svg");
+        let is_picture = path
+            .extension()
+            .is_some_and(|ending| ["png", "jpg", "ppm", "svg"].iter().any(|known| ending == *known));
         if is_picture && path.file_stem().and_then(|stem| stem.to_str()).is_some_and(is_ours) {
             remove_if_there(&path)?;
         } else {

@@ -16,6 +16,7 @@ mod input_digest;
 mod json_lines;
 mod kept_inputs;
 mod latest;
+mod lockstep;
 mod output_folder;
 mod periodic_sync;
 mod picture_file;
@@ -50,10 +51,13 @@ pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
+#[cfg(unix)]
+pub use lockstep::standard_feed;
+pub use lockstep::{FedFrame, FeedError, FrameFeed};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
-    write_grey_png, write_jpeg, write_png,
+    write_grey_png, write_jpeg, write_png, write_ppm,
 };
 pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};

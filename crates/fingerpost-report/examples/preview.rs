@@ -39,6 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             truth: Some(&run.truth),
             route: Some(&run.route),
             thresholds: Thresholds { detect: 0.75, confirm: 0.65 },
+            rules: &[],
             config_toml: "[track]\ndetect_threshold = 0.75\n",
             key_frames: &run.key_frames,
         };

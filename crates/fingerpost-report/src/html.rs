@@ -1,5 +1,6 @@
 //! `report.html`: a run on one self-contained page.
 
+mod advice;
 mod chart;
 mod curves;
 mod fit;
@@ -43,6 +44,8 @@ pub struct ReportInput<'a> {
     pub route: Option<&'a Route>,
     /// Thresholds in force.
     pub thresholds: Thresholds,
+    /// Texts of the rules that steered, in their order; none of controllers without rules.
+    pub rules: &'a [String],
     /// The effective configuration.
     pub config_toml: &'a str,
     /// The frames to be shown.
@@ -70,6 +73,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
         h2 { "Over time" }
         (curves::curves(input))
         @if let Some(lane) = lane::lane(input.timeline) { h2 { "Lane" } (lane) }
+        @if let Some(advice) = advice::advice(input) { h2 { "Advice" } (advice) }
         h2 { "Losses" }
         (tables::losses(input.timeline))
         @if !input.summary.stage_ms.is_empty() {

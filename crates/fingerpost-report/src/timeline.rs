@@ -1,10 +1,13 @@
 //! What a page shows of a run over time, gathered frame by frame.
 
+mod advice;
+
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use fingerpost_format::{DepartureRecord, FeatureRecord, FrameRecord, Side, TrackState, TruthRecord};
 
+use self::advice::AdviceTimeline;
 use crate::series::{Places, Series, Stretches};
 
 /// Losses, warnings and broken frames that are listed; the rest is counted.
@@ -27,6 +30,7 @@ pub struct Timeline {
     pub(crate) error_m: Series,
     pub(crate) speed_mps: Compared,
     pub(crate) lane: LaneTimeline,
+    pub(crate) advice: AdviceTimeline,
     /// Where the vehicle was believed to be, along the route.
     pub(crate) route_m: Places,
     pub(crate) route_states: Stretches<TrackState>,
@@ -108,6 +112,7 @@ impl Timeline {
         self.add_feature(record, truth);
         self.add_speed(record, truth);
         self.lane.add(record, self.before.warned);
+        self.advice.add(record);
         let feature_id = record.feature.as_ref().map(|feature| feature.id);
         let lost = record.state == TrackState::Lost;
         self.before = Before { t_s: Some(record.t_s), feature_id, lost, warned: warned(record) };

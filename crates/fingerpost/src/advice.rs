@@ -10,14 +10,15 @@ mod config;
 mod line;
 mod words;
 
+use fingerpost_control::PathPoint;
 use fingerpost_control::{
-    Command, ControlError, ControllerName, FiredRule, FuzzyError, Moving, Situation, SpeedPlan, SpeedReason,
-    Steersman, VehicleLimits, seen_from,
+    Command, ControlError, FiredRule, FuzzyError, Moving, Situation, SpeedPlan, SpeedReason, Steersman,
+    seen_from,
 };
-use fingerpost_control::{DEFAULT_RULES, PathPoint};
 use nalgebra::{Isometry2, Point2};
 
 pub use config::AdviceConfig;
+pub use fingerpost_control::{ControllerName, DEFAULT_RULES, VehicleLimits};
 pub use line::{LineKind, RoadEnd};
 
 use self::line::{Led, LineFinder};
@@ -132,6 +133,11 @@ impl AdviceStage {
     /// The vehicle's limits.
     pub const fn limits(&self) -> &VehicleLimits {
         self.steersman.limits()
+    }
+
+    /// The texts of the controller's rules, in their order; none of controllers without rules.
+    pub fn rules(&self) -> impl Iterator<Item = &str> {
+        self.steersman.rules().iter().map(String::as_str)
     }
 
     /// Advice for a frame, in place of the one before in `advice`.

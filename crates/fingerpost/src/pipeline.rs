@@ -426,6 +426,11 @@ impl Pipeline {
         &*self.tracker
     }
 
+    /// The texts of the rules that the advice goes by, in their order; none of controllers without rules.
+    pub fn advice_rules(&self) -> impl Iterator<Item = &str> {
+        self.advice.rules()
+    }
+
     /// The configuration in force.
     pub const fn config(&self) -> &Config {
         &self.config

@@ -57,6 +57,7 @@ const PACE: &str = "pace";
 pub struct FuzzyController {
     limits: VehicleLimits,
     rules: RuleBase,
+    texts: Vec<String>,
     /// What each input of the rules is.
     inputs: Vec<Input>,
     /// The outputs' places among those of the rules.
@@ -87,19 +88,19 @@ impl FuzzyController {
         }
         let place = |name| rules.outputs().position(|output| output == name);
         let turn = place(TURN).ok_or(FuzzyError::Missing { what: "output turn_deg" })?;
-        let pace = place(PACE);
-        Ok(Self { limits, inputs, turn, pace, rules, values: Vec::new(), inference: Inference::default() })
-    }
-
-    /// The rules' texts, in their order; rule 1 is the first.
-    pub fn rules(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.rules.rules()
+        let (pace, texts) = (place(PACE), rules.rules().map(str::to_owned).collect());
+        let (values, inference) = (Vec::new(), Inference::default());
+        Ok(Self { limits, inputs, turn, pace, rules, texts, values, inference })
     }
 }
 
 impl Controller for FuzzyController {
     fn name(&self) -> &'static str {
         ControllerName::Fuzzy.name()
+    }
+
+    fn rules(&self) -> &[String] {
+        &self.texts
     }
 
     fn control(
@@ -113,7 +114,8 @@ impl Controller for FuzzyController {
         let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
         (evidence.offset_m, evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
         let look_ahead_m = self.limits.look_ahead_m(situation.speed_mps);
-        let curvature_per_m = beside.on_path.curvature_per_m;
+        let curvature_per_m =
+            self.limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
         let end_m = situation.path.last().map_or(0.0, |point| point.along_m);
         let value = |input: &Input| match input {
             Input::Offset => evidence.offset_m.atan2(look_ahead_m).to_degrees(),

@@ -49,6 +49,7 @@ fn the_page_of_a_drive_holds_everything() {
         truth: Some(&run.truth),
         route: Some(&run.route),
         thresholds: THRESHOLDS,
+        rules: &[],
         config_toml: "[track]\nlost_frames = 10 # <10>\n",
         key_frames: &run.key_frames,
     });
@@ -115,6 +116,7 @@ fn losses_are_listed_with_their_reasons_once_each() {
         truth: None,
         route: None,
         thresholds: THRESHOLDS,
+        rules: &[],
         config_toml: "",
         key_frames: &KeyFrames::default(),
     });
@@ -159,6 +161,7 @@ fn the_lane_has_curves_and_its_warnings_a_list() {
             truth: None,
             route: None,
             thresholds: THRESHOLDS,
+            rules: &[],
             config_toml: "",
             key_frames: &KeyFrames::default(),
         })
@@ -212,6 +215,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
             truth,
             route: None,
             thresholds: THRESHOLDS,
+            rules: &[],
             config_toml: "",
             key_frames: &KeyFrames::default(),
         })
