@@ -12,6 +12,7 @@ mod can;
 mod centreline;
 mod chessboard;
 mod claims;
+mod closed_loop;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;
