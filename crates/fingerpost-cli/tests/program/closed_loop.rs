@@ -57,18 +57,8 @@ fn a_drive_follows_from_its_seed_and_a_report_does_not_change_it() {
 /// beside the road or the route; it gives no error, and it is not driven on for ever.
 #[test]
 fn a_drive_with_a_fault_comes_to_an_end() {
-    let faults = [
-        "dropped",
-        "frozen",
-        "black",
-        "blind",
-        "late",
-        "reordered",
-        "gps_jumps",
-        "road_missing",
-        "node_moved",
-        "wrong_width",
-    ];
+    // One of each kind: of a camera's line, of GPS, of the map.
+    let faults = ["reordered", "gps_jumps", "node_moved"];
     for fault in faults {
         let out = TempDir::new().unwrap();
         let more = format!("--drives 1 --controllers pure_pursuit --fault {fault}");
