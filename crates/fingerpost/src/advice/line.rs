@@ -132,9 +132,7 @@ impl LineFinder {
         let through = followed
             .zip(stop)
             .filter(|_| output.driving_line.len() > 1 && output.driving_line.iter().any(passes));
-        let turning = through.filter(|(_, stop)| turns(stop));
-        let doubted = turning.is_some_and(|(followed, _)| present(followed) < LEAST_PRESENT);
-        if let Some((followed, stop)) = turning.filter(|_| !doubted) {
+        if let Some((followed, stop)) = through.filter(|(_, stop)| turns(stop)) {
             lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
             return Some(self.driving_line(followed, stop, path));
         }
@@ -143,7 +141,7 @@ impl LineFinder {
             .zip(path.last())
             .is_some_and(|(beside, last)| last.along_m - beside.on_path.along_m > self.aim_m);
         let through_corner = kept.is_some_and(|led| led.kind == LineKind::DrivingLine && led.end.is_none());
-        if leads_on && through_corner && !doubted {
+        if leads_on && through_corner {
             return None;
         }
         // The road's surface shows bends and ends that a lane's kept edges do not, and which side of the road the vehicle is on.
@@ -174,7 +172,7 @@ impl LineFinder {
         let width_m = stop.model.approach().map_or(0.0, |arm| arm.width_m);
         let to_edge_m = 0.5 * width_m - self.vehicle.traffic.lane_left_m(width_m).abs();
         let mut led = self.led(LineKind::DrivingLine, sigma_m, to_edge_m);
-        led.present = present(followed);
+        led.present = followed.present.or_else(|| followed.matched.confidence()).unwrap_or(1.0);
         if let Some(line) = stop.line.as_ref().filter(|line| !line.within_turning_circle()) {
             let begins = foot(path, followed.vehicle_from_feature * line.start());
             led.seen_m = led.seen_m.min(begins.map_or(0.0, |begins| begins.on_path.along_m));
@@ -235,14 +233,6 @@ impl LineFinder {
         }
         led
     }
-}
-
-/// The vehicle turns where a feature is more likely than not.
-const LEAST_PRESENT: f64 = 0.5;
-
-/// Probability that a feature is where it is followed, 0 to 1.
-fn present(followed: &Followed) -> f64 {
-    followed.present.or_else(|| followed.matched.confidence()).unwrap_or(1.0)
 }
 
 /// How wide the road should be: as the map has it, by what has been measured of roads that it has.
