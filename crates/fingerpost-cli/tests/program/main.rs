@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod about;
+#[cfg(unix)]
+mod advising;
 mod bad_inputs;
 mod broken_frames;
 mod calibrating;
