@@ -174,6 +174,7 @@ impl AdviceStage {
             led: self.led.as_ref(),
             evidence,
             plan: self.steersman.speed_plan(),
+            speed_mps: command.speed_mps,
             controller: self.finder.controller(),
             stops: input.stops,
         }

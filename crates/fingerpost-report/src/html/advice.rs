@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::ReportInput;
 use super::chart::{Chart, Curve};
-use super::curves::bands;
+use super::curves::{bands, legend};
 use super::tables::list;
 use crate::palette;
 
@@ -35,6 +35,7 @@ pub(crate) fn advice(input: &ReportInput<'_>) -> Option<Markup> {
     ];
     charts[0].has_values().then(|| {
         html! {
+            (legend("along", LINES.map(line_in_colour).into_iter()))
             @for chart in charts.iter().filter(|chart| chart.has_values()) { (chart.figure()) }
             @if advice.stops_begun.count > 0 {
                 h3 { "Stops" }
@@ -71,13 +72,21 @@ fn rules(input: &ReportInput<'_>) -> Markup {
     }
 }
 
-fn line_band(line: &str) -> (String, String) {
+/// What can be steered along, as the files have it.
+const LINES: [&str; 3] = ["driving_line", "lane", "centreline"];
+
+fn line_in_colour(line: &str) -> (String, palette::Rgb) {
     let colour = match line {
         "driving_line" => palette::sub_mask("driving_line"),
         "lane" => palette::LANE,
         _ => palette::CENTRELINE,
     };
-    (line.replace('_', " "), palette::css(colour))
+    (line.replace('_', " "), colour)
+}
+
+fn line_band(line: &str) -> (String, String) {
+    let (name, colour) = line_in_colour(line);
+    (name, palette::css(colour))
 }
 
 fn stop_band(stop: &str) -> (String, String) {

@@ -15,6 +15,8 @@ pub(super) struct Because<'a> {
     pub(super) led: Option<&'a Led>,
     pub(super) evidence: &'a ControlEvidence,
     pub(super) plan: &'a SpeedPlan,
+    /// Speed that is advised, m/s.
+    pub(super) speed_mps: f64,
     pub(super) controller: ControllerName,
     pub(super) stops: &'a [RouteStop],
 }
@@ -90,6 +92,14 @@ impl Because<'_> {
     }
 
     fn write_speed(&self, f: &mut Formatter<'_>, led: &Led) -> fmt::Result {
+        // What is written has two digits.
+        if self.speed_mps < self.plan.speed_mps - 0.01 {
+            return f.write_str(if self.evidence.limited.speed {
+                "slower for the turn that is wanted"
+            } else {
+                "slower by its rules"
+            });
+        }
         match self.plan.reason {
             SpeedReason::Highest => f.write_str("as fast as is allowed"),
             SpeedReason::Bend { radius_m, ahead_m } => {
