@@ -46,6 +46,8 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "can_log_gzip", body: vehicles::can_log_gzip, seeds: vehicles::can_log_seeds },
     Parser { name: "can_database", body: vehicles::can_database, seeds: vehicles::can_database_seeds },
     Parser { name: "config", body: config::config, seeds: config::config_seeds },
+    Parser { name: "fuzzy_rules", body: config::fuzzy_rules, seeds: config::fuzzy_rules_seeds },
+    Parser { name: "fed_frames", body: vehicles::fed_frames, seeds: vehicles::fed_frames_seeds },
     Parser { name: "bank", body: config::bank, seeds: config::bank_seeds },
 ];
 
