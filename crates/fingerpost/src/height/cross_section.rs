@@ -68,10 +68,11 @@ impl CrossSection {
         }));
         log_odds.clear();
         log_odds.resize(seen.len(), 0.0);
+        forward.clear();
+        forward.reserve(seen.len());
         if seen.iter().flatten().all(|&likelihood| likelihood >= 1.0) {
             return;
         }
-        forward.clear();
         let mut belief = *start;
         for (place, seen) in seen.iter().enumerate() {
             if place > 0 {
