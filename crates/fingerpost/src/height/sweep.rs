@@ -167,7 +167,7 @@ impl Sweep {
         let row = row - row % SWEPT_ROWS.step;
         let (below, above) = (self.of_view.get(shift)?, self.of_view.get(shift + 1)?);
         let (below, above) = (below.get(column, row)?, above.get(column, row)?);
-        (below != 0.0 || above != 0.0).then(|| below + share * (above - below))
+        (below != 0.0 || above != 0.0).then_some(below + share * (above - below))
     }
 
     fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {
