@@ -12,7 +12,7 @@ use crate::state::{EAST, HEADING, NORTH, OFFSET, OffsetModel, State};
 
 /// Standard deviation of the vehicle's distance from the road's line beside the correlated offset, metres: the line's corners are
 /// set by hand, a metre or so apart from the road's true curve on bends.
-const LINE_NOISE_M: f64 = 1.0;
+pub(crate) const LINE_NOISE_M: f64 = 1.0;
 /// Standard deviation of the heading against the line, radians: steering about, and lines of few corners. Used to tell which place
 /// of the line belongs to a pose, not to correct the heading.
 const LINE_HEADING_RAD: f64 = 0.2;

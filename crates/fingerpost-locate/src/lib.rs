@@ -18,6 +18,7 @@ mod random;
 mod roads;
 mod start;
 mod state;
+mod unmapped;
 
 pub use fix::{ALERT_LIMIT_M, Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;

@@ -7,3 +7,4 @@
 mod drives;
 mod gps;
 mod simulated;
+mod wrong_maps;
