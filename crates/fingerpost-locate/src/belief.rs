@@ -27,7 +27,7 @@ const BIAS_SIGMA: f64 = 1.75e-3;
 /// Standard deviation of the heading against the road at the start, radians.
 const HEADING_SIGMA: f64 = 0.1;
 /// The same this near to a junction, metres, where the vehicle may be half round a corner.
-const JUNCTION_HEADING_SIGMA: f64 = 0.4;
+pub(crate) const JUNCTION_HEADING_SIGMA: f64 = 0.4;
 const JUNCTION_M: f64 = 10.0;
 /// Distance between hypotheses at the start, metres, where their number allows it.
 const SEED_SPACING_M: f64 = 10.0;
@@ -37,7 +37,7 @@ const SEED_SIGMA: f64 = 0.6;
 const MOST_SEEDS: f64 = 40_000.0;
 const MOST_KEPT: usize = 100_000;
 /// Probability at the start of being on no road of the map.
-const OFF_MAP_AT_START: f64 = 0.05;
+pub(crate) const OFF_MAP_AT_START: f64 = 0.05;
 /// Roads left for places off the map, per metre: one yard or unmapped road in fifty kilometres.
 const LEAVES_MAP_PER_M: f64 = 2e-5;
 /// How far a vehicle stays near the road that it has left, metres: the length of a car park or a bay. It comes back to that road or
@@ -100,9 +100,29 @@ impl Belief {
             tried_m: 0.0,
             waiting: Vec::new(),
         };
-        belief.seed(1.0 - OFF_MAP_AT_START);
-        belief.normalise();
+        belief.begin_anywhere();
         belief
+    }
+
+    /// Forgets everything.
+    pub(crate) fn begin_anywhere(&mut self) {
+        self.hypotheses.clear();
+        self.log_off_map = OFF_MAP_AT_START.ln();
+        self.near = 0.0;
+        self.unmapped = UnmappedRoad::like(self.roads.bends());
+        self.seed(1.0 - OFF_MAP_AT_START);
+        self.normalise();
+    }
+
+    /// The vehicle may have gone elsewhere, off the map, with this probability.
+    pub(crate) fn be_elsewhere(&mut self, probability: f64) {
+        let off_map = self.off_map();
+        let went = probability * (1.0 - off_map);
+        self.near *= off_map / (off_map + went).max(f64::MIN_POSITIVE);
+        self.log_off_map = (off_map + went).ln();
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.log_weight += (1.0 - probability).ln();
+        }
     }
 
     /// Probability of being on no road of the map.
@@ -201,7 +221,7 @@ impl Belief {
     }
 
     /// Gives every hypothesis whose course may end a course for each exit.
-    fn branch(&mut self) {
+    pub(crate) fn branch(&mut self) {
         let Self { hypotheses, waiting, courses, roads, .. } = self;
         let mut index = 0;
         while index < hypotheses.len() {
@@ -255,7 +275,7 @@ impl Belief {
 }
 
 /// A vehicle at a place of a road, as sure as `along_m` along it.
-fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
+pub(crate) fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
     let heading_rad = sample.heading_rad;
     let mut mean = Mean::zeros();
     (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);

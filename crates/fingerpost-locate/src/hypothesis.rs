@@ -23,7 +23,7 @@ const REACH_M: f64 = 4.0;
 /// Samples from one look to the next where a pose's place on the line is looked for at first.
 const COARSE: usize = 3;
 /// Distance to a course's end below which it branches, metres beyond what the place is unsure by: half a junction.
-const BRANCH_AHEAD_M: f64 = 20.0;
+pub(crate) const BRANCH_AHEAD_M: f64 = 20.0;
 
 /// How well a hypothesis fits what was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -19,10 +19,11 @@ mod roads;
 mod start;
 mod state;
 mod unmapped;
+mod unseen;
 
 pub use fix::{ALERT_LIMIT_M, Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;
-pub use locator::{Locator, MotionError};
+pub use locator::{LONGEST_GAP_S, Locator, MotionError};
 pub use odometry::{Motion, MotionInterval, MotionSample, YAW_RATE_NOISE};
 pub use roads::Traffic;
 pub use start::Start;

@@ -14,8 +14,11 @@ use crate::state::{HEADING, SCALE};
 
 /// Distance driven between two looks at the road, metres: less than the lines' bends, and about the length of a row at town speeds.
 const LOOK_EVERY_M: f64 = 2.5;
-/// Longest time between two rows over which the motion is taken to go on, seconds.
-const LONGEST_GAP_S: f64 = 1.0;
+/// Longest time between two rows over which the motion is taken to go on, seconds: a corner takes three.
+pub const LONGEST_GAP_S: f64 = 1.0;
+/// What no car does, metres a second and radians a second: 360 km/h, and once round in a second.
+const FASTEST_MPS: f64 = 100.0;
+const FASTEST_RPS: f64 = std::f64::consts::TAU;
 /// Places handed out beside the fix.
 const MOST_RIVALS: usize = 10;
 
@@ -29,6 +32,18 @@ pub enum MotionError {
     NotFinite {
         /// Its time, seconds.
         t_s: f64,
+    },
+    /// A motion that no car can make.
+    #[error(
+        "the row at {t_s} s has {speed_mps} m/s and {yaw_rate_rps} rad/s, which no car drives; check the units and leave such rows out"
+    )]
+    Impossible {
+        /// Its time, seconds.
+        t_s: f64,
+        /// Its speed, metres a second.
+        speed_mps: f64,
+        /// Its yaw rate, radians a second.
+        yaw_rate_rps: f64,
     },
 }
 
@@ -87,7 +102,8 @@ impl Locator {
         self.fix(self.now_s.unwrap_or_default())
     }
 
-    /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
+    /// Takes in one row. Rows that are no later than the one before change nothing. What the vehicle did in a gap longer than
+    /// [`LONGEST_GAP_S`] is not known: it has gone on along the roads by every exit, or elsewhere. No fix comes from a map without roads.
     ///
     /// # Errors
     /// [`MotionError`]; the row is passed over then.
@@ -95,13 +111,22 @@ impl Locator {
         if ![row.t_s, row.speed_mps, row.yaw_rate_rps].iter().all(|number| number.is_finite()) {
             return Err(MotionError::NotFinite { t_s: row.t_s });
         }
+        if row.speed_mps.abs() > FASTEST_MPS || row.yaw_rate_rps.abs() > FASTEST_RPS {
+            let MotionSample { t_s, speed_mps, yaw_rate_rps } = row;
+            return Err(MotionError::Impossible { t_s, speed_mps, yaw_rate_rps });
+        }
         if let Some(before) = self.before {
-            let time_s = (row.t_s - before.t_s).clamp(0.0, LONGEST_GAP_S);
+            let time_s = row.t_s - before.t_s;
             if time_s <= 0.0 {
                 return Ok(self.fix(row.t_s));
             }
-            let (speed, turn) = (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
-            self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+            if time_s > LONGEST_GAP_S {
+                self.go_unseen(0.5 * (before.speed_mps.abs() + row.speed_mps.abs()) * time_s);
+            } else {
+                let (speed, turn) =
+                    (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
+                self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+            }
         }
         self.before = Some(row);
         self.now_s = Some(row.t_s);
@@ -140,6 +165,17 @@ impl Locator {
     fn look(&mut self) {
         self.belief.go(&self.pending);
         self.looked_m += self.pending.driven_m;
+        self.pending = Motion::default();
+        self.estimate_again();
+    }
+
+    /// Goes on for about a distance of which nothing was measured, metres.
+    fn go_unseen(&mut self, driven_m: f64) {
+        if self.pending.driven_m > 0.0 {
+            self.look();
+        }
+        self.belief.go_unseen(driven_m);
+        self.looked_m += driven_m;
         self.pending = Motion::default();
         self.estimate_again();
     }

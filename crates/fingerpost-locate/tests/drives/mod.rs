@@ -214,11 +214,18 @@ impl Drive {
         Self { locator: Locator::new(&map, Traffic::Right, 1), roads, map: *map.plane() }
     }
 
-    /// A fix a row, and beside each the true place, in the plane of the map's graph.
+    /// A fix a row, and beside each the true place, in the plane of the map's graph. (Hairpins of the map are driven faster round than
+    /// any car turns: such rows are refused, and the fix before holds.)
     pub(crate) fn fixes(mut self, rows: &[(MotionSample, Pose)]) -> Vec<(Fix, Point2<f64>)> {
-        rows.iter()
-            .map(|(row, pose)| (self.locator.step(*row).unwrap().unwrap(), self.in_map(pose)))
-            .collect()
+        let mut fixes: Vec<(Fix, Point2<f64>)> = Vec::with_capacity(rows.len());
+        for (row, pose) in rows {
+            let fix = match self.locator.step(*row) {
+                Ok(fix) => fix.unwrap(),
+                Err(_) => fixes.last().unwrap().0.clone(),
+            };
+            fixes.push((fix, self.in_map(pose)));
+        }
+        fixes
     }
 
     /// A true place in the plane of the map's graph, metres.
