@@ -37,12 +37,12 @@ pub use lanes::{
 };
 pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
 pub use location::{
-    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, PlaceLine, Recall,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, MotionFaults, PlaceLine, Recall,
 };
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };
-pub use motion_log::{MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
+pub use motion_log::{MotionLog, MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, track_geojson, track_gpx, track_kitti, track_tum};

@@ -83,6 +83,7 @@ fn summary(truth: Option<LocationScores>) -> LocationSummary {
         statuses: BTreeMap::new(),
         converged_s: None,
         risk: RISK,
+        motion: fingerpost_format::MotionFaults::default(),
         most_hypotheses: 2,
         gps: None,
         row_ms: None,
