@@ -32,6 +32,8 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "camera_toml", body: drives::camera_toml, seeds: drives::camera_toml_seeds },
     Parser { name: "camera_yaml", body: drives::camera_yaml, seeds: drives::camera_yaml_seeds },
     Parser { name: "times", body: drives::times, seeds: drives::times_seeds },
+    Parser { name: "motion_log", body: drives::motion_log, seeds: drives::motion_log_seeds },
+    Parser { name: "pose_log", body: drives::pose_log, seeds: drives::pose_log_seeds },
     Parser { name: "frames", body: drives::frames, seeds: drives::frames_seeds },
     Parser { name: "truth", body: drives::truth, seeds: drives::truth_seeds },
     Parser { name: "tusimple", body: drives::tusimple, seeds: drives::tusimple_seeds },
