@@ -91,7 +91,7 @@ pub(crate) fn frame_record(
         centreline: output.centreline.as_ref().map(|found| centreline_record(found, evidence.centreline)),
         no_centreline: evidence.centreline.none_because.map(|why| no_centreline_name(why).to_owned()),
         lanes: output.lane.as_ref().map(|lane| lanes_record(lane, output.departure.as_ref())),
-        fix: output.fix.as_ref().map(fix_record),
+        fix: output.fix.as_ref().map(|fix| fix_record(fix, evidence.fix.as_ref(), features)),
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
         stage_ms,
         why: output.why.clone(),

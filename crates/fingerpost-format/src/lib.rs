@@ -29,8 +29,8 @@ pub use centreline::{CentrelineRecord, WaysRecord};
 pub use columns::ColumnsError;
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
-    FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
-    RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,

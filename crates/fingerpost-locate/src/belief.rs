@@ -20,9 +20,9 @@ pub(crate) const OFFSET_MODEL: OffsetModel =
     OffsetModel { sigma_m: 2.0, distance_m: 100.0, turn_rad: FRAC_PI_2 };
 /// Standard deviation of the speed's scale at the start: a wheel's radius by wear, load and pressure, and speedometers that show up
 /// to a tenth too much (UN Regulation 39).
-const SCALE_SIGMA: f64 = 0.06;
+pub(crate) const SCALE_SIGMA: f64 = 0.06;
 /// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
-const BIAS_SIGMA: f64 = 1.75e-3;
+pub(crate) const BIAS_SIGMA: f64 = 1.75e-3;
 /// Standard deviation of the heading against the road at the start, radians.
 const HEADING_SIGMA: f64 = 0.1;
 /// The same this near to a junction, metres, where the vehicle may be half round a corner.
@@ -70,7 +70,7 @@ pub(crate) struct Belief {
     #[allow(clippy::vec_box, reason = "sorting would move 400 bytes for each: a third of a step's time")]
     pub(crate) hypotheses: Vec<Box<Hypothesis>>,
     /// Logarithm of the probability of being on no road of the map.
-    log_off_map: f64,
+    pub(crate) log_off_map: f64,
     /// Distance driven since the map was last in doubt, metres.
     pub(crate) agreed_m: f64,
     random: Random,

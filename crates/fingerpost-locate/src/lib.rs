@@ -9,6 +9,7 @@ mod belief;
 mod fix;
 mod gps;
 mod hypothesis;
+mod landmark;
 mod level;
 mod locator;
 mod merging;
@@ -21,6 +22,7 @@ mod state;
 
 pub use fix::{ALERT_LIMIT_M, Fix, RISK, Rival, Status};
 pub use gps::GpsEvidence;
+pub use landmark::{PoseInnovation, Sighting, SightingEvidence, Verdict};
 pub use locator::{Locator, MotionError};
 pub use odometry::{Motion, MotionInterval, MotionSample, YAW_RATE_NOISE};
 pub use roads::Traffic;

@@ -7,6 +7,7 @@ use thiserror::Error;
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, Rival, Status};
 use crate::gps::{GpsEvidence, Receiver};
+use crate::landmark::{Landmarks, Sighting, SightingEvidence, Taken};
 use crate::odometry::{Motion, MotionInterval, MotionSample};
 use crate::roads::Traffic;
 use crate::start::Start;
@@ -43,6 +44,7 @@ pub struct Locator {
     now_s: Option<f64>,
     estimate: Option<Estimate>,
     receiver: Receiver,
+    landmarks: Landmarks,
 }
 
 impl Locator {
@@ -68,23 +70,34 @@ impl Locator {
             now_s: None,
             estimate,
             receiver: Receiver::default(),
+            landmarks: Landmarks::default(),
         }
+    }
+
+    /// The fix as of the last motion, place and landmark; none on a map without roads.
+    pub fn now(&self) -> Option<Fix> {
+        self.fix(self.now_s.unwrap_or_default())
     }
 
     /// Takes in the motion over a time, as a camera measures it from picture to picture. Times of no length and numbers that are none
     /// change nothing.
     pub fn go_on(&mut self, interval: &MotionInterval) -> Option<Fix> {
-        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2 } = *interval;
+        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2, distance_variance_m2 } =
+            *interval;
         let now_s = self.now_s.unwrap_or_default();
-        let numbers = [time_s, speed_mps, yaw_rate_rps, turn_variance_rad2];
+        let numbers = [time_s, speed_mps, yaw_rate_rps, turn_variance_rad2, distance_variance_m2];
         if numbers.iter().all(|number| number.is_finite()) && time_s > 0.0 {
-            self.pending.go_on_turning(speed_mps, yaw_rate_rps, time_s, turn_variance_rad2.max(0.0));
+            self.pending.go_on_by(&MotionInterval {
+                turn_variance_rad2: turn_variance_rad2.max(0.0),
+                distance_variance_m2: distance_variance_m2.max(0.0),
+                ..*interval
+            });
             self.now_s = Some(now_s + time_s);
             if self.pending.driven_m >= LOOK_EVERY_M {
                 self.look();
             }
         }
-        self.fix(self.now_s.unwrap_or_default())
+        self.now()
     }
 
     /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
@@ -128,6 +141,26 @@ impl Locator {
         Some(evidence)
     }
 
+    /// Takes in a landmark as it is seen at the time of the last row or interval. It is used behind each look at the road, and what is
+    /// made of it is given then; none in between, where there is no fix, and for numbers that are none.
+    pub fn sight(&mut self, sighting: &Sighting) -> Option<SightingEvidence> {
+        self.estimate.as_ref()?;
+        if self.pending.driven_m > 0.0 {
+            return None;
+        }
+        let (taken, out_of_sight) = self.landmarks.see(sighting);
+        match taken {
+            Taken::Newest => {}
+            Taken::Counted => return Some(SightingEvidence::counted(sighting.landmark)),
+            Taken::Unsound => return None,
+        }
+        if let Some(other) = out_of_sight {
+            self.belief.take_seen(&other);
+        }
+        self.estimate_again();
+        self.landmarks.in_sight.as_ref().map(|seen| self.belief.evidence(seen))
+    }
+
     /// Every place that is possible, the heaviest first, as of the last look at the road.
     pub fn rivals(&self) -> impl Iterator<Item = Rival> {
         self.belief.hypotheses.iter().map(|hypothesis| Rival {
@@ -138,7 +171,11 @@ impl Locator {
     }
 
     fn look(&mut self) {
+        let out_of_sight = self.landmarks.go(&self.pending);
         self.belief.go(&self.pending);
+        if let Some(seen) = out_of_sight {
+            self.belief.take_seen(&seen);
+        }
         self.looked_m += self.pending.driven_m;
         self.pending = Motion::default();
         self.estimate_again();
@@ -146,7 +183,10 @@ impl Locator {
 
     fn estimate_again(&mut self) {
         let status = self.estimate.as_ref().map_or(Status::Ambiguous, |estimate| estimate.status);
-        self.estimate = self.belief.estimate(status);
+        self.estimate = match &self.landmarks.in_sight {
+            Some(seen) => self.belief.estimate_seeing(seen, status),
+            None => self.belief.estimate(status),
+        };
     }
 
     /// The fix at a time (seconds) after the last row's motion.

@@ -18,7 +18,7 @@ use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
-use crate::fix::{FixStage, MapFix, NearPlace};
+use crate::fix::{FixEvidence, FixInput, FixStage, MapFix, NearPlace};
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
@@ -130,6 +130,8 @@ pub struct FrameEvidence<'a> {
     pub departure: Option<DepartureEvidence>,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
     pub masks: Option<PlacedMasks<'a>>,
+    /// What was made of measurements of the vehicle's place; none without a map.
+    pub fix: Option<FixEvidence>,
 }
 
 /// A pipeline that cannot be set up, or a frame that cannot be processed.
@@ -272,7 +274,8 @@ impl Pipeline {
 
     /// Says in every frame from now on where the vehicle is on this map, known to be near a place or anywhere.
     pub fn locate_on(&mut self, graph: &RoadGraph, near: Option<NearPlace>) {
-        self.fix = Some(FixStage::new(graph, self.config.vehicle.traffic, near));
+        let stage = FixStage::new(graph, self.config.vehicle.traffic, near);
+        self.fix = Some(stage.with_route(self.tracker.stops(), self.map.as_ref()));
     }
 
     /// Takes one frame in. `finished` is told after each stage, so that the caller can time them. Output and evidence
@@ -336,10 +339,13 @@ impl Pipeline {
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
-        if let Some(stage) = fix {
-            output.fix = stage.step(sensors.dt_s, &ego.vehicle, motion, gps);
+        let fix_evidence = fix.as_mut().map(|stage| {
+            let input = FixInput { gps, followed: output.track.followed.as_ref() };
+            let (fix, evidence) = stage.step(sensors.dt_s, &ego.vehicle, motion, input);
+            output.fix = fix;
             finished(Stage::Fix);
-        }
+            evidence
+        });
         output.motion = ego.motion;
         output.vehicle = ego.vehicle;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);
@@ -366,6 +372,7 @@ impl Pipeline {
             turns_through: lanes.turns_through,
             ways: centreline_evidence.ways.as_ref(),
             departure: output.departure.as_ref(),
+            fix: fix_evidence.as_ref(),
         }
         .write_to(&mut output.why);
         finished(Stage::Lanes);
@@ -383,6 +390,7 @@ impl Pipeline {
             lanes: lanes.evidence,
             departure: lanes.departure,
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
+            fix: fix_evidence,
         };
         Ok((output, evidence))
     }

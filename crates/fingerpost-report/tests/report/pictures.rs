@@ -68,6 +68,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         lanes,
         departure: None,
         masks: None,
+        fix: None,
     };
     let picture = RgbImage::new(camera.width(), camera.height());
     StagePictures::draw(&Scene {
