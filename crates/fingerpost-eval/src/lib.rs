@@ -11,6 +11,7 @@ mod claims;
 mod error;
 mod features;
 mod first_detections;
+mod fixes;
 mod junctions;
 mod kerbs;
 mod lanes;
