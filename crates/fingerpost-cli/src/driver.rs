@@ -136,6 +136,7 @@ impl Driver {
                 .context("the configuration cannot be written as TOML")?,
             thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),
+            roads: None,
             features: self.features.clone(),
             picture_px: <[usize; 2]>::from(self.input_px()).map(|side| side as u32),
             sampling: None,

@@ -11,7 +11,7 @@ use fingerpost_format::{
     TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
-use fingerpost_map::Route;
+use fingerpost_map::{RoadGraph, Route};
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };
@@ -83,6 +83,8 @@ pub(crate) struct Subject {
     pub(crate) thresholds: Thresholds,
     /// The route.
     pub(crate) route: Option<Route>,
+    /// The roads of the map that the vehicle is located on.
+    pub(crate) roads: Option<RoadGraph>,
     /// What its features are called.
     pub(crate) features: Vec<FeatureIdentity>,
     /// Width and height of the input's pictures.
@@ -275,6 +277,7 @@ impl Recorder {
             summary: &summary,
             truth: truth.filter(|_| of_truth.is_some()),
             route: self.subject.route.as_ref(),
+            roads: self.subject.roads.as_ref(),
             thresholds: self.subject.thresholds,
             config_toml: &self.subject.config_toml,
             key_frames: &self.key_frames,
@@ -308,6 +311,9 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
     }
     if let Some(lanes) = &mut record.lanes {
         (lanes.left_px, lanes.right_px) = (Vec::new(), Vec::new());
+    }
+    if let Some(fix) = &mut record.fix {
+        fix.measurements = Vec::new();
     }
     if let Some(sought) = &mut record.sought {
         sought.sub.clear();

@@ -7,6 +7,7 @@
 //! [`RgbImage`]: fingerpost_vision::picture::RgbImage
 
 mod draw;
+mod fix_track;
 mod front;
 mod html;
 mod interval_plot;
