@@ -15,6 +15,7 @@ mod input_digest;
 mod json_lines;
 mod kept_inputs;
 mod latest;
+mod line_listener;
 mod output_folder;
 mod periodic_sync;
 mod picture_file;
@@ -44,6 +45,7 @@ pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
+pub use line_listener::{LineListener, LineListenerError, TimedLine};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
