@@ -19,6 +19,7 @@ mod inputs;
 mod interrupt;
 mod lanes_record;
 mod licences;
+mod live_gps;
 mod locate;
 mod mark;
 #[cfg(feature = "onnx")]
