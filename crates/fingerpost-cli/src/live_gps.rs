@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use fingerpost_io::LineListener;
+use fingerpost_io::{LineListener, is_serial_port};
 use fingerpost_map::{LatLon, parse_gps_log_within};
 
 /// What stands before host and port of a gpsd.
@@ -31,7 +31,7 @@ impl LiveGps {
         let listener = match name.to_str().and_then(|text| text.strip_prefix(GPSD)) {
             Some("") => LineListener::gpsd(GPSD_ADDRESS)?,
             Some(address) => LineListener::gpsd(address)?,
-            None if is_device(name) => LineListener::device(name)?,
+            None if is_serial_port(name) => LineListener::device(name)?,
             None => return Ok(None),
         };
         Ok(Some(Self { listener, positions: Positions::default() }))
@@ -70,18 +70,7 @@ impl Positions {
 
 /// Whether lines come from a name for as long as they are asked for.
 pub(crate) fn is_live(name: &Path) -> bool {
-    name.to_str().is_some_and(|text| text.starts_with(GPSD)) || is_device(name)
-}
-
-#[cfg(unix)]
-fn is_device(name: &Path) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    name.metadata().is_ok_and(|metadata| metadata.file_type().is_char_device())
-}
-
-#[cfg(not(unix))]
-fn is_device(_: &Path) -> bool {
-    false
+    name.to_str().is_some_and(|text| text.starts_with(GPSD)) || is_serial_port(name)
 }
 
 /// Sentences with a date and those without agree in this.

@@ -45,7 +45,7 @@ pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
-pub use line_listener::{LineListener, LineListenerError, TimedLine};
+pub use line_listener::{LineListener, LineListenerError, TimedLine, is_serial_port};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,

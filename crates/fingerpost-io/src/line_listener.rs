@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fs::{File, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, IsTerminal, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -146,6 +146,12 @@ fn read_lines(mut source: impl Read, kept: &Mutex<VecDeque<TimedLine>>, over: &A
             kept.push_back((std::mem::take(&mut line), Instant::now()));
         }
     }
+}
+
+/// Whether a path names a serial port: a terminal, as the system calls it, which lines come from for as long as they are asked for.
+pub fn is_serial_port(path: &Path) -> bool {
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    !is_file && open_device(path).is_ok_and(|device| device.is_terminal())
 }
 
 fn open_device(path: &Path) -> io::Result<File> {

@@ -8,7 +8,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fingerpost_io::LineListener;
+use fingerpost_io::{LineListener, is_serial_port};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 /// The lines that come within ten seconds, up to so many.
@@ -29,6 +29,7 @@ fn sentences_come_whole_and_in_their_order() {
     unlockpt(&receiver).unwrap();
     let name = ptsname(&receiver, Vec::new()).unwrap();
     let port = Path::new(std::ffi::OsStr::from_bytes(name.to_bytes()));
+    assert!(is_serial_port(port) && !is_serial_port(Path::new("/dev/zero")));
     let listener = LineListener::device(port).unwrap();
     let mut receiver = File::from(receiver);
     assert!(listener.drain().is_empty());
