@@ -4,6 +4,7 @@
 //! a thread; what is written does not depend on their number. After every drive `campaign.json` is replaced by one that
 //! holds it, so that whatever ends the campaign, finished drives stay.
 
+mod closed_loop;
 mod drive;
 mod plan;
 
@@ -13,12 +14,14 @@ use std::sync::Mutex;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use fingerpost_control::ControllerName;
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{Campaign, CampaignGroup, ErrorQuantiles};
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
+use self::closed_loop::Fault;
 pub(crate) use self::drive::{Driven, measure};
 pub(crate) use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
 use crate::arguments::{InputLimit, PictureSize, Threads};
@@ -26,7 +29,8 @@ use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path, side_by_side};
 
 /// Simulate many short drives, run the method on each and count: features found, falsely found and arrived at, errors of
-/// place and of motion, by conditions. The truth is only used to measure the results.
+/// place and of motion, by conditions. The truth is only used to measure the results. With --closed-loop the advice drives the
+/// vehicle.
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
     /// How many drives, 1 to 1000000.
@@ -36,10 +40,27 @@ pub(crate) struct CampaignArgs {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// What the drives are like; they take these in turns. In all but `world` the days differ, and camera, corners, paint and map
-    /// are those of one world; in `world` every drive has its own.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', default_values_t = DEFAULT_CONDITIONS.map(str::to_owned),
+    /// are those of one world; in `world` every drive has its own. By default world, shadows, wet, mixed, dusk, dust, street and
+    /// street_shade; with --closed-loop clear, unmarked, shadows, rough, wet, mixed, dusk, dust, hills, knocked, dirty_lens and world.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',',
           value_parser = PossibleValuesParser::new([WORLD].iter().chain(Conditions::names())))]
     conditions: Vec<String>,
+    /// Let a simulated vehicle be driven by the advice and nothing else, with camera, map and route: no GPS, no truth. Counts the
+    /// drives that arrive, how far from its lane's middle the vehicle is, and failures by kind, for each controller. Ended in the
+    /// middle, the same call goes on with it; results are closed_loop.jsonl, closed_loop.json and report.html.
+    #[arg(long)]
+    closed_loop: bool,
+    /// Who steers; every one drives all drives.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "closed_loop",
+          default_value = "pure_pursuit,stanley,fuzzy", value_parser = controller)]
+    controllers: Vec<ControllerName>,
+    /// Something that goes wrong besides, in every drive.
+    #[arg(long, value_enum, value_name = "NAME", requires = "closed_loop")]
+    fault: Option<Fault>,
+    /// Least number of features of a route; routes have up to three more.
+    #[arg(long, value_name = "N", requires = "closed_loop", default_value_t = closed_loop::FEATURES,
+          value_parser = least_features)]
+    features: usize,
     /// OpenStreetMap data to drive on, in place of the built-in town.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -60,6 +81,9 @@ pub(crate) struct CampaignArgs {
     /// Write a run folder with report, pictures, route and truth for every drive.
     #[arg(long)]
     reports: bool,
+    /// A video of every drive with a report, annotated.mp4; needs ffmpeg.
+    #[arg(long, requires_all = ["closed_loop", "reports"])]
+    video: bool,
     /// Folder to write campaign.json and the run folders into: a new or empty one, or one of an earlier campaign, which is
     /// replaced.
     #[arg(long, value_name = "DIR")]
@@ -69,9 +93,35 @@ pub(crate) struct CampaignArgs {
     json: bool,
 }
 
+impl CampaignArgs {
+    /// What the drives are like, in turns.
+    fn conditions(&self) -> Vec<String> {
+        let usual: &[&str] = if self.closed_loop { &closed_loop::CONDITIONS } else { &DEFAULT_CONDITIONS };
+        if self.conditions.is_empty() {
+            usual.iter().map(|&name| name.to_owned()).collect()
+        } else {
+            self.conditions.clone()
+        }
+    }
+}
+
+/// A controller by its name.
+fn controller(name: &str) -> Result<ControllerName, String> {
+    let known = ControllerName::ALL.map(ControllerName::name);
+    let found = ControllerName::ALL.into_iter().find(|controller| controller.name() == name);
+    found.ok_or_else(|| format!("no controller of that name; choose one of {}", known.join(", ")))
+}
+
+/// A number of features that routes may be asked to have at least.
+fn least_features(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=20).contains(number));
+    number.ok_or_else(|| format!("{text:?} is no number of features; give 1 to 20"))
+}
+
 /// What all drives share.
 struct Setting<'a> {
     args: &'a CampaignArgs,
+    conditions: Vec<String>,
     drawing: Drawing,
     interrupt: Interrupt,
 }
@@ -81,8 +131,12 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
     if args.seed.checked_add(args.drives).is_none() {
         bail!("--seed {} leaves no seeds for {} drives; give a smaller one", args.seed, args.drives);
     }
+    if args.closed_loop {
+        return closed_loop::closed_loop(args);
+    }
     let setting = Setting {
         args,
+        conditions: args.conditions(),
         drawing: Drawing::new(
             args.map.as_deref(),
             args.limit,
@@ -128,9 +182,9 @@ const RESULT_FILE: &str = "campaign.json";
 /// Runs all drives side by side.
 fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
     let args = setting.args;
-    let tally = Mutex::new(CampaignTally::new(&args.conditions, args.drives));
+    let tally = Mutex::new(CampaignTally::new(&setting.conditions, args.drives));
     side_by_side::each(args.threads, args.drives, &setting.interrupt, |number| {
-        let conditions = &args.conditions[(number % args.conditions.len() as u64) as usize];
+        let conditions = &setting.conditions[(number % setting.conditions.len() as u64) as usize];
         let Some((drive, claims)) = drive::drive(setting, args.seed + number, conditions) else {
             return Ok(());
         };

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, anyhow};
+use fingerpost::advice::Advice;
 use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::road_surface::SurfaceFile;
-use fingerpost::track::{TrackConfig, TrackMethod};
+use fingerpost::track::{State, TrackConfig, TrackMethod};
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
@@ -40,7 +41,7 @@ pub(crate) struct RunSetting<'a> {
 
 impl RunSetting<'_> {
     /// The method before its first frame.
-    fn pipeline(&self) -> Result<Pipeline> {
+    pub(crate) fn pipeline(&self) -> Result<Pipeline> {
         let detector = road_detector(&self.config.road_surface)?;
         Ok(Pipeline::with_road_detector(self.config, self.camera, self.route, self.start_m, detector)?)
     }
@@ -96,6 +97,7 @@ pub(crate) struct Driver {
     frames_used: u64,
     /// Time of the last frame that was used, seconds.
     last_t_s: Option<f64>,
+    advised: (Advice, State),
 }
 
 impl Driver {
@@ -114,6 +116,7 @@ impl Driver {
             frame_recorder: (wishes.recording == RecordingWish::Mcap).then(FrameRecorder::default),
             frames_used: 0,
             last_t_s: None,
+            advised: (Advice::default(), State::default()),
         })
     }
 
@@ -140,8 +143,10 @@ impl Driver {
             config_toml: toml::to_string(setting.config)
                 .map(|settings| format!("{WRITTEN_BY}{settings}"))
                 .context("the configuration cannot be written as TOML")?,
+            rules: self.pipeline.advice_rules().map(str::to_owned).collect(),
             thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),
+            roads: None,
             features: self.features.clone(),
             picture_px: <[usize; 2]>::from(self.input_px()).map(|side| side as u32),
             sampling: None,
@@ -156,6 +161,11 @@ impl Driver {
     /// The surfaces that are known by now.
     pub(crate) fn known_surfaces(&self) -> Option<SurfaceFile> {
         self.pipeline.road_detector().known_surfaces()
+    }
+
+    /// What is advised after the last frame, and what state the method is in.
+    pub(crate) fn advice(&self) -> (Advice, State) {
+        self.advised.clone()
     }
 
     /// What the route's features are called.
@@ -193,6 +203,8 @@ impl Driver {
         };
         self.frames_used += 1;
         self.last_t_s = Some(time.t_s);
+        self.advised.0.clone_from(&output.advice);
+        self.advised.1 = output.track.state;
         let stage_ms = clock.stage_ms;
         let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
         if let Some(scaling) = &self.scaling {

@@ -1,4 +1,4 @@
-//! GPS positions of a GPX track, matched to frames by time.
+//! GPS positions: of a track, matched to frames by time, or of a receiver as they come.
 
 use std::path::Path;
 
@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use fingerpost_map::LatLon;
 
 use crate::arguments::InputLimit;
+use crate::live_gps::LiveGps;
 use crate::{inputs, output};
 
 /// A position farther than this in time from every frame belongs to none, seconds: receivers give one a second.
@@ -14,6 +15,39 @@ const NEAR_S: f64 = 1.0;
 /// A position farther than this in time from the middle one is none of the drive's, seconds: no drive takes half a day, and a
 /// receiver that has just been switched on says 1980 or a day a thousand weeks ago.
 const DRIVE_S: f64 = 43_200.0;
+
+/// Positions for frames: of a track, or of a receiver that is listened to.
+#[derive(Debug)]
+pub(crate) enum GpsFeed {
+    /// Of a file.
+    Track(GpsTrack),
+    /// As they come.
+    Live(LiveGps),
+}
+
+impl GpsFeed {
+    /// Opens what `--gps` names.
+    pub(crate) fn open(name: &Path, limit: InputLimit) -> Result<Self> {
+        match LiveGps::open(name)? {
+            Some(live) => Ok(Self::Live(live)),
+            None => GpsTrack::read(name, limit).map(Self::Track),
+        }
+    }
+
+    /// All positions that are known beforehand.
+    pub(crate) fn positions(&self) -> impl Iterator<Item = LatLon> {
+        let track = if let Self::Track(track) = self { Some(track) } else { None };
+        track.into_iter().flat_map(GpsTrack::positions)
+    }
+
+    /// The position for a frame, by its time since the first frame, seconds; of a receiver the one that has just come.
+    pub(crate) fn at(&mut self, t_s: f64) -> Option<LatLon> {
+        match self {
+            Self::Track(track) => track.at(t_s),
+            Self::Live(live) => live.newest(),
+        }
+    }
+}
 
 /// The positions of a track by the time since its first.
 #[derive(Debug, Default)]

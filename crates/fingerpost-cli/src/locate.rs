@@ -1,6 +1,7 @@
 //! `fingerpost locate`: where the vehicle is on the map, from a motion log.
 
 mod against_truth;
+mod motion_faults;
 mod tracks;
 
 use std::collections::BTreeMap;
@@ -11,8 +12,8 @@ use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost_eval::{evaluate_location, stage_time};
 use fingerpost_format::{
-    FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionLogRow, PlaceLine, parse_motion_log,
-    parse_pose_log,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionFaults, MotionLogRow, PlaceLine,
+    parse_motion_log, parse_pose_log,
 };
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
@@ -20,6 +21,7 @@ use fingerpost_map::RoadGraph;
 use fingerpost_report::{LocatedDrive, LocatingInput, locating_html};
 
 use self::against_truth::Truth;
+use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::fix_record::fix_status;
@@ -72,7 +74,10 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     )?;
     let graph = inputs::road_graph(&args.map, args.limit)?;
     let text = |path: &PathBuf| read_text_within(path, args.limit.bytes() as u64);
-    let rows = parse_motion_log(&text(&args.motion)?).with_context(|| args.motion.display().to_string())?;
+    let log = parse_motion_log(&text(&args.motion)?).with_context(|| args.motion.display().to_string())?;
+    let mut faults = FaultWatch::of(&log);
+    faults.say(&args.motion);
+    let rows = log.rows;
     let truth = match &args.truth {
         Some(path) => {
             let poses = parse_pose_log(&text(path)?).with_context(|| path.display().to_string())?;
@@ -92,12 +97,20 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     let (mut tally, mut tracks, mut drive) = (Tally::default(), Tracks::default(), LocatedDrive::default());
     for row in &rows {
         let started = Instant::now();
-        let Some(fix) = locator.step(sample(row)).context("the motion log")? else { continue };
+        let fix = match locator.step(sample(row)) {
+            Ok(Some(fix)) => fix,
+            Ok(None) => continue,
+            Err(error) => {
+                faults.refuse(&error);
+                continue;
+            }
+        };
+        let unseen_s = faults.watch(row);
         // What GPS says in a row is part of the fix of the next.
         let at = gps.as_mut().and_then(|gps| gps.at(row.t_s - rows[0].t_s));
         let evidence = at.and_then(|at| locator.gps(graph.plane().map_from_wgs84(at)));
         tally.row_ms.push(started.elapsed().as_secs_f64() * 1e3);
-        let line = line(&graph, &fix, evidence);
+        let line = line(&graph, &fix, unseen_s, evidence);
         fixes.append(&line)?;
         tally.add(&line, row.t_s - rows[0].t_s);
         tracks.add(&fix, &line);
@@ -108,7 +121,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     drive.end(locator.rivals().collect());
     fixes.finish()?;
     tracks.write(&folder)?;
-    let summary = tally.summary(rows.len(), truth.is_some());
+    let summary = tally.summary(rows.len(), faults.faults(), truth.is_some());
     write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
     let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} on {}", name(&args.motion), name(&args.map));
@@ -147,7 +160,7 @@ impl Tally {
         }
     }
 
-    fn summary(self, rows: usize, with_truth: bool) -> LocationSummary {
+    fn summary(self, rows: usize, motion: MotionFaults, with_truth: bool) -> LocationSummary {
         LocationSummary {
             written_by: format!("fingerpost {}", version::VERSION),
             rows,
@@ -155,6 +168,7 @@ impl Tally {
             converged_s: self.converged_s,
             risk: RISK,
             most_hypotheses: self.most_hypotheses,
+            motion,
             gps: (self.gps.places > 0).then_some(self.gps),
             row_ms: stage_time(self.row_ms),
             truth: with_truth.then(|| evaluate_location(&self.samples)),
@@ -162,7 +176,7 @@ impl Tally {
     }
 }
 
-fn line(graph: &RoadGraph, fix: &Fix, gps: Option<GpsEvidence>) -> FixLine {
+fn line(graph: &RoadGraph, fix: &Fix, unseen_s: Option<f64>, gps: Option<GpsEvidence>) -> FixLine {
     let at = graph.plane().wgs84_from_map(fix.place_m);
     let covariance = fix.covariance_m2;
     FixLine {
@@ -177,6 +191,7 @@ fn line(graph: &RoadGraph, fix: &Fix, gps: Option<GpsEvidence>) -> FixLine {
         weight: fix.mass,
         off_map: fix.off_map,
         hypotheses: fix.hypotheses,
+        unseen_s,
         gps: gps.map(|GpsEvidence { innovation_m, believed }| GpsLine { innovation_m, believed }),
         places: fix
             .rivals

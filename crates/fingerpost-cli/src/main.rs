@@ -3,6 +3,9 @@
 //! One file a subcommand. Standard output carries data only where it is asked for (`--json`, `schema`); progress and
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
+mod advice_record;
+#[cfg(unix)]
+mod advise;
 mod arguments;
 mod calibrate;
 mod campaign;
@@ -19,6 +22,7 @@ mod inputs;
 mod interrupt;
 mod lanes_record;
 mod licences;
+mod live_gps;
 mod locate;
 mod mark;
 #[cfg(feature = "onnx")]
@@ -66,6 +70,8 @@ enum Command {
     Demo(demo::DemoArgs),
     Route(route::RouteArgs),
     Run(run::RunArgs),
+    #[cfg(unix)]
+    Advise(advise::AdviseArgs),
     Simulate(simulate::SimulateArgs),
     Campaign(campaign::CampaignArgs),
     Tune(tune::TuneArgs),
@@ -91,6 +97,8 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::demo(&args),
         Command::Route(args) => route::route(&args),
         Command::Run(args) => run::run(&args),
+        #[cfg(unix)]
+        Command::Advise(args) => advise::advise(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Campaign(args) => campaign::campaign(&args),
         Command::Tune(args) => tune::tune(&args),

@@ -96,6 +96,12 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
         if let Some(percent) = truth.motion_error_pct {
             message(&format!("distance driven: {percent:.1} % off"));
         }
+        if let Some(ErrorQuantiles { p50, p95, max }) = truth.fix_error_m {
+            let outside = truth.bound_violations.unwrap_or_default();
+            message(&format!(
+                "place on the map: median {p50:.1} m off, p95 {p95:.1} m, largest {max:.1} m, outside its bound in {outside} frames"
+            ));
+        }
     }
     for (state, frames) in &summary.camera_frames {
         message(&format!("the camera {state} in {frames} frames"));

@@ -18,6 +18,7 @@ use fingerpost_format::{
 };
 use fingerpost_map::FeatureKind;
 
+use crate::advice_record::advice_record;
 use crate::centreline_record::{centreline_record, no_centreline_name};
 use crate::fix_record::fix_record;
 use crate::lanes_record::lanes_record;
@@ -91,7 +92,8 @@ pub(crate) fn frame_record(
         centreline: output.centreline.as_ref().map(|found| centreline_record(found, evidence.centreline)),
         no_centreline: evidence.centreline.none_because.map(|why| no_centreline_name(why).to_owned()),
         lanes: output.lane.as_ref().map(|lane| lanes_record(lane, output.departure.as_ref())),
-        fix: output.fix.as_ref().map(fix_record),
+        advice: Some(advice_record(&output.advice)),
+        fix: output.fix.as_ref().map(|fix| fix_record(fix, evidence.fix.as_ref(), features)),
         route_m: output.track.route_m.map(|m| rounded(m, DIGITS)),
         stage_ms,
         why: output.why.clone(),
@@ -123,6 +125,7 @@ pub(crate) fn broken_record(
         no_centreline: None,
         lanes: None,
         fix: None,
+        advice: None,
         route_m: before.and_then(|record| record.route_m),
         stage_ms: BTreeMap::new(),
         why: "the frame could not be used and was passed over".to_owned(),

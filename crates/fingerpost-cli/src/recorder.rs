@@ -12,7 +12,7 @@ use fingerpost_format::{
     TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
-use fingerpost_map::Route;
+use fingerpost_map::{RoadGraph, Route};
 use fingerpost_recording::Recording;
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
@@ -92,10 +92,14 @@ pub(crate) struct VideoWish {
 pub(crate) struct Subject {
     /// The effective configuration.
     pub(crate) config_toml: String,
+    /// Texts of the rules that steer; none of controllers without rules.
+    pub(crate) rules: Vec<String>,
     /// Thresholds in it.
     pub(crate) thresholds: Thresholds,
     /// The route.
     pub(crate) route: Option<Route>,
+    /// The roads of the map that the vehicle is located on.
+    pub(crate) roads: Option<RoadGraph>,
     /// What its features are called.
     pub(crate) features: Vec<FeatureIdentity>,
     /// Width and height of the input's pictures.
@@ -214,7 +218,9 @@ impl Recorder {
         let Seen { record, key_frame, annotated, recorded } = seen;
         self.keep(record)?;
         if let (Some(recording), Some(frame), Some(record)) = (&mut self.recording, recorded, &self.last) {
-            recording.write(frame, record)?;
+            recording
+                .write(frame, record)
+                .with_context(|| self.folder.recording_path().display().to_string())?;
         }
         if let Some(key_frame) = key_frame {
             self.key_frames.add(key_frame)?;
@@ -240,7 +246,9 @@ impl Recorder {
         let record = broken_record(time, self.last.as_ref(), at_first, error);
         self.keep(record)?;
         if let (Some(recording), Some(record)) = (&mut self.recording, &self.last) {
-            recording.write_record(record)?;
+            recording
+                .write_record(record)
+                .with_context(|| self.folder.recording_path().display().to_string())?;
         }
         Ok(())
     }
@@ -305,7 +313,9 @@ impl Recorder {
             summary: &summary,
             truth: truth.filter(|_| of_truth.is_some()),
             route: self.subject.route.as_ref(),
+            roads: self.subject.roads.as_ref(),
             thresholds: self.subject.thresholds,
+            rules: &self.subject.rules,
             config_toml: &self.subject.config_toml,
             key_frames: &self.key_frames,
         });
@@ -337,8 +347,15 @@ fn essence(mut record: FrameRecord) -> FrameRecord {
         // Sentences are listed for losses and departures alone.
         record.why = String::new();
     }
+    if let Some(advice) = record.advice.as_mut().filter(|advice| advice.stop.is_none()) {
+        // Sentences are listed for stops alone.
+        advice.because = String::new();
+    }
     if let Some(lanes) = &mut record.lanes {
         (lanes.left_px, lanes.right_px) = (Vec::new(), Vec::new());
+    }
+    if let Some(fix) = &mut record.fix {
+        fix.measurements = Vec::new();
     }
     if let Some(sought) = &mut record.sought {
         sought.sub.clear();

@@ -20,8 +20,9 @@ use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Thread
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::frame_choice::FrameChoice;
-use crate::gps::GpsTrack;
+use crate::gps::GpsFeed;
 use crate::interrupt::Interrupt;
+use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
 use crate::record::FrameTime;
@@ -30,7 +31,7 @@ use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
 /// How well the place that --near gives is known, standard deviation, metres: two in three are within 30 m.
-const NEAR_SIGMA_M: f64 = 20.0;
+pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
 
 /// Find and follow the junctions of a route in a drive, and write what was found as a run folder: frames.jsonl,
 /// summary.json, config.toml and report.html. Without a route: all but that; ground view, road surface,
@@ -56,13 +57,16 @@ pub(crate) struct RunArgs {
     /// or without.
     #[arg(long, value_name = "FILE", conflicts_with = "stills")]
     map: Option<PathBuf>,
-    /// Where the drive begins to within some 30 m, degrees; without it the vehicle may be on any road of the map.
+    /// Where the drive begins to within some 30 m, degrees; without it the vehicle may be on any road of the map. Without --start-m it
+    /// says where on the route it begins as well.
     #[arg(long, value_name = "LAT,LON", requires = "map", allow_hyphen_values = true)]
     near: Option<Place>,
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs to the first frame. Positions of times more than 12 hours from the
+    /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs
+    /// to the first frame. Or a receiver as it speaks: a serial device, as /dev/ttyUSB0, whose speed `stty` sets, or a gpsd, as
+    /// gpsd://127.0.0.1:2947; each position then belongs to the frame at hand. Of a file, positions of times more than 12 hours from the
     /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "roads")]
     gps: Option<PathBuf>,
@@ -135,15 +139,20 @@ impl RunArgs {
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_outputs(args)?;
     limit_instruction_set(args.instruction_set)?;
-    let config = inputs::config(args.config.as_deref())?;
+    let mut config = inputs::config(args.config.as_deref())?;
     let camera = read_camera(&args.camera)?;
     let scaling = args.choice.width().map(|width| PictureScaling::to_width(&camera, width));
     let scaling = scaling.transpose()?.flatten();
     let camera = scaling.as_ref().map_or(&camera, PictureScaling::camera).clone();
     let route = args.route.as_deref().map(inputs::route).transpose()?;
-    let gps =
-        args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?.unwrap_or_default();
-    check_start(&config, args.start_m, route.as_ref(), &gps)?;
+    let gps = args.gps.as_deref().map(|name| GpsFeed::open(name, args.limit)).transpose()?;
+    let start_m = args.start_m.or_else(|| {
+        let Place(near) = args.near?;
+        let start_m = start_check::place_on_route(route.as_ref()?, near, NEAR_SIGMA_M)?;
+        config.route_progress.start_sigma_m = NEAR_SIGMA_M;
+        Some(start_m)
+    });
+    check_start(&config, start_m, route.as_ref(), gps.as_ref())?;
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(read_truth).transpose()?;
@@ -162,7 +171,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         config: &config,
         camera: &camera,
         route: route.as_ref(),
-        start_m: args.start_m,
+        start_m,
         sequence: if args.stills { Sequence::Stills } else { Sequence::Drive },
     };
     let wishes = Wishes {
@@ -174,16 +183,19 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
     let mut driver = Driver::new(setting, &wishes, frames)?.scaling_with(scaling);
+    let mut roads = None;
     if let Some(map) = &args.map {
         let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
-        driver = driver.locating_on(&inputs::road_graph(map, args.limit)?, near);
+        let graph = inputs::road_graph(map, args.limit)?;
+        driver = driver.locating_on(&graph, near);
+        roads = Some(graph);
     }
     if let Some(bank) = &args.bank {
         learn_from(&mut driver, bank)?;
     }
     let bar = output::progress(frames, "frames");
     let used_px = [camera.width(), camera.height()].map(|side| side as u32);
-    let subject = Subject { sampling: args.choice.record(used_px), ..driver.subject(setting)? };
+    let subject = Subject { roads, sampling: args.choice.record(used_px), ..driver.subject(setting)? };
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let drive = RecordedDrive {
         driver,
@@ -212,10 +224,11 @@ fn limit_instruction_set(most: Option<InstructionSetName>) -> Result<()> {
 
 /// Refuses outputs that would replace an input. The file of known surfaces is both: it is read and brought up to date.
 fn check_outputs(args: &RunArgs) -> Result<()> {
-    let optional =
-        [&args.route, &args.map, &args.config, &args.gps, &args.dbc, &args.truth].into_iter().flatten();
+    let optional = [&args.route, &args.map, &args.config, &args.dbc, &args.truth].into_iter().flatten();
+    let gps = args.gps.iter().filter(|name| !is_live(name)).map(PathBuf::as_path);
     let streams = [Some(args.input.as_str()), args.can.as_deref()].into_iter().flatten().map(Path::new);
-    let inputs: Vec<&Path> = optional.chain([&args.camera]).map(PathBuf::as_path).chain(streams).collect();
+    let inputs: Vec<&Path> =
+        optional.chain([&args.camera]).map(PathBuf::as_path).chain(gps).chain(streams).collect();
     let bank = args.bank.as_deref();
     bank.map_or(Ok(()), |bank| output_path::check_file(bank, inputs.iter().copied()))?;
     output_path::check_folder(&args.out, FolderKind::Run, inputs.into_iter().chain(bank))
@@ -244,9 +257,14 @@ fn write_surfaces(bank: &Path, surfaces: &SurfaceFile) -> Result<()> {
 }
 
 /// Refuses a start or a GPS track that the route cannot have, and says where the two contradict each other.
-fn check_start(config: &Config, start_m: Option<f64>, route: Option<&Route>, gps: &GpsTrack) -> Result<()> {
+fn check_start(
+    config: &Config,
+    start_m: Option<f64>,
+    route: Option<&Route>,
+    gps: Option<&GpsFeed>,
+) -> Result<()> {
     let Some(route) = route else { return Ok(()) };
-    let positions: Vec<LatLon> = gps.positions().collect();
+    let positions: Vec<LatLon> = gps.into_iter().flat_map(GpsFeed::positions).collect();
     for contradiction in start_check::check(&config.route_progress, route, start_m, &positions)? {
         output::message(&contradiction);
     }
@@ -257,7 +275,7 @@ fn check_start(config: &Config, start_m: Option<f64>, route: Option<&Route>, gps
 struct RecordedDrive {
     driver: Driver,
     source: FrameSource,
-    gps: GpsTrack,
+    gps: Option<GpsFeed>,
     can: Option<CanFeed>,
     /// Frames still wanted.
     left: u64,
@@ -367,7 +385,8 @@ impl RecordedDrive {
         let mut result = match frame.picture {
             Ok(picture) => {
                 let signals = self.can.as_mut().map(|can| can.at(time.t_s));
-                let sensors = Sensors { gps: self.gps.at(time.t_s), signals, ..Sensors::default() };
+                let gps = self.gps.as_mut().and_then(|gps| gps.at(time.t_s));
+                let sensors = Sensors { gps, signals, ..Sensors::default() };
                 let result = self.driver.step(time, &picture, sensors)?;
                 self.source.recycle(picture);
                 result

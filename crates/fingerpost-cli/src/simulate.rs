@@ -72,6 +72,9 @@ pub(crate) struct SimulateArgs {
     /// Store frames without loss, five times as large.
     #[arg(long)]
     png: bool,
+    /// Store frames without loss and unpacked, as portable pixmaps (P6), twenty times as large.
+    #[arg(long, conflicts_with = "png")]
+    ppm: bool,
     /// Folder to write: a new or empty one, or one of an earlier `simulate`, whose drive is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -204,7 +207,11 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     let Plan { simulator, camera, route, settings } = plan(args)?;
     let inputs = [&args.map, &args.route, &args.camera].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Drive, inputs)?;
-    let format = if args.png { FrameFormat::Png } else { FrameFormat::Jpeg };
+    let format = match (args.png, args.ppm) {
+        (true, _) => FrameFormat::Png,
+        (_, true) => FrameFormat::Ppm,
+        _ => FrameFormat::Jpeg,
+    };
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;

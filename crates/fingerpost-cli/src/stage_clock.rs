@@ -24,6 +24,7 @@ pub(crate) const fn stage_name(stage: Stage) -> &'static str {
         Stage::Fix => "fix",
         Stage::DrivingLine => "driving_line",
         Stage::Lanes => "lanes",
+        Stage::Advice => "advice",
     }
 }
 

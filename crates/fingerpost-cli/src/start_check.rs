@@ -7,6 +7,14 @@ use fingerpost_map::{LatLon, Route};
 /// Standard deviations of start and GPS by which the two may lie apart, beyond what a position may lie off the route.
 const APART_SIGMAS: f64 = 3.0;
 
+/// Where on the route a place is, metres along it, that is known to this standard deviation; none for one that is too far beside the
+/// route to be on it, and where there is no route.
+pub(crate) fn place_on_route(route: &Route, place: LatLon, sigma_m: f64) -> Option<f64> {
+    let p_in_map = route.plane()?.map_from_wgs84(place);
+    let nearest = route.polyline().ok()?.nearest(p_in_map);
+    ((p_in_map - nearest.point).norm() <= APART_SIGMAS * sigma_m).then_some(nearest.along_m)
+}
+
 /// Refuses a start that is not on the route and a GPS track that never comes near it. The answer are contradictions that a run
 /// can begin with, each a sentence: one of the two is wrong, and nothing says which.
 pub(crate) fn check(
@@ -65,6 +73,16 @@ mod tests {
 
     fn route() -> Route {
         read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap()
+    }
+
+    #[test]
+    fn a_place_beside_the_route_is_on_it_as_far_as_it_may_be_off() {
+        let (route, line) = (route(), route().polyline().unwrap());
+        let (on_line, ahead) = line.at(120.0);
+        let left = Vector2::new(-ahead.y, ahead.x);
+        let place = |left_m: f64| route.plane().unwrap().wgs84_from_map(on_line + left * left_m);
+        assert!((place_on_route(&route, place(10.0), 20.0).unwrap() - 120.0).abs() < 3.0);
+        assert_eq!(place_on_route(&route, place(2000.0), 20.0), None);
     }
 
     /// A position a second over the whole route, 10 m apart, each moved by so much.

@@ -6,3 +6,7 @@ pub(crate) const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("FINGER
 /// The first line of a configuration that the program writes, a comment that it reads over.
 pub(crate) const WRITTEN_BY: &str =
     concat!("# Written by fingerpost ", env!("CARGO_PKG_VERSION"), env!("FINGERPOST_COMMIT"), "\n");
+
+/// The same in words.
+pub(crate) const WRITTEN_BY_PROGRAM: &str =
+    concat!("fingerpost ", env!("CARGO_PKG_VERSION"), env!("FINGERPOST_COMMIT"));

@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 11] = [
+const PURE: [&str; 12] = [
     "fingerpost",
+    "fingerpost-control",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
@@ -85,7 +86,13 @@ fn simulator_and_evaluation_do_not_know_the_method() {
 #[test]
 fn the_method_does_not_know_truth_or_files() {
     for dependency in dependencies("fingerpost") {
-        let known = ["fingerpost-geometry", "fingerpost-locate", "fingerpost-map", "fingerpost-vision"];
+        let known = [
+            "fingerpost-control",
+            "fingerpost-geometry",
+            "fingerpost-locate",
+            "fingerpost-map",
+            "fingerpost-vision",
+        ];
         assert!(known.contains(&dependency.as_str()), "{dependency}");
     }
     for (path, text) in sources(&crates().join("fingerpost/src")) {

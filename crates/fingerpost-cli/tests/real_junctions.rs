@@ -1,8 +1,8 @@
 //! Junctions of recorded drives, with the recorder's satellite positions as truth: the folder named by FINGERPOST_DATA.
 //! Missing data, or a missing `bzcat`, is a failure.
 
-// A helper that fails has failed the test that calls it.
-#![allow(clippy::unwrap_used)]
+// A helper that fails has failed the test that calls it; figures are shown with `--nocapture`.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -45,6 +45,9 @@ fn fingerpost(arguments: &[&str]) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// The same with the pitch that the road shows, where places are to be exact.
+const LEVELLED_MOUNT: &str = "[mount]\nheight_m = 1.65\npitch_deg = 0.75\nx_m = 1.08\ny_m = -0.32\n";
+
 /// A drive's records, its route, and where the vehicle was in the map frame in each frame.
 struct Driven {
     records: Vec<FrameRecord>,
@@ -53,16 +56,21 @@ struct Driven {
 }
 
 fn drive(street: &Street) -> Driven {
+    drive_with(street, MOUNT, &["--start-m", "0"])
+}
+
+fn drive_with(street: &Street, mount: &str, arguments: &[&str]) -> Driven {
     let folder = TempDir::new().unwrap();
     let (camera, route, run) =
         (folder.path().join("camera.toml"), folder.path().join("route.geojson"), folder.path().join("run"));
-    fs::write(&camera, format!("{}{MOUNT}", street.camera)).unwrap();
+    fs::write(&camera, format!("{}{mount}", street.camera)).unwrap();
     let map = data(&format!("osm/kitti_{}.osm", street.sequence));
     let (from, to) = (street.from, street.to);
     fingerpost(&["route", "--map", text(&map), "--from", from, "--to", to, "--out", text(&route)]);
     let input = data(&format!("kitti/frames{}", street.sequence));
     let set = ["--camera", text(&camera), "--out", text(&run)];
-    fingerpost(&[&["run", text(&input), "--route", text(&route), "--start-m", "0"], &set[..]].concat());
+    let on_route = ["run", text(&input), "--route", text(&route)];
+    fingerpost(&[&on_route[..], &set, arguments].concat());
     let records = from_json_lines(&fs::read_to_string(run.join("frames.jsonl")).unwrap()).unwrap();
     let route = read_route(&fs::read_to_string(&route).unwrap()).unwrap();
     let map = TangentPlane::new(route.line[0].at);
@@ -117,16 +125,82 @@ impl Driven {
     }
 }
 
-#[test]
-fn a_junction_between_parked_cars_and_shadows_is_found_and_nothing_before_it() {
-    let street = Street {
+fn street_00() -> Street {
+    Street {
         sequence: "00",
         camera: "[image]\nwidth = 1241\nheight = 376\n\
             [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n",
         from: "48.982545,8.390366",
         to: "48.98312,8.39134",
         node: 24546162,
-    };
+    }
+}
+
+fn street_06() -> Street {
+    Street {
+        sequence: "06",
+        camera: "[image]\nwidth = 1226\nheight = 370\n\
+            [intrinsics]\nfx = 707.0912\nfy = 707.0912\ncx = 601.8873\ncy = 183.1104\n",
+        from: "49.05349305,8.39721999",
+        to: "49.05338,8.39529",
+        node: 25344948,
+    }
+}
+
+/// Where the recorder was in a frame, `ahead_m` farther along its heading there.
+fn place_ahead(sequence: &str, frame: usize, ahead_m: f64) -> LatLon {
+    let (at, heading_rad) = positions(sequence)[frame];
+    let plane = TangentPlane::new(at);
+    plane.wgs84_from_map(Point2::new(ahead_m * heading_rad.cos(), ahead_m * heading_rad.sin()))
+}
+
+/// Distances of the fix from the recorder's place, metres, from a frame on; a start `off_m` farther ahead than the true one, known to
+/// about 30 m, is all that is given beside the pictures. No fix may be farther off than its bound.
+fn fix_errors_m(street: &Street, off_m: f64, from: usize) -> Vec<f64> {
+    let map = data(&format!("osm/kitti_{}.osm", street.sequence));
+    let start = place_ahead(street.sequence, 0, off_m);
+    let near = format!("{},{}", start.lat_deg, start.lon_deg);
+    let driven = drive_with(street, LEVELLED_MOUNT, &["--map", text(&map), "--near", &near]);
+    let true_places = positions(street.sequence);
+    let mut errors_m = Vec::new();
+    for record in &driven.records {
+        let fix = record.fix.as_ref().unwrap();
+        let plane = TangentPlane::new(true_places[record.frame as usize].0);
+        let error_m = plane.map_from_wgs84(LatLon::new(fix.lat, fix.lon).unwrap()).coords.norm();
+        assert!(fix.bound_m.is_none_or(|bound_m| error_m <= bound_m), "frame {}: {error_m} m", record.frame);
+        errors_m.extend(Some(error_m).filter(|_| record.frame as usize >= from));
+    }
+    errors_m.sort_by(f64::total_cmp);
+    errors_m
+}
+
+#[test]
+fn the_place_on_the_map_is_corrected_by_a_junction_from_a_start_that_is_off() {
+    // The vehicle has turned right at the junction by frame 115.
+    for off_m in [-20.0, 0.0, 20.0] {
+        let errors_m = fix_errors_m(&street_00(), off_m, 115);
+        println!(
+            "00, start {off_m:+} m: {:.2} m, at most {:.2} m",
+            errors_m[errors_m.len() / 2],
+            errors_m[errors_m.len() - 1]
+        );
+        assert!(errors_m[errors_m.len() / 2] <= 2.0);
+    }
+    // It is before the side road from frame 36 on, where that is followed.
+    for off_m in [-20.0, 0.0, 20.0] {
+        let errors_m = fix_errors_m(&street_06(), off_m, 40);
+        println!(
+            "06, start {off_m:+} m: {:.2} m, at most {:.2} m",
+            errors_m[errors_m.len() / 2],
+            errors_m[errors_m.len() - 1]
+        );
+        assert!(errors_m[errors_m.len() / 2] <= 2.0);
+    }
+}
+
+#[test]
+fn a_junction_between_parked_cars_and_shadows_is_found_and_nothing_before_it() {
+    let street = street_00();
     let driven = drive(&street);
     assert!(driven.node_in_vehicle(street.node, 55).x > 30.0);
     // The junction at the start, which lies behind, is not taken for the one ahead either.
@@ -137,13 +211,6 @@ fn a_junction_between_parked_cars_and_shadows_is_found_and_nothing_before_it() {
 
 #[test]
 fn a_side_road_passed_in_grey() {
-    let street = Street {
-        sequence: "06",
-        camera: "[image]\nwidth = 1226\nheight = 370\n\
-            [intrinsics]\nfx = 707.0912\nfy = 707.0912\ncx = 601.8873\ncy = 183.1104\n",
-        from: "49.05349305,8.39721999",
-        to: "49.05338,8.39529",
-        node: 25344948,
-    };
+    let street = street_06();
     assert!(drive(&street).median_error_m(street.node, 8.0) <= 1.0);
 }

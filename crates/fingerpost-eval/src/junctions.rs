@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::claims::{Claim, ClaimError};
 use crate::error::check_ascending;
 use crate::features::PlacesInRoute;
+use crate::fixes::fix_scores;
 use crate::motion::distance_error_pct;
 use crate::pose::poses_from_truth;
 use crate::truth_features::TruthFeatures;
@@ -44,7 +45,9 @@ pub struct JunctionEvaluation {
 ///   comes to;
 /// - `arrivals`: of the counted features, the ones with a frame in state `arrived`;
 /// - `position_error_m`: distance between reported and true place, over all frames in state `tracking`;
-/// - `motion_error_pct`: see [`crate::evaluate_motion`]; none where nothing moves.
+/// - `motion_error_pct`: see [`crate::evaluate_motion`]; none where nothing moves;
+/// - `fix_error_m`: distance between fix and true place, over all frames with a fix;
+/// - `bound_violations`: of these, the frames whose error is more than the fix's protection level.
 ///
 /// # Errors
 /// [`EvalError`] when there are no frames, frames do not ascend, a frame has no truth, or the truth is of another route.
@@ -109,6 +112,7 @@ pub fn evaluate_junctions(
         .map(|(place, _)| place)
         .collect();
     let count = |flags: &[bool]| counted.iter().filter(|&&place| flags[place]).count() as u64;
+    let (fix_error_m, bound_violations) = fix_scores(records, &by_frame);
     let summary = TruthSummary {
         features_total: counted.len() as u64,
         features_detected: count(&detected),
@@ -116,8 +120,8 @@ pub fn evaluate_junctions(
         arrivals: count(&arrived),
         position_error_m: error_quantiles(claims.iter().filter_map(|claim| Some(claim.error?.distance_m))),
         motion_error_pct: distance_error_pct(records, &poses_from_truth(truth)),
-        fix_error_m: None,
-        bound_violations: None,
+        fix_error_m,
+        bound_violations,
     };
     Ok(JunctionEvaluation { summary, arrived_position_error_m: error_quantiles(arrived_errors_m), claims })
 }

@@ -8,9 +8,11 @@
 
 mod campaign;
 mod claims;
+mod closed_loop;
 mod error;
 mod features;
 mod first_detections;
+mod fixes;
 mod junctions;
 mod kerbs;
 mod lanes;
@@ -23,6 +25,7 @@ mod truth_features;
 
 pub use campaign::CampaignTally;
 pub use claims::{CONFIDENT_FROM, Claim, ClaimError, DriveClaims, FirstDetection};
+pub use closed_loop::{LoopWatch, closed_loop_table};
 pub use error::EvalError;
 pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
 pub use first_detections::first_detections;

@@ -42,6 +42,32 @@ pub(crate) fn parse_columns<const N: usize>(
     text: &str,
     names: [&'static str; N],
 ) -> Result<Vec<[f64; N]>, ColumnsError> {
+    let rows = lines(text, names)?.collect::<Result<Vec<_>, _>>()?;
+    if rows.is_empty() { Err(ColumnsError::Empty) } else { Ok(rows) }
+}
+
+/// The same without the lines that cannot be used, with what is wrong with them; an error where they are half of all or more.
+pub(crate) fn parse_usable_columns<const N: usize>(
+    text: &str,
+    names: [&'static str; N],
+) -> Result<(Vec<[f64; N]>, Vec<ColumnsError>), ColumnsError> {
+    let (mut rows, mut wrong) = (Vec::new(), Vec::new());
+    for line in lines(text, names)? {
+        match line {
+            Ok(row) => rows.push(row),
+            Err(error) => wrong.push(error),
+        }
+    }
+    if wrong.len() < rows.len() {
+        return Ok((rows, wrong));
+    }
+    Err(wrong.into_iter().next().unwrap_or(ColumnsError::Empty))
+}
+
+fn lines<const N: usize>(
+    text: &str,
+    names: [&'static str; N],
+) -> Result<impl Iterator<Item = Result<[f64; N], ColumnsError>>, ColumnsError> {
     let mut lines = text.lines().enumerate();
     let header: Vec<&str> = lines
         .next()
@@ -55,25 +81,31 @@ pub(crate) fn parse_columns<const N: usize>(
         let found = header.iter().position(|column| *column == name);
         *place = found.ok_or_else(|| ColumnsError::Missing { name, wanted: names.join(", ") })?;
     }
-    let mut rows: Vec<[f64; N]> = Vec::new();
-    for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let mut row = [0.0; N];
-        for ((number, place), name) in row.iter_mut().zip(places).zip(names) {
-            let text = fields.get(place).copied().unwrap_or_default();
-            let read = text.parse::<f64>().ok().filter(|read| read.is_finite());
-            *number = read.ok_or_else(|| ColumnsError::NotANumber {
-                line: index + 1,
-                name,
-                text: text.to_owned(),
-            })?;
-        }
-        if rows.last().is_some_and(|last| row[0] <= last[0]) {
+    let mut last_s = f64::NEG_INFINITY;
+    Ok(lines.filter(|(_, line)| !line.trim().is_empty()).map(move |(index, line)| {
+        let row = numbers(line, index + 1, names, places)?;
+        if row[0] <= last_s {
             return Err(ColumnsError::NotLater { line: index + 1 });
         }
-        rows.push(row);
+        last_s = row[0];
+        Ok(row)
+    }))
+}
+
+fn numbers<const N: usize>(
+    text: &str,
+    line: usize,
+    names: [&'static str; N],
+    places: [usize; N],
+) -> Result<[f64; N], ColumnsError> {
+    let fields: Vec<&str> = text.split(',').map(str::trim).collect();
+    let mut row = [0.0; N];
+    for ((number, place), name) in row.iter_mut().zip(places).zip(names) {
+        let text = fields.get(place).copied().unwrap_or_default();
+        let read = text.parse::<f64>().ok().filter(|read| read.is_finite());
+        *number = read.ok_or_else(|| ColumnsError::NotANumber { line, name, text: text.to_owned() })?;
     }
-    if rows.is_empty() { Err(ColumnsError::Empty) } else { Ok(rows) }
+    Ok(row)
 }
 
 #[cfg(test)]
@@ -95,5 +127,16 @@ mod tests {
         assert!(parse("a,b\n1,inf\n").contains("inf"));
         assert!(parse("a,b\n1,2\n1,2\n").contains("line 3"));
         assert!(parse("a,b\n").contains("no line"));
+    }
+
+    #[test]
+    fn lines_that_cannot_be_used_are_left_out_while_they_are_few() {
+        let parse = |text: &str| parse_usable_columns(text, ["a", "b"]);
+        let (rows, wrong) = parse("a,b\n1,1\n2,nan\n3,3\n3,4\n2,5\n4,6\n5,7\n").unwrap();
+        assert_eq!(rows, [[1.0, 1.0], [3.0, 3.0], [4.0, 6.0], [5.0, 7.0]]);
+        assert!(matches!(wrong[0], ColumnsError::NotANumber { line: 3, .. }));
+        assert_eq!(wrong[1..], [ColumnsError::NotLater { line: 5 }, ColumnsError::NotLater { line: 6 }]);
+        assert_eq!(parse("a,b\n1,1\n1,2\n"), Err(ColumnsError::NotLater { line: 3 }));
+        assert_eq!(parse("a,b\n"), Err(ColumnsError::Empty));
     }
 }

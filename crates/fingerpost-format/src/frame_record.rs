@@ -6,6 +6,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Deserialize, Serialize};
 
 use crate::FixStatus;
+use crate::advice::AdviceRecord;
 use crate::centreline::CentrelineRecord;
 use crate::lanes::LanesRecord;
 
@@ -70,6 +71,9 @@ pub struct FrameRecord {
     pub lanes: Option<LanesRecord>,
     /// The vehicle's place on the map.
     pub fix: Option<FixRecord>,
+    /// Steering angle and speed for a controller; none in records that do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advice: Option<AdviceRecord>,
     /// Distance along the route at which the vehicle is believed to be, metres.
     #[serde(default)]
     pub route_m: Option<f64>,
@@ -334,7 +338,7 @@ impl Display for MountFaultRecord {
 }
 
 /// The vehicle's place on the map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FixRecord {
     /// Latitude, degrees.
     pub lat: f64,
@@ -349,4 +353,34 @@ pub struct FixRecord {
     /// What it is worth; none in records that do not say it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub status: Option<FixStatus>,
+    /// What was measured of the place in this frame, and what was made of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub measurements: Vec<MeasurementRecord>,
+}
+
+/// A measurement of the vehicle's place, beside its motion and the roads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeasurementRecord {
+    /// `feature` or `gps`.
+    pub kind: String,
+    /// OpenStreetMap node of a feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<i64>,
+    /// Where it puts the vehicle against where it was expected, metres: of a feature, forward and left; of GPS, east and north. None
+    /// where nothing was expected near.
+    pub innovation_m: Option<[f64; 2]>,
+    /// The same of its heading, radians, positive to the left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub innovation_rad: Option<f64>,
+    /// Standard deviations of `innovation_m`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_m: Option<[f64; 2]>,
+    /// Probability that a feature is what it is taken for, once it is known where the vehicle may be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub present: Option<f64>,
+    /// Whether it counts.
+    pub accepted: bool,
+    /// Why it does not: `unlikely`, `disagrees`, `counted_before`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not: Option<String>,
 }

@@ -4,11 +4,14 @@
 //! evaluation, anybody else's tools) meet in these types and in nothing else. Degrees appear here alone, in keys that
 //! end in `_deg`; everything behind the files is in radians.
 
+mod advice;
 mod camera_file;
 mod camera_yaml;
 mod campaign;
 mod centreline;
+mod closed_loop;
 mod columns;
+mod frame_header;
 mod frame_record;
 mod lanes;
 mod lines;
@@ -22,27 +25,30 @@ mod truth;
 mod tuning;
 mod tusimple;
 
+pub use advice::{AdviceRecord, FiredRuleRecord};
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
+pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;
+pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
-    FrameRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState,
-    RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
 pub use location::{
-    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, PlaceLine, Recall,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, MotionFaults, PlaceLine, Recall,
 };
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };
-pub use motion_log::{MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
+pub use motion_log::{MotionLog, MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, track_geojson, track_gpx, track_kitti, track_tum};

@@ -43,6 +43,9 @@ pub struct FixLine {
     pub weight: f64,
     /// Probability of being on no road of the map.
     pub off_map: f64,
+    /// How long nothing had been measured before this row, seconds; none where rows follow each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unseen_s: Option<f64>,
     /// The place that GPS gave with this row, where it gave one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gps: Option<GpsLine>,
@@ -68,6 +71,24 @@ pub struct GpsCount {
     pub places: usize,
     /// How many of them did not agree with the fix.
     pub not_believed: usize,
+}
+
+/// What was wrong with a motion log.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MotionFaults {
+    /// Lines passed over that hold something else than numbers.
+    pub not_numbers: usize,
+    /// Lines passed over that are no later than one before.
+    pub not_later: usize,
+    /// Rows passed over of which the motion is none of a car.
+    pub impossible: usize,
+    /// Gaps after which the vehicle may have gone anywhere near.
+    pub gaps: usize,
+    /// The longest of them, seconds; 0 where there is none.
+    pub longest_gap_s: f64,
+    /// The longest time in which the vehicle drove and neither speed nor yaw rate changed in any digit, seconds: a sensor that is
+    /// stuck, or a log that is made up.
+    pub longest_repeat_s: f64,
 }
 
 /// A place where the vehicle may be.
@@ -98,6 +119,9 @@ pub struct LocationSummary {
     pub risk: f64,
     /// Most hypotheses at a time.
     pub most_hypotheses: usize,
+    /// What was wrong with the motion log.
+    #[serde(default)]
+    pub motion: MotionFaults,
     /// Places by GPS; none where there was no GPS.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gps: Option<GpsCount>,

@@ -1,6 +1,6 @@
 //! Motion logs and logs of poses, as CSV.
 
-use crate::columns::{ColumnsError, parse_columns};
+use crate::columns::{ColumnsError, parse_columns, parse_usable_columns};
 
 /// One line of a motion log.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,14 +26,23 @@ pub struct PoseLogRow {
     pub heading_rad: f64,
 }
 
-/// The rows of a motion log: `t_s,speed_mps,yaw_rate_rps`.
+/// A motion log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionLog {
+    /// Its rows, in the order of time.
+    pub rows: Vec<MotionLogRow>,
+    /// What is wrong with the lines that are none of them: no numbers, or no later than the row before.
+    pub passed_over: Vec<ColumnsError>,
+}
+
+/// A motion log: `t_s,speed_mps,yaw_rate_rps`. Lines that cannot be used are passed over.
 ///
 /// # Errors
-/// [`ColumnsError`] names the first line that cannot be used.
-pub fn parse_motion_log(text: &str) -> Result<Vec<MotionLogRow>, ColumnsError> {
-    let rows = parse_columns(text, ["t_s", "speed_mps", "yaw_rate_rps"])?;
+/// [`ColumnsError`], where the header names no such columns; and where half of the lines cannot be used or more, the first of them.
+pub fn parse_motion_log(text: &str) -> Result<MotionLog, ColumnsError> {
+    let (rows, passed_over) = parse_usable_columns(text, ["t_s", "speed_mps", "yaw_rate_rps"])?;
     let row = |[t_s, speed_mps, yaw_rate_rps]: [f64; 3]| MotionLogRow { t_s, speed_mps, yaw_rate_rps };
-    Ok(rows.into_iter().map(row).collect())
+    Ok(MotionLog { rows: rows.into_iter().map(row).collect(), passed_over })
 }
 
 /// The rows of a log of true poses: `t_s,lat,lon,heading_rad`.

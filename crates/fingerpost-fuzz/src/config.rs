@@ -1,6 +1,7 @@
 //! Configurations and known surfaces.
 
 use fingerpost::Config;
+use fingerpost::advice::{AdviceStage, ControllerName, DEFAULT_RULES};
 use fingerpost::road_surface::{RoadMethod, RoadSurfaceConfig, SurfaceFile};
 
 use crate::must;
@@ -22,6 +23,21 @@ pub(crate) fn config(bytes: &[u8]) -> bool {
 pub(crate) fn config_seeds() -> Vec<Vec<u8>> {
     let all = must(toml::to_string(&Config::default()), "a seed");
     vec![all.into_bytes(), include_bytes!("../../fingerpost-sim/src/bus/can.toml").to_vec()]
+}
+
+/// Rules that are accepted make a controller, which has them all.
+pub(crate) fn fuzzy_rules(bytes: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(bytes) else { return false };
+    let mut config = Config::default();
+    (config.advice.controller, config.advice.rules) = (ControllerName::Fuzzy, Some(text.to_owned()));
+    let Ok(stage) = AdviceStage::new(&config) else { return false };
+    let written = text.lines().filter(|line| line.split_whitespace().next() == Some("rule")).count();
+    assert_eq!(stage.rules().count(), written);
+    true
+}
+
+pub(crate) fn fuzzy_rules_seeds() -> Vec<Vec<u8>> {
+    vec![DEFAULT_RULES.as_bytes().to_vec()]
 }
 
 /// Surfaces that a detector takes come out of it again and are taken by another.

@@ -2,7 +2,8 @@
 
 use fingerpost_format::{
     FrameRecord, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml, camera_to_toml,
-    from_json_lines, marks_from_json, marks_to_json, parse_times, to_json_line,
+    from_json_lines, marks_from_json, marks_to_json, parse_motion_log, parse_pose_log, parse_times,
+    to_json_line,
 };
 use fingerpost_geometry::{Camera, Mount, Pixel};
 use serde::{Serialize, de::DeserializeOwned};
@@ -62,6 +63,40 @@ pub(crate) fn times(bytes: &[u8]) -> bool {
 
 pub(crate) fn times_seeds() -> Vec<Vec<u8>> {
     seeds(&["0.000000\n0.033333\n0.066667\n1.5e1\n", "1700000000.25\n\n1700000000.35\n"])
+}
+
+/// Rows are finite, and later one after the other.
+pub(crate) fn motion_log(bytes: &[u8]) -> bool {
+    let Ok(log) = str::from_utf8(bytes).map_err(drop).and_then(|text| parse_motion_log(text).map_err(drop))
+    else {
+        return false;
+    };
+    assert!(log.rows.len() > log.passed_over.len());
+    assert!(log.rows.iter().all(|row| row.speed_mps.is_finite() && row.yaw_rate_rps.is_finite()));
+    assert!(log.rows.is_sorted_by(|one, next| one.t_s < next.t_s));
+    true
+}
+
+pub(crate) fn motion_log_seeds() -> Vec<Vec<u8>> {
+    seeds(&["t_s,speed_mps,yaw_rate_rps\n0.0,10.0,0.0\n0.1,10.1,-0.02\n\n0.2,1.01e1,0.3\n0.2,nan,1\n"])
+}
+
+/// The same for poses.
+pub(crate) fn pose_log(bytes: &[u8]) -> bool {
+    let Ok(rows) = str::from_utf8(bytes).map_err(drop).and_then(|text| parse_pose_log(text).map_err(drop))
+    else {
+        return false;
+    };
+    assert!(!rows.is_empty());
+    assert!(
+        rows.iter().all(|row| [row.lat, row.lon, row.heading_rad].iter().all(|number| number.is_finite()))
+    );
+    assert!(rows.is_sorted_by(|one, next| one.t_s < next.t_s));
+    true
+}
+
+pub(crate) fn pose_log_seeds() -> Vec<Vec<u8>> {
+    seeds(&["t_s,lat,lon,heading_rad\n0.0,47.21785,9.539682,1.5\n0.1,47.21786,9.539683,-3.1\n"])
 }
 
 /// Records that are read can be written, and what is written reads back and is written the same.

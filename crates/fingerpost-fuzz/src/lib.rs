@@ -32,6 +32,8 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "camera_toml", body: drives::camera_toml, seeds: drives::camera_toml_seeds },
     Parser { name: "camera_yaml", body: drives::camera_yaml, seeds: drives::camera_yaml_seeds },
     Parser { name: "times", body: drives::times, seeds: drives::times_seeds },
+    Parser { name: "motion_log", body: drives::motion_log, seeds: drives::motion_log_seeds },
+    Parser { name: "pose_log", body: drives::pose_log, seeds: drives::pose_log_seeds },
     Parser { name: "frames", body: drives::frames, seeds: drives::frames_seeds },
     Parser { name: "truth", body: drives::truth, seeds: drives::truth_seeds },
     Parser { name: "tusimple", body: drives::tusimple, seeds: drives::tusimple_seeds },
@@ -46,6 +48,8 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "can_log_gzip", body: vehicles::can_log_gzip, seeds: vehicles::can_log_seeds },
     Parser { name: "can_database", body: vehicles::can_database, seeds: vehicles::can_database_seeds },
     Parser { name: "config", body: config::config, seeds: config::config_seeds },
+    Parser { name: "fuzzy_rules", body: config::fuzzy_rules, seeds: config::fuzzy_rules_seeds },
+    Parser { name: "fed_frames", body: vehicles::fed_frames, seeds: vehicles::fed_frames_seeds },
     Parser { name: "bank", body: config::bank, seeds: config::bank_seeds },
 ];
 

@@ -1,4 +1,4 @@
-//! Pictures: PNG and JPEG.
+//! Pictures: PNG, JPEG and PPM.
 
 use std::path::Path;
 
@@ -23,5 +23,6 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
             *byte = ((row * 7 + column * 3) % 251) as u8;
         }
     }
-    vec![must(encode_png(&picture), "a seed"), must(encode_jpeg(&picture, 80), "a seed")]
+    let pixmap = [b"P6\n# by hand\n40 24\n255\n", picture.as_slice()].concat();
+    vec![must(encode_png(&picture), "a seed"), must(encode_jpeg(&picture, 80), "a seed"), pixmap]
 }

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use fingerpost_io::{CanDatabase, CanFrame, CanId, SignalLog, read_can_log};
+use fingerpost_io::{CanDatabase, CanFrame, CanId, FedFrame, FrameFeed, SignalLog, read_can_log};
 
 use crate::{file, must};
 
@@ -64,4 +64,28 @@ pub(crate) fn can_database(bytes: &[u8]) -> bool {
 
 pub(crate) fn can_database_seeds() -> Vec<Vec<u8>> {
     vec![CAR.to_vec(), SIGNALS.to_vec()]
+}
+
+/// Of frames in lockstep, whatever comes: an answer to each, each good one of finite numbers, and an end.
+pub(crate) fn fed_frames(bytes: &[u8]) -> bool {
+    let mut feed = FrameFeed::new(bytes, [8, 4]);
+    let (mut good, mut answers) = (0, 0);
+    loop {
+        match must(feed.next_frame(), "bytes in memory") {
+            FedFrame::Good(header, picture) => {
+                assert!(header.t_s.is_finite() && header.size_px == [8, 4] && picture.size() == (8, 4));
+                good += 1;
+            }
+            FedFrame::Bad(_) => {}
+            FedFrame::End => return good > 0,
+        }
+        answers += 1;
+        assert!(answers <= bytes.len(), "more answers than bytes");
+    }
+}
+
+pub(crate) fn fed_frames_seeds() -> Vec<Vec<u8>> {
+    let header = br#"{"t_s": 0.5, "width": 8, "height": 4, "speed_mps": 6.5, "yaw_rate_rps": -0.1, "lat": 47.2, "lon": 9.5}"#;
+    let frame = [&header[..], b"\n", &[120; 96]].concat();
+    vec![[frame.clone(), frame.clone(), frame].concat()]
 }

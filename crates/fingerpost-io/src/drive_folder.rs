@@ -14,7 +14,7 @@ use crate::{
     folder_kind::{BUS_FILES, FolderKind, HEIGHTS_FOLDER, MASKS_FOLDER, TRUTH_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
-    picture_file::{PictureFileError, write_deep_png, write_grey_png, write_jpeg, write_png},
+    picture_file::{PictureFileError, write_deep_png, write_grey_png, write_jpeg, write_png, write_ppm},
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
     whole_file::write_file,
 };
@@ -64,6 +64,8 @@ pub enum FrameFormat {
     Jpeg,
     /// Every pixel as it was rendered.
     Png,
+    /// The same without being packed: a portable pixmap, which any language reads in a few lines.
+    Ppm,
 }
 
 /// What a vehicle's bus said on a drive, as texts of files.
@@ -143,6 +145,7 @@ impl DriveFolder {
         match self.format {
             FrameFormat::Jpeg => write_jpeg(&folder.join(format!("{index:06}.jpg")), picture, FRAME_QUALITY)?,
             FrameFormat::Png => write_png(&folder.join(format!("{index:06}.png")), picture)?,
+            FrameFormat::Ppm => write_ppm(&folder.join(format!("{index:06}.ppm")), picture)?,
         }
         Ok(())
     }

@@ -161,6 +161,17 @@ impl InputFile {
         let file = options.read(true).open(path).map_err(FileError::reading(path))?;
         Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
     }
+
+    /// The program's standard input.
+    ///
+    /// # Errors
+    /// Those of the system where there is none.
+    #[cfg(unix)]
+    pub(crate) fn standard_input() -> io::Result<Self> {
+        let file = File::from(std::os::fd::AsFd::as_fd(&io::stdin()).try_clone_to_owned()?);
+        let on_disk = file.metadata()?.is_file();
+        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
+    }
 }
 
 impl Read for InputFile {

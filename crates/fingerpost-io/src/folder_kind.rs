@@ -43,6 +43,15 @@ pub(crate) const FRONT_FILE: &str = "front.json";
 /// Folder of the drives that it simulated.
 pub(crate) const DRIVES_FOLDER: &str = "drives";
 
+/// File of closed-loop drives, one a line.
+pub(crate) const CLOSED_LOOP_LINES_FILE: &str = "closed_loop.jsonl";
+/// File of the table of closed-loop drives.
+pub const CLOSED_LOOP_FILE: &str = "closed_loop.json";
+/// File of a closed-loop drive's frames: what was advised, and where the vehicle was.
+pub const LOOP_FRAMES_FILE: &str = "loop.jsonl";
+/// Picture of a closed-loop drive from above.
+pub const PLAN_FILE: &str = "plan.svg";
+
 /// Folder of the plots of the papers' claims.
 const PLOTS_FOLDER: &str = "papers";
 
@@ -61,6 +70,8 @@ pub enum FolderKind {
     Drive,
     /// A campaign, with the folders of its runs.
     Campaign,
+    /// Closed-loop drives, with the folders of their runs.
+    ClosedLoop,
     /// A search of settings, with the drives that it simulated.
     Tuning,
     /// The papers' claims measured again.
@@ -81,6 +92,7 @@ impl fmt::Display for FolderKind {
             Self::CampaignRun => "a run of a campaign",
             Self::Drive => "a simulated drive",
             Self::Campaign => "a campaign",
+            Self::ClosedLoop => "closed-loop drives",
             Self::Tuning => "a search of settings",
             Self::Papers => "measurements of the papers' claims",
             Self::Marks => "lane marks",
@@ -96,9 +108,17 @@ impl FolderKind {
             Self::Run => {
                 &["config.toml", FRAMES_FILE, "summary.json", "report.html", "annotated.mp4", RECORDING_FILE]
             }
-            Self::CampaignRun => {
-                &["config.toml", FRAMES_FILE, "summary.json", "report.html", "route.geojson", TRUTH_FILE]
-            }
+            Self::CampaignRun => &[
+                "config.toml",
+                FRAMES_FILE,
+                "summary.json",
+                "report.html",
+                "route.geojson",
+                TRUTH_FILE,
+                LOOP_FRAMES_FILE,
+                PLAN_FILE,
+                "annotated.mp4",
+            ],
             Self::Drive => &[
                 TIMES_FILE,
                 TRUTH_FILE,
@@ -110,6 +130,7 @@ impl FolderKind {
                 "can.toml",
             ],
             Self::Campaign => &["campaign.json"],
+            Self::ClosedLoop => &[SETUP_FILE, CLOSED_LOOP_LINES_FILE, CLOSED_LOOP_FILE, "report.html"],
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
             Self::Papers => &["papers.md", "measured.jsonl"],
             Self::Marks => &["marks.json", TRUTH_FILE, "tusimple.json"],
@@ -132,7 +153,7 @@ impl FolderKind {
             Self::Drive => {
                 &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
             }
-            Self::Campaign | Self::Tuning | Self::Location => &[],
+            Self::Campaign | Self::ClosedLoop | Self::Tuning | Self::Location => &[],
             Self::Papers => &[(PLOTS_FOLDER, is_plot)],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
         }
@@ -157,7 +178,7 @@ impl FolderKind {
             remove_pictures(&path.join(name), *is_ours)?;
         }
         match self {
-            Self::Campaign => remove_campaign_runs(path)?,
+            Self::Campaign | Self::ClosedLoop => remove_campaign_runs(path)?,
             Self::Tuning => remove_numbered_configs(path)?,
             Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks | Self::Location => {}
         }
@@ -205,8 +226,9 @@ fn remove_pictures(folder: &Path, is_ours: IsPicture) -> Result<(), FileError> {
     let mut others = false;
     for entry in fs::read_dir(folder).map_err(FileError::reading(folder))? {
         let path = entry.map_err(FileError::reading(folder))?.path();
-        let is_picture =
-            path.extension().is_some_and(|ending| ending == "png" || ending == "jpg" || ending == "svg");
+        let is_picture = path
+            .extension()
+            .is_some_and(|ending| ["png", "jpg", "ppm", "svg"].iter().any(|known| ending == *known));
         if is_picture && path.file_stem().and_then(|stem| stem.to_str()).is_some_and(is_ours) {
             remove_if_there(&path)?;
         } else {

@@ -5,6 +5,7 @@
 
 mod camera;
 mod can;
+mod closed_loop_folder;
 mod decoders;
 mod drive_folder;
 mod ffmpeg;
@@ -15,12 +16,15 @@ mod input_digest;
 mod json_lines;
 mod kept_inputs;
 mod latest;
+mod line_listener;
+mod lockstep;
 mod output_folder;
 mod periodic_sync;
 mod picture_file;
 mod picture_folder;
 mod run_folder;
 mod sampling;
+mod setup_file;
 mod source;
 mod tether;
 mod tuning_folder;
@@ -36,18 +40,26 @@ pub use can::{
 };
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
+pub use closed_loop_folder::{ClosedLoopFolder, ClosedLoopFolderError};
 pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_bytes_within, read_text, read_text_within};
-pub use folder_kind::{CROSSINGS_FILE, FIXES_FILE, FolderKind, MARKED_FRAMES_FOLDER};
+pub use folder_kind::{
+    CLOSED_LOOP_FILE, CROSSINGS_FILE, FIXES_FILE, FolderKind, LOOP_FRAMES_FILE, MARKED_FRAMES_FOLDER,
+    PLAN_FILE,
+};
 pub use folder_lock::FolderLockError;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
+pub use line_listener::{LineListener, LineListenerError, TimedLine, is_serial_port};
+#[cfg(unix)]
+pub use lockstep::standard_feed;
+pub use lockstep::{FedFrame, FeedError, FrameFeed};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
-    write_grey_png, write_jpeg, write_png,
+    write_grey_png, write_jpeg, write_png, write_ppm,
 };
 pub use picture_folder::{PictureFolderError, picture_paths};
 pub use run_folder::{RunFolder, RunFolderError};

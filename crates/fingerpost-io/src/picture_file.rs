@@ -1,7 +1,9 @@
-//! Pictures in files: PNG and JPEG in, PNG and JPEG out.
+//! Pictures in files: PNG, JPEG and binary portable pixmaps (PPM) in and out.
 //!
 //! Everything becomes 8-bit red, green and blue: grey is repeated, 16 bits are reduced to their upper 8, palettes are
 //! looked up, transparency is left out.
+
+mod pixmap;
 
 use std::{
     io::{BufWriter, Cursor},
@@ -46,7 +48,7 @@ pub enum PictureFileError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The file holds no picture of a known kind.
-    #[error("{} is neither PNG nor JPEG; convert it, or take it out of the folder", .path.display())]
+    #[error("{} is neither PNG, JPEG nor binary PPM; convert it, or take it out of the folder", .path.display())]
     UnknownKind {
         /// The file.
         path: PathBuf,
@@ -73,7 +75,7 @@ pub enum PictureFileError {
     },
 }
 
-/// Reads a PNG or JPEG file; its first bytes, not its name, decide which it is.
+/// Reads a PNG, JPEG or binary PPM file; its first bytes, not its name, decide which it is.
 ///
 /// # Errors
 /// [`PictureFileError`] when the file cannot be read, is of another kind, truncated or damaged.
@@ -99,6 +101,8 @@ fn decode_into(bytes: &[u8], path: &Path, buffer: Vec<u8>) -> Result<RgbImage, P
         decode_png(bytes, buffer)
     } else if bytes.starts_with(JPEG_SIGNATURE) {
         decode_jpeg(bytes, buffer)
+    } else if bytes.starts_with(pixmap::SIGNATURE) {
+        pixmap::decode(bytes, buffer)
     } else if bytes.is_empty() {
         Err("the file is empty".to_owned())
     } else {
@@ -114,6 +118,14 @@ fn decode_into(bytes: &[u8], path: &Path, buffer: Vec<u8>) -> Result<RgbImage, P
 pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), PictureFileError> {
     let encoded = png_bytes(picture.size(), RGB, picture.as_slice());
     write_encoded(path, picture.size(), encoded)
+}
+
+/// Writes a colour picture as binary portable pixmap.
+///
+/// # Errors
+/// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
+pub fn write_ppm(path: &Path, picture: &RgbImage) -> Result<(), PictureFileError> {
+    write_encoded(path, picture.size(), pixmap::encode(picture))
 }
 
 /// Writes a grey picture as PNG.

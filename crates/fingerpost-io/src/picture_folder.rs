@@ -16,7 +16,7 @@ pub(crate) const TIMES_FILE: &str = "times.txt";
 /// Name of the folder of pictures in a drive folder.
 pub(crate) const FRAMES_FOLDER: &str = "frames";
 /// Ends of the names of pictures, in lower case.
-const PICTURE_ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
+const PICTURE_ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "ppm"];
 
 /// A folder that is no recorded drive.
 #[derive(Debug, Error)]
@@ -25,7 +25,7 @@ pub enum PictureFolderError {
     #[error(transparent)]
     File(#[from] FileError),
     /// There are no pictures in it.
-    #[error("{} holds no picture (.png, .jpg, .jpeg), nor does a folder \"frames\" in it; check the path", .path.display())]
+    #[error("{} holds no picture (.png, .jpg, .jpeg, .ppm), nor does a folder \"frames\" in it; check the path", .path.display())]
     NoPictures {
         /// The folder.
         path: PathBuf,
@@ -85,7 +85,7 @@ impl PictureFolder {
     }
 }
 
-/// The picture files of a folder (.png, .jpg, .jpeg), or of the folder `frames` in it, in natural order of their names.
+/// The picture files of a folder (.png, .jpg, .jpeg, .ppm), or of the folder `frames` in it, in natural order of their names.
 ///
 /// # Errors
 /// [`PictureFolderError`] when the folder or its times cannot be read, or it holds no picture.

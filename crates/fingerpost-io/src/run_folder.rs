@@ -145,8 +145,13 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError::File`] when it cannot be made.
     pub fn create_recording(&self) -> Result<File, RunFolderError> {
-        let path = self.path().join(RECORDING_FILE);
+        let path = self.recording_path();
         Ok(File::create(&path).map_err(FileError::writing(&path))?)
+    }
+
+    /// Where the recording belongs.
+    pub fn recording_path(&self) -> PathBuf {
+        self.path().join(RECORDING_FILE)
     }
 
     /// Where the annotated video belongs.

@@ -6,10 +6,11 @@ use fingerpost_format::{LinesError, TuningTrial, from_json_lines};
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder, read_text},
-    folder_kind::{DRIVES_FOLDER, FRONT_FILE, FolderKind, SETUP_FILE, TRIALS_FILE, remove_numbered_configs},
+    file::{FileError, create_folder},
+    folder_kind::{DRIVES_FOLDER, FRONT_FILE, FolderKind, TRIALS_FILE, remove_numbered_configs},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
+    setup_file::keep_setup,
     whole_file::write_file,
 };
 
@@ -67,16 +68,8 @@ impl TuningFolder {
         setup: &serde_json::Value,
     ) -> Result<(Self, Vec<TuningTrial>), TuningFolderError> {
         let folder = OutputFolder::go_on_with(path, FolderKind::Tuning)?;
-        let setup_path = path.join(SETUP_FILE);
-        if setup_path.exists() {
-            // What is no JSON is of no search that could be gone on with.
-            let before: serde_json::Value =
-                serde_json::from_str(&read_text(&setup_path)?).unwrap_or_default();
-            if let Some(differs) = first_difference(&before, setup) {
-                return Err(TuningFolderError::OtherSearch { path: path.to_owned(), differs });
-            }
-        } else {
-            write_file(&setup_path, format!("{setup:#}\n"))?;
+        if let Some(differs) = keep_setup(path, setup)? {
+            return Err(TuningFolderError::OtherSearch { path: path.to_owned(), differs });
         }
         let trials_path = path.join(TRIALS_FILE);
         let (trials, lines) = JsonLinesFile::go_on_with(&trials_path)?;
@@ -123,11 +116,4 @@ impl TuningFolder {
         write_file(&path.join("report.html"), report)?;
         Ok(write_file(&path.join(FRONT_FILE), front)?)
     }
-}
-
-/// The first field in which two objects differ, by name.
-fn first_difference(one: &serde_json::Value, two: &serde_json::Value) -> Option<String> {
-    let fields = |value: &serde_json::Value| value.as_object().cloned().unwrap_or_default();
-    let (one, two) = (fields(one), fields(two));
-    one.keys().chain(two.keys()).find(|key| one.get(*key) != two.get(*key)).cloned()
 }

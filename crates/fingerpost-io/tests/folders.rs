@@ -201,7 +201,7 @@ fn the_systems_full_device_is_a_full_disk() {
 fn a_drive_can_be_read_as_an_input_and_as_truth() {
     let parent = tempfile::tempdir().unwrap();
     let truth = |index: u64| TruthRecord { frame: index, t_s: index as f64 * 0.05, ..TruthRecord::default() };
-    for (format, count) in [(FrameFormat::Jpeg, 3), (FrameFormat::Png, 2)] {
+    for (format, count) in [(FrameFormat::Jpeg, 3), (FrameFormat::Ppm, 4), (FrameFormat::Png, 2)] {
         let mut drive = DriveFolder::create(parent.path(), format).unwrap();
         // Only some drives have such a file; that of the drive before is none of this one's.
         assert!(!parent.path().join(CROSSINGS_FILE).exists());

@@ -16,11 +16,12 @@ use fingerpost_io::{
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-const KINDS: [FolderKind; 8] = [
+const KINDS: [FolderKind; 9] = [
     FolderKind::Run,
     FolderKind::CampaignRun,
     FolderKind::Drive,
     FolderKind::Campaign,
+    FolderKind::ClosedLoop,
     FolderKind::Tuning,
     FolderKind::Papers,
     FolderKind::Marks,
@@ -61,6 +62,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
         }
         FolderKind::Drive => &["truth.jsonl", "camera.toml", "frames/000001.jpg", "road_masks/000001.png"],
         FolderKind::Campaign => &["campaign.json"],
+        FolderKind::ClosedLoop => &["report.html"],
         FolderKind::Tuning => &["report.html", "07.toml"],
         FolderKind::Papers => &["papers.md", "papers/order_road.svg"],
         FolderKind::Marks => &["truth.jsonl", "tusimple.json", "marked_frames/000001.jpg"],

@@ -12,6 +12,7 @@ use crate::path::{Courses, Sample};
 use crate::random::Random;
 use crate::roads::{Roads, Traffic};
 use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NORTH, OFFSET, OffsetModel, SCALE, State};
+use crate::unmapped::UnmappedRoad;
 
 /// How the vehicle's place beside the line that it should drive is distributed: lane and driver put it up to half a narrow road
 /// off (1.5 m), and the roads of OpenStreetMap extracts lie 0.5 to 1.3 m from lines driven with a survey's GPS. It keeps over the
@@ -20,13 +21,13 @@ pub(crate) const OFFSET_MODEL: OffsetModel =
     OffsetModel { sigma_m: 2.0, distance_m: 100.0, turn_rad: FRAC_PI_2 };
 /// Standard deviation of the speed's scale at the start: a wheel's radius by wear, load and pressure, and speedometers that show up
 /// to a tenth too much (UN Regulation 39).
-const SCALE_SIGMA: f64 = 0.06;
+pub(crate) const SCALE_SIGMA: f64 = 0.06;
 /// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
-const BIAS_SIGMA: f64 = 1.75e-3;
+pub(crate) const BIAS_SIGMA: f64 = 1.75e-3;
 /// Standard deviation of the heading against the road at the start, radians.
 const HEADING_SIGMA: f64 = 0.1;
 /// The same this near to a junction, metres, where the vehicle may be half round a corner.
-const JUNCTION_HEADING_SIGMA: f64 = 0.4;
+pub(crate) const JUNCTION_HEADING_SIGMA: f64 = 0.4;
 const JUNCTION_M: f64 = 10.0;
 /// Distance between hypotheses at the start, metres, where their number allows it.
 const SEED_SPACING_M: f64 = 10.0;
@@ -36,18 +37,16 @@ const SEED_SIGMA: f64 = 0.6;
 const MOST_SEEDS: f64 = 40_000.0;
 const MOST_KEPT: usize = 100_000;
 /// Probability at the start of being on no road of the map.
-const OFF_MAP_AT_START: f64 = 0.05;
+pub(crate) const OFF_MAP_AT_START: f64 = 0.05;
 /// Roads left for places off the map, per metre: one yard or unmapped road in fifty kilometres.
 const LEAVES_MAP_PER_M: f64 = 2e-5;
-/// How far a vehicle is off the map when it stays near a road, metres: the length of a car park or a bay; and how much less it then
-/// knows of where on the road it is back.
-const OFF_MAP_FOR_M: f64 = 50.0;
+/// How far a vehicle stays near the road that it has left, metres: the length of a car park or a bay. It comes back to that road or
+/// goes elsewhere, as often the one as the other. How much less it knows of where on the road it is back.
+const NEAR_FOR_M: f64 = 50.0;
 const RETURN_SIGMA_M: f64 = 5.0;
 const RETURN_SIGMA_RAD: f64 = 0.1;
 /// Returns that are less than this part of what matters are not followed up.
 const LEAST_RETURN: f64 = 0.1;
-/// Off the map the vehicle's place beside a road that it would be on is anywhere within this, metres.
-const OFF_MAP_WIDTH_M: f64 = 6.0;
 /// Map lines that jump to the side by more than [`OFFSET_MODEL`] has, per metre: one in two kilometres, as junctions of
 /// dual carriageways drawn as one and roads traced from shifted imagery; and by how much, metres.
 const OTHER_LINE_PER_M: f64 = 5e-4;
@@ -58,6 +57,8 @@ const SURPRISE: f64 = 6.0;
 const MATTERS: f64 = 1e-3;
 /// Distance driven off the map after which all roads are tried again, metres.
 const TRY_AGAIN_M: f64 = 50.0;
+/// How far a vehicle that is elsewhere stays off the map, metres: some streets that the map lacks.
+const ELSEWHERE_FOR_M: f64 = 500.0;
 /// Weights below this are dropped: far less than the risk even of all hypotheses together.
 const LEAST_WEIGHT: f64 = 1e-9;
 
@@ -70,7 +71,11 @@ pub(crate) struct Belief {
     #[allow(clippy::vec_box, reason = "sorting would move 400 bytes for each: a third of a step's time")]
     pub(crate) hypotheses: Vec<Box<Hypothesis>>,
     /// Logarithm of the probability of being on no road of the map.
-    log_off_map: f64,
+    pub(crate) log_off_map: f64,
+    /// The part of it that is near the road that was left.
+    near: f64,
+    /// What is driven there.
+    unmapped: UnmappedRoad,
     /// Distance driven since the map was last in doubt, metres.
     pub(crate) agreed_m: f64,
     random: Random,
@@ -82,19 +87,42 @@ pub(crate) struct Belief {
 impl Belief {
     /// The vehicle may be on any road, either way.
     pub(crate) fn anywhere(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
+        let roads = Roads::of(graph, traffic);
         let mut belief = Self {
-            roads: Roads::of(graph, traffic),
+            unmapped: UnmappedRoad::like(roads.bends()),
+            roads,
             courses: Courses::default(),
             hypotheses: Vec::new(),
             log_off_map: OFF_MAP_AT_START.ln(),
+            near: 0.0,
             agreed_m: 0.0,
             random: Random::new(seed),
             tried_m: 0.0,
             waiting: Vec::new(),
         };
-        belief.seed(1.0 - OFF_MAP_AT_START);
-        belief.normalise();
+        belief.begin_anywhere();
         belief
+    }
+
+    /// Forgets everything.
+    pub(crate) fn begin_anywhere(&mut self) {
+        self.hypotheses.clear();
+        self.log_off_map = OFF_MAP_AT_START.ln();
+        self.near = 0.0;
+        self.unmapped = UnmappedRoad::like(self.roads.bends());
+        self.seed(1.0 - OFF_MAP_AT_START);
+        self.normalise();
+    }
+
+    /// The vehicle may have gone elsewhere, off the map, with this probability.
+    pub(crate) fn be_elsewhere(&mut self, probability: f64) {
+        let off_map = self.off_map();
+        let went = probability * (1.0 - off_map);
+        self.near *= off_map / (off_map + went).max(f64::MIN_POSITIVE);
+        self.log_off_map = (off_map + went).ln();
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.log_weight += (1.0 - probability).ln();
+        }
     }
 
     /// Probability of being on no road of the map.
@@ -111,7 +139,10 @@ impl Belief {
         self.branch();
         let leaves = (LEAVES_MAP_PER_M * motion.driven_m).min(0.5);
         let off_map = self.off_map();
-        self.log_off_map = (off_map + leaves * (1.0 - off_map)).ln() - OFF_MAP_WIDTH_M.ln();
+        let leaving = leaves * (1.0 - off_map);
+        self.unmapped.leave(leaving / (off_map + leaving).max(f64::MIN_POSITIVE));
+        self.near = (off_map * self.near + leaving) / (off_map + leaving).max(f64::MIN_POSITIVE);
+        self.log_off_map = (off_map + leaving).ln() + self.unmapped.go(motion, &OFFSET_MODEL);
         let stays = (1.0 - leaves).ln();
         let other_line = (OTHER_LINE_PER_M * motion.driven_m).min(0.5);
         let (same_line, other_line) = ((1.0 - other_line).ln(), other_line.ln());
@@ -130,8 +161,8 @@ impl Belief {
         self.agreed_m = if self.off_map() > RISK { 0.0 } else { self.agreed_m + motion.driven_m };
         self.tried_m += motion.driven_m;
         if self.off_map() > 0.5 && self.tried_m > TRY_AGAIN_M {
-            let mass = 0.5 * self.off_map();
-            self.log_off_map = mass.ln();
+            let mass = (self.tried_m / ELSEWHERE_FOR_M).min(0.5) * self.off_map();
+            self.log_off_map = (self.off_map() - mass).ln();
             self.seed(mass);
             self.normalise();
         }
@@ -139,11 +170,13 @@ impl Belief {
         self.courses.forget_unused();
     }
 
-    /// What has left the map may be back on the road near where it left it.
+    /// What has left the map may be back on the road near where it left it, or go elsewhere.
     fn come_back(&mut self, driven_m: f64) {
         let off_map = self.off_map();
-        let returns = (driven_m / OFF_MAP_FOR_M).min(0.5) * off_map;
+        let part = 0.5 * (driven_m / NEAR_FOR_M).min(1.0);
+        let returns = part * self.near * off_map;
         if returns < MATTERS * LEAST_RETURN {
+            self.near *= 1.0 - part;
             return;
         }
         let heavy = self.hypotheses.iter().take_while(|hypothesis| hypothesis.log_weight > MATTERS.ln());
@@ -154,6 +187,8 @@ impl Belief {
             Box::new(back)
         }));
         self.log_off_map = (off_map - returns).ln();
+        // As much again goes elsewhere.
+        self.near = (self.near - 2.0 * part * self.near) / (1.0 - part * self.near);
         self.hypotheses.append(&mut self.waiting);
     }
 
@@ -186,7 +221,7 @@ impl Belief {
     }
 
     /// Gives every hypothesis whose course may end a course for each exit.
-    fn branch(&mut self) {
+    pub(crate) fn branch(&mut self) {
         let Self { hypotheses, waiting, courses, roads, .. } = self;
         let mut index = 0;
         while index < hypotheses.len() {
@@ -240,7 +275,7 @@ impl Belief {
 }
 
 /// A vehicle at a place of a road, as sure as `along_m` along it.
-fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
+pub(crate) fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
     let heading_rad = sample.heading_rad;
     let mut mean = Mean::zeros();
     (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);

@@ -12,7 +12,7 @@ use crate::state::{EAST, HEADING, NORTH, OFFSET, OffsetModel, State};
 
 /// Standard deviation of the vehicle's distance from the road's line beside the correlated offset, metres: the line's corners are
 /// set by hand, a metre or so apart from the road's true curve on bends.
-const LINE_NOISE_M: f64 = 1.0;
+pub(crate) const LINE_NOISE_M: f64 = 1.0;
 /// Standard deviation of the heading against the line, radians: steering about, and lines of few corners. Used to tell which place
 /// of the line belongs to a pose, not to correct the heading.
 const LINE_HEADING_RAD: f64 = 0.2;
@@ -23,7 +23,7 @@ const REACH_M: f64 = 4.0;
 /// Samples from one look to the next where a pose's place on the line is looked for at first.
 const COARSE: usize = 3;
 /// Distance to a course's end below which it branches, metres beyond what the place is unsure by: half a junction.
-const BRANCH_AHEAD_M: f64 = 20.0;
+pub(crate) const BRANCH_AHEAD_M: f64 = 20.0;
 
 /// How well a hypothesis fits what was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

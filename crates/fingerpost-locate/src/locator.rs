@@ -7,6 +7,7 @@ use thiserror::Error;
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, Rival, Status};
 use crate::gps::{GpsEvidence, Receiver};
+use crate::landmark::{Landmarks, Sighting, SightingEvidence, Taken};
 use crate::odometry::{Motion, MotionInterval, MotionSample};
 use crate::roads::Traffic;
 use crate::start::Start;
@@ -14,8 +15,11 @@ use crate::state::{HEADING, SCALE};
 
 /// Distance driven between two looks at the road, metres: less than the lines' bends, and about the length of a row at town speeds.
 const LOOK_EVERY_M: f64 = 2.5;
-/// Longest time between two rows over which the motion is taken to go on, seconds.
-const LONGEST_GAP_S: f64 = 1.0;
+/// Longest time between two rows over which the motion is taken to go on, seconds: a corner takes three.
+pub const LONGEST_GAP_S: f64 = 1.0;
+/// What no car does, metres a second and radians a second: 360 km/h, and once round in a second.
+const FASTEST_MPS: f64 = 100.0;
+const FASTEST_RPS: f64 = std::f64::consts::TAU;
 /// Places handed out beside the fix.
 const MOST_RIVALS: usize = 10;
 
@@ -30,6 +34,18 @@ pub enum MotionError {
         /// Its time, seconds.
         t_s: f64,
     },
+    /// A motion that no car can make.
+    #[error(
+        "the row at {t_s} s has {speed_mps} m/s and {yaw_rate_rps} rad/s, which no car drives; check the units and leave such rows out"
+    )]
+    Impossible {
+        /// Its time, seconds.
+        t_s: f64,
+        /// Its speed, metres a second.
+        speed_mps: f64,
+        /// Its yaw rate, radians a second.
+        yaw_rate_rps: f64,
+    },
 }
 
 /// Finds the vehicle on the map from its motion.
@@ -43,6 +59,7 @@ pub struct Locator {
     now_s: Option<f64>,
     estimate: Option<Estimate>,
     receiver: Receiver,
+    landmarks: Landmarks,
 }
 
 impl Locator {
@@ -68,26 +85,38 @@ impl Locator {
             now_s: None,
             estimate,
             receiver: Receiver::default(),
+            landmarks: Landmarks::default(),
         }
+    }
+
+    /// The fix as of the last motion, place and landmark; none on a map without roads.
+    pub fn now(&self) -> Option<Fix> {
+        self.fix(self.now_s.unwrap_or_default())
     }
 
     /// Takes in the motion over a time, as a camera measures it from picture to picture. Times of no length and numbers that are none
     /// change nothing.
     pub fn go_on(&mut self, interval: &MotionInterval) -> Option<Fix> {
-        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2 } = *interval;
+        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2, distance_variance_m2 } =
+            *interval;
         let now_s = self.now_s.unwrap_or_default();
-        let numbers = [time_s, speed_mps, yaw_rate_rps, turn_variance_rad2];
+        let numbers = [time_s, speed_mps, yaw_rate_rps, turn_variance_rad2, distance_variance_m2];
         if numbers.iter().all(|number| number.is_finite()) && time_s > 0.0 {
-            self.pending.go_on_turning(speed_mps, yaw_rate_rps, time_s, turn_variance_rad2.max(0.0));
+            self.pending.go_on_by(&MotionInterval {
+                turn_variance_rad2: turn_variance_rad2.max(0.0),
+                distance_variance_m2: distance_variance_m2.max(0.0),
+                ..*interval
+            });
             self.now_s = Some(now_s + time_s);
             if self.pending.driven_m >= LOOK_EVERY_M {
                 self.look();
             }
         }
-        self.fix(self.now_s.unwrap_or_default())
+        self.now()
     }
 
-    /// Takes in one row. Rows that are no later than the one before change nothing. No fix comes from a map without roads.
+    /// Takes in one row. Rows that are no later than the one before change nothing. What the vehicle did in a gap longer than
+    /// [`LONGEST_GAP_S`] is not known: it has gone on along the roads by every exit, or elsewhere. No fix comes from a map without roads.
     ///
     /// # Errors
     /// [`MotionError`]; the row is passed over then.
@@ -95,13 +124,22 @@ impl Locator {
         if ![row.t_s, row.speed_mps, row.yaw_rate_rps].iter().all(|number| number.is_finite()) {
             return Err(MotionError::NotFinite { t_s: row.t_s });
         }
+        if row.speed_mps.abs() > FASTEST_MPS || row.yaw_rate_rps.abs() > FASTEST_RPS {
+            let MotionSample { t_s, speed_mps, yaw_rate_rps } = row;
+            return Err(MotionError::Impossible { t_s, speed_mps, yaw_rate_rps });
+        }
         if let Some(before) = self.before {
-            let time_s = (row.t_s - before.t_s).clamp(0.0, LONGEST_GAP_S);
+            let time_s = row.t_s - before.t_s;
             if time_s <= 0.0 {
                 return Ok(self.fix(row.t_s));
             }
-            let (speed, turn) = (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
-            self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+            if time_s > LONGEST_GAP_S {
+                self.go_unseen(0.5 * (before.speed_mps.abs() + row.speed_mps.abs()) * time_s);
+            } else {
+                let (speed, turn) =
+                    (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
+                self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+            }
         }
         self.before = Some(row);
         self.now_s = Some(row.t_s);
@@ -128,6 +166,26 @@ impl Locator {
         Some(evidence)
     }
 
+    /// Takes in a landmark as it is seen at the time of the last row or interval. It is used behind each look at the road, and what is
+    /// made of it is given then; none in between, where there is no fix, and for numbers that are none.
+    pub fn sight(&mut self, sighting: &Sighting) -> Option<SightingEvidence> {
+        self.estimate.as_ref()?;
+        if self.pending.driven_m > 0.0 {
+            return None;
+        }
+        let (taken, out_of_sight) = self.landmarks.see(sighting);
+        match taken {
+            Taken::Newest => {}
+            Taken::Counted => return Some(SightingEvidence::counted(sighting.landmark)),
+            Taken::Unsound => return None,
+        }
+        if let Some(other) = out_of_sight {
+            self.belief.take_seen(&other);
+        }
+        self.estimate_again();
+        self.landmarks.in_sight.as_ref().map(|seen| self.belief.evidence(seen))
+    }
+
     /// Every place that is possible, the heaviest first, as of the last look at the road.
     pub fn rivals(&self) -> impl Iterator<Item = Rival> {
         self.belief.hypotheses.iter().map(|hypothesis| Rival {
@@ -138,15 +196,33 @@ impl Locator {
     }
 
     fn look(&mut self) {
+        let out_of_sight = self.landmarks.go(&self.pending);
         self.belief.go(&self.pending);
+        if let Some(seen) = out_of_sight {
+            self.belief.take_seen(&seen);
+        }
         self.looked_m += self.pending.driven_m;
+        self.pending = Motion::default();
+        self.estimate_again();
+    }
+
+    /// Goes on for about a distance of which nothing was measured, metres.
+    fn go_unseen(&mut self, driven_m: f64) {
+        if self.pending.driven_m > 0.0 {
+            self.look();
+        }
+        self.belief.go_unseen(driven_m);
+        self.looked_m += driven_m;
         self.pending = Motion::default();
         self.estimate_again();
     }
 
     fn estimate_again(&mut self) {
         let status = self.estimate.as_ref().map_or(Status::Ambiguous, |estimate| estimate.status);
-        self.estimate = self.belief.estimate(status);
+        self.estimate = match &self.landmarks.in_sight {
+            Some(seen) => self.belief.estimate_seeing(seen, status),
+            None => self.belief.estimate(status),
+        };
     }
 
     /// The fix at a time (seconds) after the last row's motion.

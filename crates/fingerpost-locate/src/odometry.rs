@@ -37,6 +37,8 @@ pub struct MotionInterval {
     pub yaw_rate_rps: f64,
     /// Variance of the turn, square radians.
     pub turn_variance_rad2: f64,
+    /// Variance of the distance beside slip and the speed's scale, square metres: of a speed that is not measured but taken to go on.
+    pub distance_variance_m2: f64,
 }
 
 /// Motion since a moment, in the vehicle's frame at that moment.
@@ -72,11 +74,21 @@ impl Default for Motion {
 impl Motion {
     /// Goes on for `time_s` seconds at this speed (m/s) and yaw rate (rad/s), as a gyroscope measures it.
     pub fn go_on(&mut self, speed_mps: f64, yaw_rate_rps: f64, time_s: f64) {
-        self.go_on_turning(speed_mps, yaw_rate_rps, time_s, YAW_RATE_NOISE.powi(2) * time_s);
+        let turn_variance_rad2 = YAW_RATE_NOISE.powi(2) * time_s;
+        let distance_variance_m2 = 0.0;
+        self.go_on_by(&MotionInterval {
+            time_s,
+            speed_mps,
+            yaw_rate_rps,
+            turn_variance_rad2,
+            distance_variance_m2,
+        });
     }
 
-    /// The same with the variance of the turn meanwhile, square radians.
-    pub fn go_on_turning(&mut self, speed_mps: f64, yaw_rate_rps: f64, time_s: f64, turn_variance_rad2: f64) {
+    /// The same with the variances of turn and distance.
+    pub fn go_on_by(&mut self, interval: &MotionInterval) {
+        let MotionInterval { time_s, speed_mps, yaw_rate_rps, turn_variance_rad2, distance_variance_m2 } =
+            *interval;
         let (forward_m, turn_rad) = (speed_mps * time_s, yaw_rate_rps * time_s);
         // The chord of the arc has the heading of its middle.
         let heading = self.turn_rad + 0.5 * turn_rad;
@@ -92,7 +104,7 @@ impl Motion {
             TURN_SCALE.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
         self.covariance = moved * self.covariance * moved.transpose()
             + by_turn * by_turn.transpose() * (turn_variance_rad2 + scale)
-            + along * along.transpose() * (FORWARD_NOISE.powi(2) * forward_m.abs())
+            + along * along.transpose() * (FORWARD_NOISE.powi(2) * forward_m.abs() + distance_variance_m2)
             + across * across.transpose() * (SIDE_NOISE.powi(2) * forward_m.abs());
 
         self.place_m += ahead * forward_m;

@@ -2,6 +2,7 @@
 
 use fingerpost_geometry::Polyline;
 use fingerpost_map::{Direction, RoadGraph};
+use nalgebra::Vector2;
 
 /// How probable it is, against another exit, that a vehicle enters a one-way street from its wrong end: directions that are wrong in
 /// the map and forbidden driving together. A judgement; small enough not to double the hypotheses' weight, and not zero.
@@ -34,17 +35,46 @@ pub(crate) struct Edge {
     pub(crate) prior: f64,
 }
 
+/// Turn from which on a bend counts as a corner, radians.
+const CORNER_FROM_RAD: f64 = std::f64::consts::FRAC_PI_6;
+
+/// How roads bend between their corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Kind {
+    /// Its part of all roads, by length.
+    pub(crate) part: f64,
+    /// Variance of the heading that a metre adds, square radians.
+    pub(crate) rad2_per_m: f64,
+}
+
+/// How the roads of a map bend, on a drive that takes every exit as often as the hypotheses do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bends {
+    /// Corners on a metre.
+    pub(crate) corners_per_m: f64,
+    /// Junctions and ends on a metre, where a road of another kind may go on.
+    pub(crate) ends_per_m: f64,
+    /// Roads that bend less than the mean and those that bend more.
+    pub(crate) kinds: [Kind; 2],
+}
+
 /// All directed edges.
 #[derive(Debug, Clone)]
 pub(crate) struct Roads {
     edges: Vec<Edge>,
+    bends: Bends,
 }
 
 impl Roads {
     pub(crate) fn of(graph: &RoadGraph, traffic: Traffic) -> Self {
         let mut chains = Chains::of(graph, traffic);
         chains.link();
-        Self { edges: chains.edges }
+        let bends = Bends::of(&chains.edges);
+        Self { edges: chains.edges, bends }
+    }
+
+    pub(crate) const fn bends(&self) -> Bends {
+        self.bends
     }
 
     pub(crate) fn edges(&self) -> &[Edge] {
@@ -53,6 +83,69 @@ impl Roads {
 
     pub(crate) fn edge(&self, edge: u32) -> &Edge {
         &self.edges[edge as usize]
+    }
+}
+
+impl Bends {
+    fn of(edges: &[Edge]) -> Self {
+        let mut all = Bending::default();
+        let each: Vec<Bending> = edges.iter().map(|edge| Bending::of(edge, edges)).collect();
+        each.iter().for_each(|edge| all.add(edge));
+        let mut kinds = [Bending::default(); 2];
+        for edge in &each {
+            kinds[usize::from(edge.rad2_per_m() > all.rad2_per_m())].add(edge);
+        }
+        let kinds = kinds.map(|kind| Kind {
+            part: kind.driven_m / all.driven_m.max(f64::MIN_POSITIVE),
+            rad2_per_m: kind.rad2_per_m(),
+        });
+        let per_m = |count: f64| count / all.driven_m.max(f64::MIN_POSITIVE);
+        Self { corners_per_m: per_m(all.corners), ends_per_m: per_m(all.ends), kinds }
+    }
+}
+
+/// What bends there are along edges, each as often as it is driven.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bending {
+    driven_m: f64,
+    ends: f64,
+    corners: f64,
+    rad2: f64,
+}
+
+impl Bending {
+    /// Those of an edge and of the exits at its end.
+    fn of(edge: &Edge, edges: &[Edge]) -> Self {
+        let mut bending =
+            Self { driven_m: edge.line.length_m() * edge.prior, ends: edge.prior, ..Self::default() };
+        for corner in edge.line.points().windows(3) {
+            bending.count(corner[1] - corner[0], corner[2] - corner[1], edge.prior);
+        }
+        let end = edge.line.at(edge.line.length_m()).1;
+        for &(exit, probability) in &edge.exits {
+            bending.count(end, edges[exit as usize].line.at(0.0).1, edge.prior * probability);
+        }
+        bending
+    }
+
+    fn count(&mut self, before: Vector2<f64>, after: Vector2<f64>, often: f64) {
+        let turn_rad = before.perp(&after).atan2(before.dot(&after));
+        if turn_rad.abs() > CORNER_FROM_RAD {
+            self.corners += often;
+        } else {
+            self.rad2 += turn_rad * turn_rad * often;
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.driven_m += other.driven_m;
+        self.ends += other.ends;
+        self.corners += other.corners;
+        self.rad2 += other.rad2;
+    }
+
+    fn rad2_per_m(&self) -> f64 {
+        self.rad2 / self.driven_m.max(f64::MIN_POSITIVE)
     }
 }
 

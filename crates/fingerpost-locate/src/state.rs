@@ -140,7 +140,7 @@ impl State {
 
 impl OffsetModel {
     /// The part of the offset that stays after a motion.
-    fn kept(&self, motion: &Motion) -> f64 {
+    pub(crate) fn kept(&self, motion: &Motion) -> f64 {
         (-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad).exp()
     }
 }

@@ -59,6 +59,9 @@ fn recording(drive: &str) -> Vec<Recorded> {
     text.lines().map(row).collect()
 }
 
+const MAPS: [(&str, &str); 4] =
+    [("03", "comp2550_03.osm.bz2"), ("05", "kitti_05.osm"), ("06", "kitti_06.osm"), ("09", "kitti_09.osm")];
+
 /// The fixes of a recording with errors of a seed, beside the true places; and the distance driven up to each.
 fn fixes(drive: &str, map: &str, seed: u64, scale: f64) -> Vec<(Fix, Point2<f64>, f64)> {
     let graph = RoadGraph::from_osm(&osm(map)).unwrap();
@@ -137,6 +140,24 @@ fn drives_03_and_06_claim_nothing_false() {
             let outcome = outcome(&fixes(drive, map, seed, 0.01));
             println!("{}", shown(drive, seed, &outcome));
             assert_eq!(outcome.violations, 0);
+        }
+    }
+}
+
+/// A drive on the map of another, kilometres away: some road there fits for a while, but no better than roads fit at random. Nothing
+/// false is claimed for more than three seconds. (The map of 06 has the roads of 05 as well.)
+#[test]
+fn a_drive_that_was_never_on_the_map_is_not_found_there() {
+    for (drive, own) in MAPS {
+        for map in MAPS.map(|(_, map)| map).into_iter().chain(["kitti_00.osm"]).filter(|map| *map != own) {
+            let (mut run, mut longest) = (0, 0);
+            for (fix, truth, _) in fixes(drive, map, 1, 0.01) {
+                let is_false = fix.level_m.is_some_and(|level_m| level_m < (fix.place_m - truth).norm());
+                run = if fix.status == Status::Converged && is_false { run + 1 } else { 0 };
+                longest = longest.max(run);
+            }
+            println!("{drive} on {map}: falsely converged for {longest} rows");
+            assert!(longest as f64 * ROW_S <= 3.0);
         }
     }
 }

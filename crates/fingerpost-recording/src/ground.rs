@@ -123,8 +123,8 @@ mod tests {
     #[test]
     fn a_cell_lies_where_the_ground_view_has_it() {
         let ground = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
-        let mut surface = RoadSurface::default();
-        surface.probability = Plane::new(ground.columns(), ground.rows(), 0);
+        let probability = Plane::new(ground.columns(), ground.rows(), 0);
+        let mut surface = RoadSurface { probability, ..RoadSurface::default() };
         let place = ground.ground_from_vehicle(Point2::new(10.0, 2.0));
         let (column, row) = (place.column.round() as usize, place.row.round() as usize);
         surface.probability.row_mut(row)[column] = 255;

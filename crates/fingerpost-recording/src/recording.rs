@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
+use bytes::Bytes;
 use fingerpost_format::FrameRecord;
 use fingerpost_map::{Route, RouteFileError, write_route};
 use fingerpost_vision::picture::RgbImage;
@@ -82,6 +83,8 @@ pub struct Recording<W: Write + Seek> {
     changes: ChangeLog,
     /// Time of the first frame in the chunk at hand, seconds.
     chunk_since_s: Option<f64>,
+    /// Memory that pictures are compressed in.
+    jpeg: Vec<u8>,
 }
 
 impl<W: Write + Seek> std::fmt::Debug for Recording<W> {
@@ -110,7 +113,8 @@ impl<W: Write + Seek> Recording<W> {
             let id = writer.add_channel(schema_id, channel.topic(), channel.encoding(), &BTreeMap::new())?;
             ids.insert(channel, id);
         }
-        let mut recording = Self { writer, ids, changes: ChangeLog::default(), chunk_since_s: None };
+        let mut recording =
+            Self { writer, ids, changes: ChangeLog::default(), chunk_since_s: None, jpeg: Vec::new() };
         if let Some(route) = route {
             let geojson = GeoJson { geojson: write_route(route)? };
             recording.add(Channel::Route, 0, 0.0, &bytes_of(Channel::Route, &geojson)?)?;
@@ -125,10 +129,11 @@ impl<W: Write + Seek> Recording<W> {
     pub fn write(&mut self, frame: RecordedFrame, record: &FrameRecord) -> Result<(), RecordingError> {
         let (index, t_s) = (record.frame, frame.t_s);
         for (channel, frame_id, picture) in frame.pictures {
+            let data = self.compressed(&picture)?;
             let message = CompressedImage {
                 timestamp: Some(timestamp(t_s)),
                 frame_id: frame_id.to_owned(),
-                data: jpeg(&picture)?.into(),
+                data,
                 format: "jpeg".to_owned(),
             };
             self.add(channel, index, t_s, &bytes_of(channel, &message)?)?;
@@ -171,6 +176,13 @@ impl<W: Write + Seek> Recording<W> {
         Ok(self.writer.into_inner())
     }
 
+    /// A picture as JPEG, in memory of its size.
+    fn compressed(&mut self, picture: &RgbImage) -> Result<Bytes, RecordingError> {
+        self.jpeg.clear();
+        jpeg(picture, &mut self.jpeg)?;
+        Ok(Bytes::copy_from_slice(&self.jpeg))
+    }
+
     fn add(&mut self, channel: Channel, frame: u64, t_s: f64, data: &[u8]) -> Result<(), RecordingError> {
         let Some(&channel_id) = self.ids.get(&channel) else { return Ok(()) };
         let time = nanoseconds(t_s);
@@ -185,15 +197,13 @@ fn bytes_of<M: foxglove::Encode>(channel: Channel, message: &M) -> Result<Vec<u8
         .map_err(|cause| RecordingError::Message { topic: channel.topic(), cause: cause.to_string() })
 }
 
-fn jpeg(picture: &RgbImage) -> Result<Vec<u8>, RecordingError> {
+fn jpeg(picture: &RgbImage, bytes: &mut Vec<u8>) -> Result<(), RecordingError> {
     let (width, height) = picture.size();
     let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
-    let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, JPEG_QUALITY);
+    let mut encoder = Encoder::new(bytes, JPEG_QUALITY);
     encoder.set_sampling_factor(SamplingFactor::R_4_2_0);
     let done = encoder.encode(picture.as_slice(), side(width), side(height), ColorType::Rgb);
-    done.map_err(|cause| RecordingError::Picture { width, height, cause })?;
-    Ok(bytes)
+    done.map_err(|cause| RecordingError::Picture { width, height, cause })
 }
 
 #[cfg(test)]

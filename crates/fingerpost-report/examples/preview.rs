@@ -38,7 +38,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             summary: &run.summary,
             truth: Some(&run.truth),
             route: Some(&run.route),
+            roads: None,
             thresholds: Thresholds { detect: 0.75, confirm: 0.65 },
+            rules: &[],
             config_toml: "[track]\ndetect_threshold = 0.75\n",
             key_frames: &run.key_frames,
         };

@@ -1,15 +1,17 @@
 //! `report.html`: a run on one self-contained page.
 
+mod advice;
 mod chart;
 mod curves;
 mod fit;
+mod fixes;
 mod key_frames;
 mod lane;
 mod map;
 mod tables;
 
 use fingerpost_format::{Summary, TruthRecord};
-use fingerpost_map::Route;
+use fingerpost_map::{RoadGraph, Route};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 pub(crate) use self::chart::{Chart, Curve, Scale, joined, number, px, ticks};
@@ -41,8 +43,12 @@ pub struct ReportInput<'a> {
     pub truth: Option<&'a [TruthRecord]>,
     /// The route, where there is one.
     pub route: Option<&'a Route>,
+    /// The roads, where the vehicle was located on a map.
+    pub roads: Option<&'a RoadGraph>,
     /// Thresholds in force.
     pub thresholds: Thresholds,
+    /// Texts of the rules that steered, in their order; none of controllers without rules.
+    pub rules: &'a [String],
     /// The effective configuration.
     pub config_toml: &'a str,
     /// The frames to be shown.
@@ -69,7 +75,9 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
         @if let Some(map) = map::map(input) { h2 { "Map" } (map) }
         h2 { "Over time" }
         (curves::curves(input))
+        @if let Some(fixes) = fixes::fixes(input) { h2 { "Place on the map" } (fixes) }
         @if let Some(lane) = lane::lane(input.timeline) { h2 { "Lane" } (lane) }
+        @if let Some(advice) = advice::advice(input) { h2 { "Advice" } (advice) }
         h2 { "Losses" }
         (tables::losses(input.timeline))
         @if !input.summary.stage_ms.is_empty() {
@@ -84,7 +92,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
             pre { (input.config_toml) }
         }
         footer {
-            @if input.route.is_some() { p { (MAP_DATA) } }
+            @if input.route.is_some() || input.roads.is_some() { p { (MAP_DATA) } }
             @if let Some(written_by) = &input.summary.written_by { p { "Written by " (written_by) "." } }
         }
     };

@@ -1,7 +1,6 @@
 //! Where a vehicle was found on the map, on one self-contained page.
 
 mod drive;
-mod map;
 mod moments;
 mod over_time;
 mod stanford;
@@ -38,7 +37,7 @@ pub fn locating_html(input: &LocatingInput<'_>) -> String {
         }
         (facts(&numbers(input)))
         h2 { "Map" }
-        (map::map(input))
+        (drive.fixes.map(input.graph))
         h2 { "How one place is left" }
         (moments::moments(input))
         h2 { "Over time" }
@@ -59,7 +58,7 @@ pub fn locating_html(input: &LocatingInput<'_>) -> String {
 fn numbers(input: &LocatingInput<'_>) -> Vec<(&'static str, String)> {
     let LocatingInput { summary, drive, .. } = *input;
     let mut facts = vec![("rows of the motion log", summary.rows.to_string())];
-    facts.extend(drive.rows.iter().map(|(&status, rows)| {
+    facts.extend(drive.fixes.rows.iter().map(|(&status, rows)| {
         let (name, _) = palette::fix_status(status);
         (name, format!("{rows} rows"))
     }));

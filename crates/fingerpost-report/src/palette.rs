@@ -4,7 +4,7 @@
 //! tell apart, lightened where they have to stand on dark asphalt.
 
 use fingerpost::track::State;
-use fingerpost_format::TrackState;
+use fingerpost_format::{FixStatus, TrackState};
 use fingerpost_locate::Status;
 use fingerpost_map::FeatureKind;
 
@@ -79,6 +79,16 @@ pub(crate) const fn fix_status(status: Status) -> (&'static str, Rgb) {
         Status::Ambiguous => ("ambiguous", [104, 140, 196]),
         Status::Coasting => ("coasting", [214, 166, 24]),
         Status::Lost => ("lost", [214, 62, 62]),
+    }
+}
+
+/// What a fix is worth, from the files.
+pub(crate) const fn status(status: FixStatus) -> Status {
+    match status {
+        FixStatus::Converged => Status::Converged,
+        FixStatus::Ambiguous => Status::Ambiguous,
+        FixStatus::Coasting => Status::Coasting,
+        FixStatus::Lost => Status::Lost,
     }
 }
 

@@ -1,10 +1,17 @@
 //! What a page shows of a run over time, gathered frame by frame.
 
+mod advice;
+
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 use fingerpost_format::{DepartureRecord, FeatureRecord, FrameRecord, Side, TrackState, TruthRecord};
+use fingerpost_locate::Status;
+use fingerpost_map::{LatLon, TangentPlane};
 
+use self::advice::AdviceTimeline;
+use crate::fix_track::{FixTrack, TrackedFix};
+use crate::palette;
 use crate::series::{Places, Series, Stretches};
 
 /// Losses, warnings and broken frames that are listed; the rest is counted.
@@ -27,9 +34,14 @@ pub struct Timeline {
     pub(crate) error_m: Series,
     pub(crate) speed_mps: Compared,
     pub(crate) lane: LaneTimeline,
+    pub(crate) advice: AdviceTimeline,
     /// Where the vehicle was believed to be, along the route.
     pub(crate) route_m: Places,
     pub(crate) route_states: Stretches<TrackState>,
+    /// Fixes on the map, in a plane about the first of them.
+    pub(crate) fixes: Option<(TangentPlane, FixTrack)>,
+    /// Distance driven by the motion of the frames, metres.
+    driven_m: f64,
     pub(crate) losses: Listed,
     pub(crate) broken: Listed,
     before: Before,
@@ -107,7 +119,9 @@ impl Timeline {
         self.add_state(record);
         self.add_feature(record, truth);
         self.add_speed(record, truth);
+        self.add_fix(record, truth);
         self.lane.add(record, self.before.warned);
+        self.advice.add(record);
         let feature_id = record.feature.as_ref().map(|feature| feature.id);
         let lost = record.state == TrackState::Lost;
         self.before = Before { t_s: Some(record.t_s), feature_id, lost, warned: warned(record) };
@@ -159,6 +173,22 @@ impl Timeline {
             }
             series.push(record.t_s, value);
         }
+    }
+
+    fn add_fix(&mut self, record: &FrameRecord, truth: Option<&TruthRecord>) {
+        self.driven_m += record.motion.map_or(0.0, |motion| motion.forward_m.abs());
+        let Some(fix) = &record.fix else { return };
+        let at = LatLon { lat_deg: fix.lat, lon_deg: fix.lon };
+        let (plane, fixes) = self.fixes.get_or_insert_with(|| (TangentPlane::new(at), FixTrack::default()));
+        let tracked = TrackedFix {
+            t_s: record.t_s,
+            driven_m: self.driven_m,
+            place_m: plane.map_from_wgs84(at),
+            level_m: fix.bound_m,
+            status: fix.status.map_or(Status::Ambiguous, palette::status),
+        };
+        let true_at = truth.map(|truth| LatLon { lat_deg: truth.lat, lon_deg: truth.lon });
+        fixes.add(tracked, true_at.map(|at| plane.map_from_wgs84(at)));
     }
 
     /// Speed by the motion of the frame; what a frame without motion hides is left out.

@@ -35,6 +35,10 @@ pub struct Conditions {
     pub lanes: LaneMarkings,
     /// Amplitude of the ground's longest wave (80 m), metres; the shorter ones are proportionally lower.
     pub undulation_m: f64,
+    /// Steepest slope of hills, metres up for each metre along; their crests are some 60 m apart. 0 for none.
+    pub hill_slope: f64,
+    /// How far a knock on the way turns the camera, radians; 0 for none.
+    pub camera_knock_rad: f64,
     /// Root mean square of the body's pitch and roll about the road's plane from unevenness, radians.
     pub suspension_rms_rad: f64,
     /// Pitch of the body for each m/s2 of braking, radians (nose down), and roll for each m/s2 in a bend (outwards).
@@ -132,6 +136,8 @@ impl Conditions {
     pub fn check(&self) -> Result<(), SimError> {
         let share = "a share between 0 and 1";
         check_range("undulation_m", self.undulation_m, 0.0, 1.0, "0 to 1 metre")?;
+        check_range("hill_slope", self.hill_slope, 0.0, 0.12, "0 to 0.12")?;
+        check_range("camera_knock_rad", self.camera_knock_rad, 0.0, 0.2, "0 to 0.2 radians")?;
         check_range("suspension_rms_rad", self.suspension_rms_rad, 0.0, 0.05, "0 to 0.05 radians")?;
         check_range("suspension_rad_per_mps2", self.suspension_rad_per_mps2, 0.0, 0.02, "0 to 0.02")?;
         check_range("wander_m", self.wander_m, 0.0, 0.5, "0 to 0.5 metres")?;

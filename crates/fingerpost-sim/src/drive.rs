@@ -161,19 +161,36 @@ impl Drive {
         // No road shakes a vehicle that stands.
         let stands = self.stood_s[i + 1] > self.stood_s[i];
         let moved_s = t_s - self.stood_s[i] - if stands { elapsed_s } else { 0.0 };
-        let [pitch_spring, roll_spring] = self.springs.map(|spring| spring.angle_rad(moved_s));
         let lengthwise = blend(self.lengthwise_mps2[i], self.lengthwise_mps2[i + 1]);
         let lateral = blend(self.lateral_mps2[i], self.lateral_mps2[i + 1]);
+        let [pitch_rad, roll_rad] = self.body_rad(moved_s, lengthwise, lateral);
         VehicleState {
             p_in_map: a.p_in_map + (b.p_in_map - a.p_in_map) * share,
             heading_rad: wrap_angle(a.heading_rad + wrap_angle(b.heading_rad - a.heading_rad) * share),
             speed_mps,
             yaw_rate_rps: speed_mps * blend(a.curvature_per_m, b.curvature_per_m),
             route_m: blend(a.route_m, b.route_m),
-            // Braking dips the nose; in a left bend the body leans right, its left side up.
-            pitch_rad: pitch_spring - self.rad_per_mps2 * lengthwise,
-            roll_rad: roll_spring + self.rad_per_mps2 * lateral,
+            pitch_rad,
+            roll_rad,
         }
+    }
+
+    /// Pitch and roll of the body, radians, after `moved_s` seconds of driving, at these accelerations along and across it
+    /// (to the left), m/s2.
+    pub(crate) fn body_rad(&self, moved_s: f64, lengthwise_mps2: f64, lateral_mps2: f64) -> [f64; 2] {
+        let [pitch_spring, roll_spring] = self.springs.map(|spring| spring.angle_rad(moved_s));
+        // Braking dips the nose; in a left bend the body leans right, its left side up.
+        [pitch_spring - self.rad_per_mps2 * lengthwise_mps2, roll_spring + self.rad_per_mps2 * lateral_mps2]
+    }
+
+    /// Where along the route the drive begins, metres.
+    pub(crate) fn start_m(&self) -> f64 {
+        self.path[0].route_m
+    }
+
+    /// Where along the route the drive ends, metres.
+    pub(crate) fn end_m(&self) -> f64 {
+        self.path[self.path.len() - 1].route_m
     }
 }
 

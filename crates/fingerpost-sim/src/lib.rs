@@ -7,12 +7,15 @@
 //! bytes, frame by frame, on any number of threads and in any order.
 //!
 //! [`World`] draws all of these, and what is known of them, from a seed. [`RoadCourse`] makes up roads where no map is
-//! wanted, [`DrivingPlan`] says how the vehicle is driven on them.
+//! wanted, [`DrivingPlan`] says how the vehicle is driven on them; or a [`SteeredDrive`] goes where it is steered.
 //!
 //! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
 //! rolling shutter; roads within 80 m of the route.
 
+mod bicycle;
 mod bus;
+mod camera_channel;
+mod camera_knock;
 mod conditions;
 mod config;
 mod corners;
@@ -25,6 +28,7 @@ mod error;
 mod ground;
 mod junctions;
 mod kerb_lines;
+mod lane_middle;
 mod lens;
 mod light;
 mod markings;
@@ -41,6 +45,7 @@ mod roadside;
 mod scenery;
 mod simulator;
 mod sky;
+mod steered;
 mod street;
 mod street_paint;
 mod surface;
@@ -54,7 +59,9 @@ mod wet;
 mod windscreen;
 mod world;
 
+pub use bicycle::{Actuation, Bicycle, DriveCommand};
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
+pub use camera_channel::{Arrival, CameraChannel, CameraFault};
 pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
 pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
 pub use corners::CornerStyle;
@@ -64,6 +71,7 @@ pub use driving::{DrivingManner, DrivingPlan, Manoeuvre};
 pub use error::SimError;
 pub use random_drive::{RandomRouteOptions, random_drive, random_route};
 pub use simulator::{SimFrame, Simulator};
+pub use steered::{RoadStrip, SteeredDrive, SteeredPlace};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
-pub use world::{World, WorldOptions};
+pub use world::{MapFault, World, WorldOptions, misled_route};

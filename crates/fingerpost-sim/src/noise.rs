@@ -22,6 +22,7 @@ pub(crate) fn unit(hash: u64) -> f32 {
 }
 
 /// An endless row of numbers in [0, 1) for placing things.
+#[derive(Debug, Clone)]
 pub(crate) struct Stream {
     state: u64,
 }

@@ -60,8 +60,10 @@ pub(crate) struct DrivenLine {
     control: Vec<Point2<f64>>,
     /// Unit vectors to its left.
     lefts: Vec<Vector2<f64>>,
-    /// How far to the left of it the vehicle keeps, metres.
+    /// How far to the left of it the vehicle's lane is, metres.
     shifts_m: Vec<f64>,
+    /// How far to the left of that its driver wanders, metres.
+    wander_m: Vec<f64>,
 }
 
 impl DrivenLine {
@@ -83,24 +85,33 @@ impl DrivenLine {
         let mut stream = Stream::new(*seed, 0x5741_4e44);
         let waves: Vec<(f64, f64)> =
             WANDER_LENGTHS_M.iter().map(|length| (TAU / length, stream.between(0.0, TAU))).collect();
-        for (i, shift_m) in shifts_m.iter_mut().enumerate() {
+        let wander = |i: usize| {
             let along = i as f64 * SAMPLE_M;
             let wave = waves.iter().map(|(k, phase)| (k * along + phase).sin()).sum::<f64>();
-            *shift_m += conditions.wander_m / waves.len() as f64 * wave;
-        }
+            conditions.wander_m / waves.len() as f64 * wave
+        };
+        let wander_m = (0..shifts_m.len()).map(wander).collect();
         let lefts = (0..control.len())
             .map(|i| {
                 let along = control[(i + 1).min(control.len() - 1)] - control[i.saturating_sub(1)];
                 Vector2::new(-along.y, along.x).normalize()
             })
             .collect();
-        Ok(Self { control, lefts, shifts_m })
+        Ok(Self { control, lefts, shifts_m, wander_m })
     }
 
     /// The path of a vehicle that is `aside_m` to the left of the line at a distance along the route, metres.
     pub(crate) fn path(&self, aside_m: impl Fn(f64) -> f64) -> Vec<PathPoint> {
-        let place =
-            |i: usize| self.control[i] + self.lefts[i] * (self.shifts_m[i] + aside_m(i as f64 * SAMPLE_M));
+        let place = |i: usize| {
+            let wandered_m = self.shifts_m[i] + self.wander_m[i];
+            self.control[i] + self.lefts[i] * (wandered_m + aside_m(i as f64 * SAMPLE_M))
+        };
+        spline(&(0..self.control.len()).map(place).collect::<Vec<_>>())
+    }
+
+    /// The line itself, without the driver's wander: the middle of the lane, rounded at the corners.
+    pub(crate) fn lane_middle(&self) -> Vec<PathPoint> {
+        let place = |i: usize| self.control[i] + self.lefts[i] * self.shifts_m[i];
         spline(&(0..self.control.len()).map(place).collect::<Vec<_>>())
     }
 }

@@ -1,6 +1,6 @@
-//! The ground's gentle waves.
+//! The ground's gentle waves, and hills.
 //!
-//! A sum of plane sine waves 23 to 80 m long. The vehicle stands on the exact sum; the renderer looks it up in a raster
+//! A sum of plane sine waves 23 to 80 m long, and where there are hills of two longer ones. The vehicle stands on the exact sum; the renderer looks it up in a raster
 //! of one metre, which is a few millimetres off at most.
 
 use std::f64::consts::TAU;
@@ -14,6 +14,10 @@ const WAVE_LENGTHS_M: [f64; 5] = [80.0, 61.0, 43.0, 31.0, 23.0];
 /// Height falls with this power of the length, so that shorter waves are not steeper.
 const HEIGHT_POWER: i32 = 2;
 
+/// Lengths of the waves that hills are made of, metres: crests as of residential streets, over which a driver sees 30 to 50 m
+/// of road.
+const HILL_LENGTHS_M: [f64; 2] = [150.0, 90.0];
+
 #[derive(Debug, Clone, Copy)]
 struct Wave {
     amplitude_m: f64,
@@ -25,6 +29,7 @@ struct Wave {
 #[derive(Debug, Clone)]
 pub(crate) struct Relief {
     waves: Vec<Wave>,
+    hilly: bool,
 }
 
 impl Relief {
@@ -40,7 +45,29 @@ impl Relief {
                 phase_rad: stream.between(0.0, TAU),
             }
         });
-        Self { waves: if amplitude_m > 0.0 { waves.collect() } else { Vec::new() } }
+        Self { waves: if amplitude_m > 0.0 { waves.collect() } else { Vec::new() }, hilly: false }
+    }
+
+    /// The same on hills of at most this slope; none at zero.
+    pub(crate) fn with_hills(mut self, seed: u64, slope: f64) -> Self {
+        let mut stream = Stream::new(seed, 0x4849_4c4c);
+        for length_m in HILL_LENGTHS_M {
+            let (sin, cos) = stream.between(0.0, TAU).sin_cos();
+            let phase_rad = stream.between(0.0, TAU);
+            // Where both are steepest the slopes add up.
+            let amplitude_m = slope / HILL_LENGTHS_M.len() as f64 * length_m / TAU;
+            let wave_vector = Vector2::new(cos, sin) * (TAU / length_m);
+            if slope > 0.0 {
+                self.waves.push(Wave { amplitude_m, wave_vector, phase_rad });
+            }
+        }
+        self.hilly = slope > 0.0;
+        self
+    }
+
+    /// Bound of the slope anywhere.
+    fn steepest(&self) -> f64 {
+        self.waves.iter().map(|wave| wave.amplitude_m * wave.wave_vector.norm()).sum()
     }
 
     /// Height at a place of the map, metres.
@@ -67,13 +94,15 @@ pub(crate) struct ReliefRaster {
     columns: usize,
     rows: usize,
     heights_m: Vec<f32>,
+    /// Where there are hills, a bound of the ground's slope.
+    pub(crate) hill_slope: Option<f32>,
 }
 
 impl ReliefRaster {
     /// The relief over the rectangle from `low` to `high` (map frame, metres); level outside.
     pub(crate) fn new(relief: &Relief, low: Point2<f64>, high: Point2<f64>) -> Self {
         if relief.is_flat() {
-            return Self { origin: [0.0; 2], columns: 0, rows: 0, heights_m: Vec::new() };
+            return Self { origin: [0.0; 2], columns: 0, rows: 0, heights_m: Vec::new(), hill_slope: None };
         }
         let size = (high - low) / f64::from(CELL_M);
         let (columns, rows) = (size.x.ceil() as usize + 2, size.y.ceil() as usize + 2);
@@ -83,7 +112,8 @@ impl ReliefRaster {
                 relief.height_m(low + cell) as f32
             })
             .collect();
-        Self { origin: [low.x as f32, low.y as f32], columns, rows, heights_m }
+        let hill_slope = relief.hilly.then(|| relief.steepest() as f32);
+        Self { origin: [low.x as f32, low.y as f32], columns, rows, heights_m, hill_slope }
     }
 
     /// Whether there is nothing but a plane.
@@ -130,6 +160,19 @@ mod tests {
         }
         assert!(worst < 0.005, "{worst} m off");
         assert!(highest > 0.1, "the waves are there");
+    }
+
+    #[test]
+    fn hills_are_as_steep_as_they_are_called_and_no_steeper() {
+        let relief = Relief::new(4, 0.0).with_hills(4, 0.08);
+        let mut steepest = 0.0_f64;
+        for i in 0..200_000 {
+            let p = Point2::new(0.7 * f64::from(i % 500), 1.1 * f64::from(i / 500));
+            let slope = |x: f64, y: f64| (relief.height_m(p + Vector2::new(x, y)) - relief.height_m(p)) / 0.1;
+            steepest = steepest.max(slope(0.1, 0.0).hypot(slope(0.0, 0.1)));
+        }
+        assert!((0.07..0.0805).contains(&steepest), "{steepest}");
+        assert!(Relief::new(4, 0.0).with_hills(4, 0.0).is_flat());
     }
 
     #[test]

@@ -262,10 +262,37 @@ impl<'a> Shot<'a> {
         light
     }
 
+    /// Distance along a ray to hilly ground, metres. A ray comes nearer to ground of at most this slope by at most
+    /// `closing` for each metre, so that it may go on by its height above it divided by that without passing it: what is behind a crest is never seen.
+    fn hill_distance(&self, d: [f32; 3], slope: f32) -> f32 {
+        let relief = &self.scene.relief;
+        let across = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let closing = slope * across - d[2];
+        if closing <= 0.0 {
+            return f32::INFINITY;
+        }
+        let pixel_rad = self.scene.lens.pixel_rad;
+        let mut t = 0.0;
+        while t < RELIEF_REACH_M {
+            let gap = self.origin[2] + t * d[2]
+                - relief.height_m(self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
+            // Flat rays close in slowly: a tenth of a pixel is near enough.
+            if gap < 0.1 * pixel_rad * t {
+                return t;
+            }
+            t += gap / closing;
+        }
+        // Beyond there the land is level.
+        if d[2] < -1e-5 { ((self.origin[2] - self.ground_m) / -d[2]).max(t) } else { f32::INFINITY }
+    }
+
     /// Distance along a ray to the ground, metres; infinite above the horizon. `ground_m` is a guess of the height
     /// there and becomes the height found.
     #[inline]
     fn ground_distance(&self, d: [f32; 3], ground_m: &mut f32) -> f32 {
+        if let Some(slope) = self.scene.relief.hill_slope {
+            return self.hill_distance(d, slope);
+        }
         if d[2] > -1e-5 {
             return f32::INFINITY;
         }

@@ -9,18 +9,21 @@ use fingerpost_vision::picture::{Plane, RgbImage};
 use nalgebra::{Isometry3, Point2, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::bus;
+use crate::camera_knock::CameraKnock;
 use crate::crossing::{Crossing, crossings};
 use crate::drive::{Drive, VehicleState};
 use crate::driving::PlannedDriving;
 use crate::ground::{GroundMap, REACH_M};
+use crate::lane_middle::LaneMiddle;
 use crate::object::Object;
 use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
 use crate::render::{FrameView, Renderer};
-use crate::roads::RoadNetwork;
+use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
+use crate::steered::RoadStrip;
 use crate::surface::Painter;
-use crate::traffic::Traffic;
+use crate::traffic::{HEADWAY_S, Traffic};
 use crate::truth::{LaneEdges, RoadPlace};
 use crate::{Markings, SimConfig, SimError, SimVehicle};
 
@@ -42,10 +45,10 @@ pub struct SimFrame {
 
 /// A route feature as the truth needs it.
 #[derive(Debug, Clone, Copy)]
-struct Target {
+pub(crate) struct Target {
     id: i64,
     p_in_map: Point2<f64>,
-    route_m: f64,
+    pub(crate) route_m: f64,
 }
 
 /// A drive along a route with a camera, rendered on demand.
@@ -56,17 +59,33 @@ struct Target {
 pub struct Simulator {
     camera: Camera,
     mount: Mount,
+    knock: Option<CameraKnock>,
     plane: TangentPlane,
-    fps: f64,
+    pub(crate) fps: f64,
     frames: usize,
-    vehicle: SimVehicle,
-    drive: Drive,
+    pub(crate) vehicle: SimVehicle,
+    pub(crate) drive: Drive,
     planned: Option<PlannedDriving>,
     traffic: Traffic,
     relief: Relief,
     lanes: LaneEdges,
-    targets: Vec<Target>,
-    renderer: Renderer,
+    pub(crate) lane_middle: LaneMiddle,
+    pub(crate) targets: Vec<Target>,
+    pub(crate) strips: Vec<RoadStrip>,
+    pub(crate) renderer: Renderer,
+}
+
+/// The vehicle at the time of a frame, driven as planned or as it is steered.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment {
+    /// Number of the frame.
+    pub(crate) frame: u64,
+    /// Its time, seconds.
+    pub(crate) t_s: f64,
+    /// The vehicle.
+    pub(crate) state: VehicleState,
+    /// Where along the route the one that drives ahead is, metres.
+    pub(crate) leader_m: f64,
 }
 
 impl Simulator {
@@ -100,7 +119,8 @@ impl Simulator {
         let roads = if conditions.markings == Markings::Streets { roads.painted(config.seed) } else { roads };
         let driven = DrivenLine::new(&line, &roads, config)?;
         let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
-        let relief = Relief::new(config.seed, conditions.undulation_m);
+        let relief =
+            Relief::new(config.seed, conditions.undulation_m).with_hills(config.seed, conditions.hill_slope);
         let near_route = |p: Point2<f64>| line.nearest(p).left_m.abs() < REACH_M;
         let scenery = Scenery::new(config.seed, conditions, &roads, &relief, near_route);
         let ground = GroundMap::new(config.seed, &line, &roads, config.corners, &scenery);
@@ -112,6 +132,11 @@ impl Simulator {
         Ok(Self {
             camera: camera.clone(),
             mount: *mount,
+            knock: CameraKnock::new(
+                config.seed,
+                conditions.camera_knock_rad,
+                [drive.start_m(), drive.end_m()],
+            ),
             plane,
             fps: config.fps,
             frames: config.frames.map_or(route_frames, |most| most.min(route_frames)),
@@ -122,6 +147,8 @@ impl Simulator {
             relief,
             targets: targets(route, &plane),
             lanes: LaneEdges::new(line, &roads, config),
+            lane_middle: LaneMiddle::new(driven.lane_middle()),
+            strips: strips(&roads),
             renderer,
         })
     }
@@ -133,8 +160,12 @@ impl Simulator {
 
     /// The frame of that number, rendered. Numbers beyond the drive's end show its end.
     pub fn frame(&self, index: usize) -> SimFrame {
-        let (picture, road) = self.renderer.render(&self.view(index));
-        SimFrame { picture, road, truth: self.truth(index) }
+        self.frame_of(&self.moment(index))
+    }
+
+    pub(crate) fn frame_of(&self, moment: &Moment) -> SimFrame {
+        let (picture, road) = self.renderer.render(&self.view(moment));
+        SimFrame { picture, road, truth: self.truth_of(moment) }
     }
 
     /// Whether streets have heights of their own: [`Conditions::kerbs`](crate::Conditions::kerbs).
@@ -146,20 +177,25 @@ impl Simulator {
     /// heights of their own ([`Conditions::kerbs`](crate::Conditions::kerbs)): 32768 for none and a step more for each millimetre up; 0 where something else than ground
     /// is seen.
     pub fn heights(&self, index: usize) -> Option<Plane<u16>> {
-        self.has_heights().then(|| self.renderer.heights(&self.view(index)))
+        self.has_heights().then(|| self.renderer.heights(&self.view(&self.moment(index))))
     }
 
-    fn view(&self, index: usize) -> FrameView {
-        let state = self.state(index);
-        let map_from_vehicle = self.map_from_vehicle(&state);
+    fn view(&self, moment: &Moment) -> FrameView {
+        let map_from_vehicle = self.map_from_vehicle(&moment.state);
         FrameView {
             map_from_vehicle,
-            frame: index as u64,
-            t_s: index as f64 / self.fps,
-            map_from_camera: map_from_vehicle * self.mount_of(&state).vehicle_from_camera(),
+            frame: moment.frame,
+            t_s: moment.t_s,
+            map_from_camera: map_from_vehicle * self.mount_of(&moment.state).vehicle_from_camera(),
             ground_m: map_from_vehicle.translation.vector.z,
-            vehicles: self.vehicles(&state, index),
+            vehicles: self.vehicles(moment),
         }
+    }
+
+    fn moment(&self, index: usize) -> Moment {
+        let t_s = index as f64 / self.fps;
+        let leader_m = self.drive.route_m_at(t_s + HEADWAY_S);
+        Moment { frame: index as u64, t_s, state: self.state(index), leader_m }
     }
 
     /// Where the vehicle is on its road in that frame, marked or not; none off the roads.
@@ -198,17 +234,18 @@ impl Simulator {
     }
 
     fn mount_of(&self, state: &VehicleState) -> Mount {
+        let mount = self.knock.map_or(self.mount, |knock| knock.on(self.mount, state.route_m));
         Mount {
-            pitch_rad: self.mount.pitch_rad + state.pitch_rad,
-            roll_rad: self.mount.roll_rad + state.roll_rad,
-            ..self.mount
+            pitch_rad: mount.pitch_rad + state.pitch_rad,
+            roll_rad: mount.roll_rad + state.roll_rad,
+            ..mount
         }
     }
 
     /// The other vehicles that can be seen in a frame.
-    fn vehicles(&self, state: &VehicleState, index: usize) -> Vec<Object> {
-        let route_at = |t_s: f64| self.drive.route_m_at(t_s);
-        self.traffic.seen(state.p_in_map, index as f64 / self.fps, route_at, |p| self.height_m(p))
+    fn vehicles(&self, moment: &Moment) -> Vec<Object> {
+        let Moment { t_s, state, leader_m, .. } = *moment;
+        self.traffic.seen(state.p_in_map, t_s, leader_m, |p| self.height_m(p))
     }
 
     /// Height of the ground at a place of the map, metres.
@@ -269,6 +306,14 @@ fn surroundings(line: &Polyline) -> (Point2<f64>, Point2<f64>) {
     (low - margin, high + margin)
 }
 
+fn strips(roads: &RoadNetwork) -> Vec<RoadStrip> {
+    let strip = |stroke: &Stroke| RoadStrip {
+        axis: [stroke.start, stroke.start + stroke.direction * stroke.length_m],
+        half_width_m: stroke.half_width_m,
+    };
+    roads.strokes().iter().map(strip).collect()
+}
+
 fn targets(route: &Route, plane: &TangentPlane) -> Vec<Target> {
     route
         .features
@@ -282,4 +327,4 @@ fn targets(route: &Route, plane: &TangentPlane) -> Vec<Target> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -20,7 +20,7 @@ const SPACING_M: f64 = 80.0;
 const NEXT_LANE_SPEED: [f64; 2] = [0.93, 1.12];
 const ONCOMING_SPEED: [f64; 2] = [0.8, 1.1];
 /// The vehicle ahead is so much later at the same place, seconds.
-const HEADWAY_S: f64 = 2.2;
+pub(crate) const HEADWAY_S: f64 = 2.2;
 /// Vehicles that stand keep this far from the road's edge, metres, from their side.
 const PARKED_ASIDE_M: f64 = 0.35;
 /// Share of lorries and vans.
@@ -127,16 +127,16 @@ impl Traffic {
         Vehicle { start_m: 0.0, speed_mps, aside_m, oncoming: speed_mps < 0.0, shape, hash }
     }
 
-    /// The vehicles that can be seen from a place of the route, at a time. `route_at` says where along the route the own
-    /// vehicle is at a time, seconds.
+    /// The vehicles that can be seen from a place of the route, at a time. The one that drives ahead in the own lane is
+    /// `leader_m` along the route.
     pub(crate) fn seen(
         &self,
         p_in_map: Point2<f64>,
         t_s: f64,
-        route_at: impl Fn(f64) -> f64,
+        leader_m: f64,
         height_m: impl Fn(Point2<f64>) -> f64,
     ) -> Vec<Object> {
-        let ahead = self.ahead.map(|ahead| (route_at(t_s + HEADWAY_S), ahead));
+        let ahead = self.ahead.map(|ahead| (leader_m, ahead));
         let steady =
             self.vehicles.iter().map(|vehicle| (vehicle.start_m + vehicle.speed_mps * t_s, *vehicle));
         steady

@@ -12,6 +12,7 @@
 mod drawn_camera;
 mod drawn_map;
 mod drawn_route;
+mod map_fault;
 mod ranges;
 
 use std::f64::consts::PI;
@@ -20,6 +21,7 @@ use fingerpost_geometry::Camera;
 use fingerpost_map::{OsmData, RoadGraph, Route};
 
 use self::drawn_camera::DrawnCamera;
+pub use self::map_fault::{MapFault, misled_route};
 use crate::noise::Stream;
 use crate::{
     Conditions, CornerStyle, DrivingHabits, Markings, RandomRouteOptions, SimConfig, SimError, SimVehicle,
@@ -33,6 +35,10 @@ pub struct WorldOptions {
     pub size_px: Option<[usize; 2]>,
     /// Frames a second.
     pub fps: Option<f64>,
+    /// Features of the route.
+    pub features: Option<[usize; 2]>,
+    /// Its length, metres.
+    pub route_m: Option<[f64; 2]>,
 }
 
 /// A drawn world with a drive in it.
@@ -64,10 +70,13 @@ impl World {
         let built = drawn_map::as_built(osm, seed);
         let roads = RoadGraph::from_osm(&built)?;
         let known = RoadGraph::from_osm(&drawn_map::as_mapped(osm, &roads, seed))?;
+        let usual = RandomRouteOptions::default();
+        let [shortest_m, longest_m] = options.route_m.unwrap_or(ranges::ROUTE_M);
         let wanted = RandomRouteOptions {
-            length_m: ranges::ROUTE_M[0]..=ranges::ROUTE_M[1],
+            length_m: shortest_m..=longest_m,
+            features: options.features.map_or(usual.features, |[fewest, most]| fewest..=most),
             first_feature_m: ranges::FIRST_FEATURE_M[0]..=ranges::FIRST_FEATURE_M[1],
-            ..RandomRouteOptions::default()
+            ..usual
         };
         let (route, driven) = drawn_route::drawn(&known, &roads, seed, &wanted)?;
         let mut stream = Stream::new(seed, 0x574f_524c);

@@ -2,6 +2,9 @@
 //!
 //!     cargo run --release -p fingerpost --example own_road_detector
 
+// An example is a program, whose output is for a person.
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 
 use fingerpost::geometry::{Camera, Distortion, Intrinsics, Mount};

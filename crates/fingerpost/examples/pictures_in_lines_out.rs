@@ -3,6 +3,9 @@
 //!     fingerpost simulate --map town.osm --route route.geojson --out drive
 //!     cargo run --release -p fingerpost --example pictures_in_lines_out -- drive
 
+// An example is a program, whose output is for a person.
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::path::PathBuf;
 

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::advice::AdviceConfig;
 use crate::centreline::CentrelineConfig;
 use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
@@ -57,6 +58,8 @@ pub struct Config {
     pub route_progress: RouteProgressConfig,
     /// Lanes.
     pub lanes: LanesConfig,
+    /// Advice to a controller.
+    pub advice: AdviceConfig,
 }
 
 /// A setting that cannot be used.

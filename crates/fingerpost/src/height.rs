@@ -2,14 +2,15 @@
 //!
 //! A pavement lies 6 to 16 cm above the road, and two pictures taken some metres of travel apart show that: laid over each
 //! other through the road's plane, what lies at a height h is displaced along the way d by d h / (H - h), seen from a camera of height
-//! H. Ground views of the last metres are kept (`past_views`); each new one is laid over by ones from two distances back, after the
+//! H. Ground views of the last metres are kept (`past_views`); each new one is laid over by one from some way back, after the
 //! plane's own errors (pitch, roll, the way driven, the road's fall) have been fitted to the strip ahead (`road_plane`), and looked
-//! at as if the ground lay at several heights (`sweep`). What the two hypotheses, level and raised, make of it adds up in a map that
-//! lies still on the road (`height_map`).
+//! at as if the ground lay at several heights (`sweep`). How likely that makes each height adds up in a map that lies still on the
+//! road (`height_map`). Across the way a chain of heights with kerbs as its steps tells what has been climbed to (`cross_section`).
 //!
-//! Limits: it needs some metres of travel and texture across the way; ground that falls away by more than a few centimetres against
-//! the plane of the strip ahead looks neither level nor raised. Things that move are not on any height.
+//! Limits: it needs some metres of travel and texture across the way. Things that move are not on any height. A kerb is looked for
+//! across the view, so one that crosses the way ahead shows by the ground's height alone.
 
+mod cross_section;
 mod height_map;
 mod joining;
 mod laid_over;
@@ -17,17 +18,18 @@ mod past_views;
 mod road_plane;
 mod sweep;
 
+use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::parallax::coarse;
 use fingerpost_vision::picture::Plane;
-use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::height_map::{HeightMap, UNIT};
+use self::cross_section::CrossSection;
+use self::height_map::HeightMap;
 pub(crate) use self::joining::Joining;
-use self::laid_over::{LaidOver, Raster, Region};
+use self::laid_over::{LaidOver, Raster};
 use self::past_views::{PastView, PastViews, SPACING_M};
-use self::sweep::{SWEPT_ROWS, Sweep};
+use self::sweep::Sweep;
 use crate::ground_view::{CameraTurn, GroundView};
 use crate::motion::Motion;
 
@@ -44,7 +46,7 @@ pub struct HeightConfig {
 
 impl Default for HeightConfig {
     fn default() -> Self {
-        Self { used: HeightUse::default(), cell_m: 0.1 }
+        Self { used: HeightUse::default(), cell_m: 0.2 }
     }
 }
 
@@ -96,17 +98,19 @@ const MOST_TURN_RAD: f64 = 0.5;
 const LEAST_BLOCKS: f64 = 8.0;
 /// Pixels across and down a cell that views are compared in: rows are what tells heights.
 const CELL_PX: (usize, usize) = (2, 1);
-/// Heights up to which a place is level and from which it is raised, metres over the plane.
-const LEVEL_M: f64 = 0.035;
-const RAISED_M: f64 = 0.055;
-/// Independent witnesses in a window, times the share of a look that is news.
-const WITNESSES: f32 = 3.0;
-/// A single look says no more than this.
-const MOST_A_LOOK: f32 = 2.0;
 /// A motion less sure than this leaves the map behind, metres.
 const LEFT_BEHIND_M: f64 = 1.0;
-/// Travel over which the map fades to a third, metres.
-const FADE_M: f64 = 30.0;
+/// Units of log-odds in a square.
+const UNIT: f64 = 256.0;
+/// Largest log-odds of a square.
+const MOST_LOG_ODDS: f32 = 8.0;
+/// The vehicle's way to either side of its axis, metres. It fixes the height that the rest of a row is compared with: a chain begins
+/// at its other side.
+const WAY_M: f64 = 1.0;
+/// Rows of squares from one cross-section to the next.
+const SECTION_ROWS: usize = 2;
+/// Farther to the side nothing is looked at, metres.
+const ASIDE_M: f64 = 8.0;
 
 /// The stage.
 #[derive(Debug, Default)]
@@ -121,8 +125,9 @@ pub struct HeightStage {
     looks: usize,
     height: GroundHeight,
     evidence: HeightEvidence,
-    level: Vec<f32>,
-    raised: Vec<f32>,
+    section: CrossSection,
+    by_section: Plane<f32>,
+    across: Vec<f32>,
 }
 
 impl HeightStage {
@@ -149,7 +154,7 @@ impl HeightStage {
             self.last_look_m = Some(self.driven_m);
             self.look(view, grey, turn);
         }
-        self.map.read(self.height.side_px, &mut self.height.raised);
+        self.read(grid);
         (&self.height, &self.evidence)
     }
 
@@ -165,7 +170,7 @@ impl HeightStage {
         self.driven_m += moved_m;
         self.now.odometry_from_vehicle *= step;
         self.now.odometry_from_vehicle.rotation.renormalize();
-        self.map.carry(step, (-moved_m / FADE_M).exp());
+        self.map.carry(motion);
     }
 
     fn look(&mut self, view: &GroundView, grey: &Plane<u8>, turn: CameraTurn) {
@@ -173,7 +178,11 @@ impl HeightStage {
         (self.now.turn, self.now.driven_m) = (turn, self.driven_m);
         coarse(grey, view.validity().plane(), CELL_PX, &mut self.now.grey);
         self.sweep.look_at(raster, &self.now);
-        self.compare(raster, view, TRAVELS_M[self.looks % TRAVELS_M.len()]);
+        let travels_m = [0, 1].map(|turn| TRAVELS_M[(self.looks + turn) % TRAVELS_M.len()]);
+        let has = |travel_m: &f64| self.views.at(self.driven_m, *travel_m).is_some();
+        if let Some(travel_m) = travels_m.into_iter().find(has) {
+            self.compare(raster, view, travel_m);
+        }
         self.looks += 1;
         let odometry_from_vehicle = self.now.odometry_from_vehicle;
         self.views.keep(&mut self.now);
@@ -196,71 +205,57 @@ impl HeightStage {
             return;
         }
         let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
-        let Self { sweep, level, raised, map, .. } = self;
-        weigh(
-            sweep,
-            (level, raised),
-            |place, log_odds| add(map, raster, region, view, place, log_odds),
-            region,
-        );
+        self.map.add(&self.sweep, raster, region, viewpoint);
+    }
+
+    /// Reads from the map which squares of the view are raised.
+    fn read(&mut self, grid: &GroundGrid) {
+        let Self { map, height, section, by_section, across, .. } = self;
+        let side = height.side_px;
+        let size = (grid.columns().div_ceil(side), grid.rows().div_ceil(side));
+        if height.raised.size() != size {
+            height.raised.reset(size.0, size.1, 0);
+        }
+        let place = |column: usize, row: usize| {
+            let middle = 0.5 * (side as f64 - 1.0);
+            let pixel =
+                GroundPixel { column: (column * side) as f64 + middle, row: (row * side) as f64 + middle };
+            grid.vehicle_from_ground(pixel)
+        };
+        let square_m = side as f64 * grid.metres_per_pixel();
+        let (axis, other) = (size.0 / 2, (WAY_M / square_m).round() as usize);
+        let reach = ((ASIDE_M / square_m).round() as usize).min(axis);
+        let sections = size.1 / SECTION_ROWS;
+        by_section.reset(size.0, sections, 0.0);
+        for index in 0..sections {
+            let row = index * SECTION_ROWS;
+            let heights = |column: usize| map.at(place(column, row));
+            let raised = by_section.row_mut(index);
+            let leftwards = (axis - reach..(axis + other).min(size.0)).rev();
+            section.log_odds(leftwards.map(heights), (square_m, 2 * other), across);
+            let left = raised[axis - reach..axis].iter_mut().rev();
+            left.zip(across.iter().skip(other)).for_each(|(out, &log_odds)| *out = log_odds);
+            let rightwards = axis.saturating_sub(other)..(axis + reach).min(size.0);
+            section.log_odds(rightwards.map(heights), (square_m, 2 * other), across);
+            raised[axis..]
+                .iter_mut()
+                .zip(across.iter().skip(other))
+                .for_each(|(out, &log_odds)| *out = log_odds);
+        }
+        for row in 0..size.1 {
+            let middle = (row / SECTION_ROWS).min(sections.saturating_sub(1));
+            let rows = middle.saturating_sub(1)..(middle + 2).min(sections);
+            for (column, out) in height.raised.row_mut(row).iter_mut().enumerate() {
+                let sum: f32 = rows.clone().map(|row| by_section.row(row)[column]).sum();
+                *out = units(sum / rows.len().max(1) as f32);
+            }
+        }
     }
 }
 
-/// Calls `tell` with the log-odds that each cell of the region is raised.
-fn weigh(
-    sweep: &Sweep,
-    (level, raised): (&mut Vec<f32>, &mut Vec<f32>),
-    mut tell: impl FnMut([usize; 2], f32),
-    region: Region,
-) {
-    for row in SWEPT_ROWS.of(region.rows) {
-        for best in [&mut *level, &mut *raised] {
-            best.clear();
-            best.resize(region.columns, 0.0);
-        }
-        for (height_m, correlations) in sweep.heights() {
-            let best = if height_m.abs() <= LEVEL_M {
-                &mut *level
-            } else if height_m >= RAISED_M {
-                &mut *raised
-            } else {
-                continue;
-            };
-            for (best, r) in best.iter_mut().zip(correlations.row(row)) {
-                *best = best.max(*r);
-            }
-        }
-        for (column, (level, raised)) in level.iter().zip(raised.iter()).enumerate() {
-            // A window of n witnesses whose correlation is r is as likely as (1 - r^2)^(-n / 2).
-            let left_over = |r: f32| 1.0 - r.min(0.97) * r.min(0.97);
-            if *level > 0.0 || *raised > 0.0 {
-                let log_odds = WITNESSES * (left_over(*level) / left_over(*raised)).ln();
-                tell([column, row], log_odds.clamp(-MOST_A_LOOK, MOST_A_LOOK));
-            }
-        }
-    }
+fn units(log_odds: f32) -> i16 {
+    (log_odds * UNIT as f32) as i16
 }
-
-/// Where a raised place is shown, it is nearer to the camera.
-fn add(
-    map: &mut HeightMap,
-    raster: Raster,
-    region: Region,
-    view: &GroundView,
-    [column, row]: [usize; 2],
-    log_odds: f32,
-) {
-    let shown = Point2::new(
-        raster.ahead_m((region.first_row + row) as f64),
-        raster.left_m((region.first_column + column) as f64),
-    );
-    let (foot, height_m) = (view.camera_foot(), view.camera_height_m());
-    let place = if log_odds > 0.0 { foot + (shown - foot) * (1.0 - TYPICAL_M / height_m) } else { shown };
-    map.add(place, log_odds);
-}
-
-/// Height of a kerb, metres.
-const TYPICAL_M: f64 = 0.11;
 
 impl GroundHeight {
     /// Log-odds that the square under a pixel of the ground view is raised.

@@ -18,10 +18,10 @@
 //! let mut pipeline = Pipeline::new(&Config::default(), &camera, Some(&route), Some(0.0))?;
 //! for frame in &frames {
 //!     let (output, _evidence) = pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
-//!     if let Some(feature) = &output.track.followed {
-//!         println!("{:.1} m ahead", feature.vehicle_from_feature.translation.x);
-//!     }
-//!     println!("{}", output.why);
+//!     let feature = output.track.followed.as_ref();
+//!     let ahead_m = feature.map(|feature| feature.vehicle_from_feature.translation.x);
+//!     let (steer_rad, why) = (output.advice.steer_rad, &output.why);
+//!     # assert!(ahead_m.is_none() && steer_rad.is_finite() && !why.is_empty());
 //! }
 //! # Ok(())
 //! # }
@@ -32,6 +32,7 @@
 //! Sources: paper 1, M. McDonnell, "An interpretable system for single camera autonomous vehicle navigation
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
+pub mod advice;
 pub mod calibration_check;
 pub mod camera_state;
 pub mod centreline;

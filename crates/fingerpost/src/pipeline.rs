@@ -5,6 +5,7 @@ mod lane_watch;
 mod parts;
 mod passed_over;
 
+use fingerpost_control::FuzzyError;
 use fingerpost_geometry::{Camera, GeometryError, View};
 use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
@@ -13,12 +14,13 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
 
+use crate::advice::{Advice, AdviceStage};
 use crate::calibration_check::{self, CalibrationFault};
 use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
 use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
-use crate::fix::{FixStage, MapFix, NearPlace};
+use crate::fix::{FixEvidence, FixInput, FixStage, MapFix, NearPlace};
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
 use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
@@ -72,6 +74,8 @@ pub enum Stage {
     Centreline,
     /// The lane by its markings.
     Lanes,
+    /// The line that leads to steering angle and speed.
+    Advice,
 }
 
 /// What the method says after a frame.
@@ -99,6 +103,8 @@ pub struct FrameOutput {
     pub lane: Option<Lane>,
     /// How the vehicle moves towards the lane's edges; none for a camera known by points and where no lane is looked for.
     pub departure: Option<DepartureOutput>,
+    /// Steering angle and speed for a controller.
+    pub advice: Advice,
     /// What was decided and what decided it.
     pub why: String,
 }
@@ -130,6 +136,8 @@ pub struct FrameEvidence<'a> {
     pub departure: Option<DepartureEvidence>,
     /// The masks of the followed feature, or else of the one searched for, where they matched best.
     pub masks: Option<PlacedMasks<'a>>,
+    /// What was made of measurements of the vehicle's place; none without a map.
+    pub fix: Option<FixEvidence>,
 }
 
 /// A pipeline that cannot be set up, or a frame that cannot be processed.
@@ -153,6 +161,9 @@ pub enum PipelineError {
     /// The motion cannot be found.
     #[error(transparent)]
     Motion(#[from] MotionError),
+    /// The advice's rules cannot be used.
+    #[error("advice.rules: {0}")]
+    Advice(#[from] FuzzyError),
     /// The lane cannot be looked for.
     #[error(transparent)]
     Lane(#[from] LaneError),
@@ -181,6 +192,7 @@ pub struct Pipeline {
     matcher: Box<dyn FeatureMatcher>,
     tracker: Box<dyn FeatureTracker>,
     lanes: LaneWatch,
+    advice: AdviceStage,
     map: Option<TangentPlane>,
     /// None without a map.
     fix: Option<FixStage>,
@@ -259,6 +271,7 @@ impl Pipeline {
             matcher: parts.take_matcher(config, view.grid()),
             tracker,
             lanes: LaneWatch::new(parts.take_lane_finder(config)?),
+            advice: AdviceStage::new(config)?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             fix: None,
             config: config.clone(),
@@ -272,7 +285,8 @@ impl Pipeline {
 
     /// Says in every frame from now on where the vehicle is on this map, known to be near a place or anywhere.
     pub fn locate_on(&mut self, graph: &RoadGraph, near: Option<NearPlace>) {
-        self.fix = Some(FixStage::new(graph, self.config.vehicle.traffic, near));
+        let stage = FixStage::new(graph, self.config.vehicle.traffic, near);
+        self.fix = Some(stage.with_route(self.tracker.stops(), self.map.as_ref()));
     }
 
     /// Takes one frame in. `finished` is told after each stage, so that the caller can time them. Output and evidence
@@ -336,10 +350,13 @@ impl Pipeline {
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 
-        if let Some(stage) = fix {
-            output.fix = stage.step(sensors.dt_s, &ego.vehicle, motion, gps);
+        let fix_evidence = fix.as_mut().map(|stage| {
+            let input = FixInput { gps, followed: output.track.followed.as_ref() };
+            let (fix, evidence) = stage.step(sensors.dt_s, &ego.vehicle, motion, input);
+            output.fix = fix;
             finished(Stage::Fix);
-        }
+            evidence
+        });
         output.motion = ego.motion;
         output.vehicle = ego.vehicle;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);
@@ -366,9 +383,18 @@ impl Pipeline {
             turns_through: lanes.turns_through,
             ways: centreline_evidence.ways.as_ref(),
             departure: output.departure.as_ref(),
+            fix: fix_evidence.as_ref(),
         }
         .write_to(&mut output.why);
         finished(Stage::Lanes);
+
+        self.advice.step(
+            output,
+            tracker.stops(),
+            (&track_evidence.decision, centreline_evidence),
+            sensors.dt_s,
+        );
+        finished(Stage::Advice);
 
         let evidence = FrameEvidence {
             ground,
@@ -383,6 +409,7 @@ impl Pipeline {
             lanes: lanes.evidence,
             departure: lanes.departure,
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
+            fix: fix_evidence,
         };
         Ok((output, evidence))
     }
@@ -405,6 +432,11 @@ impl Pipeline {
     /// The tracker with the features of the route.
     pub fn tracker(&self) -> &dyn FeatureTracker {
         &*self.tracker
+    }
+
+    /// The texts of the rules that the advice goes by, in their order; none of controllers without rules.
+    pub fn advice_rules(&self) -> impl Iterator<Item = &str> {
+        self.advice.rules()
     }
 
     /// The configuration in force.

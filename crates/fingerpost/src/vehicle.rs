@@ -57,13 +57,31 @@ pub struct VehicleConfig {
     /// Radius of the tightest path of the rear axle's middle, metres.
     #[schemars(range(min = 0.5, max = 50.0))]
     pub turning_radius_m: f64,
+    /// Distance between the axles, metres.
+    #[schemars(range(min = 0.2, max = 20.0))]
+    pub wheelbase_m: f64,
+    /// How fast the front wheels can be turned, degrees a second.
+    #[schemars(range(min = 1.0, max = 360.0))]
+    pub steering_rate_deg_per_s: f64,
+    /// Time from a steering angle that is asked for to the wheels having it, seconds.
+    #[schemars(range(min = 0.0, max = 3.0))]
+    pub steering_lag_s: f64,
     /// Side of the road that the vehicle keeps to.
     pub traffic: Traffic,
 }
 
 impl Default for VehicleConfig {
     fn default() -> Self {
-        Self { width_m: 1.8, margin_m: 0.1, turning_radius_m: 5.0, traffic: Traffic::Right }
+        Self {
+            width_m: 1.8,
+            margin_m: 0.1,
+            turning_radius_m: 5.0,
+            wheelbase_m: 2.7,
+            // 0.4 rad/s: M. Althoff, M. Koschi and S. Manzinger, "CommonRoad", 2017, vehicle models.
+            steering_rate_deg_per_s: 23.0,
+            steering_lag_s: 0.2,
+            traffic: Traffic::Right,
+        }
     }
 }
 

@@ -1,16 +1,18 @@
-//! The sentence that says what was decided in a frame and what decided it: of the route's feature, then of the lane.
+//! The sentence that says what was decided in a frame and what decided it: of the route's feature, of the place on the map, then of the
+//! lane.
 
 mod words;
 
 use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
-    Along, CameraWords, DepartureWords, FeatureName, FollowedWords, Frames, Hundredths, LackWords, LaneWords,
-    MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords, Threshold,
-    TooTightWords, WaysWords,
+    Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, Frames, Hundredths, LackWords,
+    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords,
+    Threshold, TooTightWords, WaysWords,
 };
 use crate::centreline::Ways;
 use crate::driving_line::DrivingLine;
+use crate::fix::FixEvidence;
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::mount::MountEstimate;
@@ -40,6 +42,8 @@ pub(crate) struct Why<'a> {
     pub(crate) ways: Option<&'a Ways>,
     /// How the vehicle moves towards the lane's edges, where that is known.
     pub(crate) departure: Option<&'a DepartureOutput>,
+    /// What was made of measurements of the vehicle's place, where there is a map.
+    pub(crate) fix: Option<&'a FixEvidence>,
 }
 
 impl Why<'_> {
@@ -68,6 +72,9 @@ impl Display for Why<'_> {
         }
         if self.turns_through {
             f.write_str("; no lane is claimed while the vehicle turns through the junction")?;
+        }
+        if let Some(evidence) = self.fix {
+            write!(f, "{}", FixWords { evidence, stops: self.stops })?;
         }
         let Some((lane, evidence)) = self.lane else { return Ok(()) };
         let kept_frames = Side::BOTH.map(|side| lane.edge(side).map(|edge| edge.kept_frames));

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fingerpost::Config;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{OsmData, RoadGraph, Route};
 use fingerpost_sim::{
-    Conditions, RandomRouteOptions, SimConfig, Simulator, World, WorldOptions, random_drive, random_route,
+    Conditions, DrivingHabits, MapFault, RandomRouteOptions, SimConfig, Simulator, World, WorldOptions,
+    misled_route, random_drive, random_route,
 };
 
 use crate::arguments::{InputLimit, PictureSize};
@@ -24,6 +25,10 @@ pub(crate) const DEFAULT_CONDITIONS: [&str; 8] =
 const SIZE: PictureSize = PictureSize { width: 480, height: 360 };
 /// Their rate, frames a second.
 const FPS: f64 = 10.0;
+/// Length of the routes of steered vehicles, metres.
+const STEERED_M: [f64; 2] = [150.0, 700.0];
+/// Features that a route may have more than asked for.
+const MORE_FEATURES: usize = 3;
 
 /// What drives are drawn from.
 pub(crate) struct Drawing {
@@ -53,6 +58,20 @@ impl Drawing {
     }
 }
 
+impl Drawing {
+    fn world_options(&self) -> WorldOptions {
+        let size_px = self.size.map(|size| [size.width, size.height]);
+        WorldOptions { size_px, fps: self.fps, ..WorldOptions::default() }
+    }
+
+    /// A day of the one world.
+    fn day(&self, seed: u64, conditions: &str) -> Result<SimConfig> {
+        let conditions = Conditions::named(conditions)?;
+        let drawn = random_drive(seed, &conditions);
+        Ok(SimConfig { fps: self.fps.unwrap_or(FPS), corners: corners(&conditions), ..drawn })
+    }
+}
+
 /// What is driven, and what the method is told of it.
 pub(crate) struct Plan {
     pub(crate) simulator: Simulator,
@@ -67,28 +86,84 @@ impl Plan {
     /// The drive of a seed.
     pub(crate) fn new(drawing: &Drawing, seed: u64, conditions: &str) -> Result<Self> {
         if conditions == WORLD {
-            let size_px = drawing.size.map(|size| [size.width, size.height]);
-            let options = WorldOptions { size_px, fps: drawing.fps };
-            let world = World::draw(seed, &drawing.osm, &options)?;
-            return Ok(Self {
-                simulator: world.simulator()?,
-                fps: world.config.fps,
-                config: Config {
-                    vehicle: known_vehicle(&world, &drawing.config.vehicle),
-                    ..drawing.config.clone()
-                },
-                camera: world.calibration,
-                route: world.route,
-                start_m: world.start_m,
-            });
+            let world = World::draw(seed, &drawing.osm, &drawing.world_options())?;
+            return Self::in_world(drawing, world);
         }
         let route = random_route(&drawing.graph, seed, &RandomRouteOptions::default())?;
-        let conditions = Conditions::named(conditions)?;
-        let drawn = random_drive(seed, &conditions);
-        let fps = drawing.fps.unwrap_or(FPS);
-        let config = SimConfig { fps, corners: corners(&conditions), ..drawn };
+        let config = drawing.day(seed, conditions)?;
+        let roads = (&drawing.graph, &route);
+        Self::in_one_world(drawing, roads, config, route.clone())
+    }
+
+    /// The drive of a seed for a vehicle that is steered, which neither wanders nor keeps aside: a route of `features` or up to
+    /// three more, on a map with a fault where one is given. Of a world the map has its own.
+    pub(crate) fn steered(
+        drawing: &Drawing,
+        seed: u64,
+        conditions: &str,
+        features: usize,
+        fault: Option<MapFault>,
+    ) -> Result<Self> {
+        let [shortest_m, longest_m] = STEERED_M;
+        if conditions == WORLD {
+            if fault.is_some() {
+                bail!(
+                    "a world has errors of its map of its own; give no --fault of the map, or other conditions"
+                );
+            }
+            let options = WorldOptions {
+                features: Some([features, features + MORE_FEATURES]),
+                route_m: Some(STEERED_M),
+                ..drawing.world_options()
+            };
+            let mut world = World::draw(seed, &drawing.osm, &options)?;
+            world.config.habits = DrivingHabits::default();
+            world.config.conditions.wander_m = 0.0;
+            return Self::in_world(drawing, world);
+        }
+        let wanted = RandomRouteOptions {
+            length_m: shortest_m..=longest_m,
+            features: features..=features + MORE_FEATURES,
+            ..RandomRouteOptions::default()
+        };
+        let (route, driven) = match fault {
+            Some(fault) => misled_route(&drawing.osm, fault, seed, &wanted)?,
+            None => {
+                let route = random_route(&drawing.graph, seed, &wanted)?;
+                (route.clone(), route)
+            }
+        };
+        let mut config = drawing.day(seed, conditions)?;
+        config.conditions.wander_m = 0.0;
+        config.vehicle.turning_radius_m = drawing.config.vehicle.turning_radius_m;
+        config.vehicle.wheelbase_m = drawing.config.vehicle.wheelbase_m;
+        config.vehicle.width_m = drawing.config.vehicle.width_m;
+        Self::in_one_world(drawing, (&drawing.graph, &driven), config, route)
+    }
+
+    fn in_world(drawing: &Drawing, world: World) -> Result<Self> {
         Ok(Self {
-            simulator: Simulator::new(&drawing.graph, &route, &drawing.camera, &config)?,
+            simulator: world.simulator()?,
+            fps: world.config.fps,
+            config: Config {
+                vehicle: known_vehicle(&world, &drawing.config.vehicle),
+                ..drawing.config.clone()
+            },
+            camera: world.calibration,
+            route: world.route,
+            start_m: world.start_m,
+        })
+    }
+
+    /// On these roads along this route; `route` is the one that is known.
+    fn in_one_world(
+        drawing: &Drawing,
+        (roads, driven): (&RoadGraph, &Route),
+        config: SimConfig,
+        route: Route,
+    ) -> Result<Self> {
+        Ok(Self {
+            simulator: Simulator::new(roads, driven, &drawing.camera, &config)?,
             fps: config.fps,
             config: drawing.config.clone(),
             camera: drawing.camera.clone(),

@@ -33,7 +33,11 @@ impl WorldArgs {
             None => OsmData::from_bytes(TOWN_OSM)?,
         };
         let size_px = args.size.map(|size| [size.width, size.height]);
-        let mut world = World::draw(args.seed, &osm, &WorldOptions { size_px, fps: args.fps })?;
+        let mut world = World::draw(
+            args.seed,
+            &osm,
+            &WorldOptions { size_px, fps: args.fps, ..WorldOptions::default() },
+        )?;
         world.config.frames = args.frames();
         let vehicle = VehicleSettings { vehicle: known_vehicle(&world, &VehicleConfig::default()) };
         let vehicle = toml::to_string(&vehicle).context("the vehicle cannot be written as TOML")?;

@@ -44,6 +44,7 @@ pub(crate) fn check(subject: &Subject, fault: Fault, seen: &Seen) -> usize {
             "frames.jsonl",
             "pictures",
             "report.html",
+            "run.mcap",
             "summary.json",
         ];
         assert!(known.contains(&name.as_str()) || name.ends_with(".fingerpost-tmp"), "{name}");

@@ -107,7 +107,7 @@ fn a_lens_is_found_from_rendered_boards() {
         "wall.png: no chessboard was found",
         "half.png: corners are cut off by the picture's edge",
         "broken.png",
-        "neither PNG nor JPEG",
+        "neither PNG, JPEG nor binary PPM",
         "7 of 10 pictures",
         "calibrate mount",
     ] {

@@ -78,10 +78,23 @@ fn a_disk_that_fills_up_keeps_the_frames_that_fit() {
         let run = drive.run_line(&drive.path(), out.path());
         let program = env!("CARGO_BIN_EXE_fingerpost");
         let limit = format!("trap '' XFSZ; ulimit -f {BLOCKS_OF_512_BYTES}");
-        let script = format!("{limit}; exec {program} {run} --threads {threads}");
+        let script = format!("{limit}; exec {program} {run} --threads {threads} --no-recording");
         let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
         called.refused(1, &["frames.jsonl cannot be written", "results so far are in"]);
         let count = frames(out.path()).len();
         assert!((5..60).contains(&count), "{count} frames in 24 kB");
     }
+}
+
+#[test]
+fn a_disk_that_fills_up_keeps_the_records_of_a_recorded_run() {
+    const BLOCKS_OF_512_BYTES: usize = 900;
+    let (drive, out) = (Drive::get(), TempDir::new().unwrap());
+    let run = drive.run_line(&drive.path(), out.path());
+    let program = env!("CARGO_BIN_EXE_fingerpost");
+    let script = format!("trap '' XFSZ; ulimit -f {BLOCKS_OF_512_BYTES}; exec {program} {run}");
+    let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());
+    called.refused(1, &["run.mcap", "the recording cannot be written", "results so far are in"]);
+    let (count, summary) = (frames(out.path()).len(), summary(out.path()));
+    assert!(count > 0 && summary.interrupted && summary.frames == count as u64);
 }

@@ -102,3 +102,34 @@ fn logs_that_cannot_be_used_are_named_with_their_line() {
         assert!(!folder.path().join("out").exists());
     }
 }
+
+/// A log that stutters: words between numbers, lines twice and late, speeds of no car, and five seconds in which nothing came. Every
+/// fault is counted, and the lines that can be used have their fixes.
+#[test]
+fn faults_of_a_motion_log_are_counted_and_survived() {
+    let folder = TempDir::new().unwrap();
+    write_logs(folder.path());
+    let mut motion = "t_s,speed_mps,yaw_rate_rps\n".to_owned();
+    for tenth in 0..100 {
+        let t_s = 0.1 * f64::from(tenth) + if tenth >= 60 { 5.0 } else { 0.0 };
+        writeln!(motion, "{t_s:.1},{}.0,0.01", 5 + tenth % 3).unwrap();
+        match tenth {
+            10 | 20 => writeln!(motion, "{:.2},none,0.0", t_s + 0.05).unwrap(),
+            30..33 => writeln!(motion, "{:.2},6.0,0.0", t_s - 1.0).unwrap(),
+            40 => writeln!(motion, "{:.2},6e7,0.0", t_s + 0.05).unwrap(),
+            _ => {}
+        }
+    }
+    fs::write(folder.path().join("motion.csv"), motion).unwrap();
+    let called = locate(folder.path(), "", "out").done();
+    assert!(called.stderr.contains("5 lines are passed over") && called.stderr.contains("no car drives"));
+    let summary: LocationSummary = serde_json::from_str(&called.stdout).unwrap();
+    let faults = summary.motion;
+    assert_eq!((faults.not_numbers, faults.not_later, faults.impossible, faults.gaps), (2, 3, 1, 1));
+    assert!((faults.longest_gap_s - 5.1).abs() < 1e-9 && faults.longest_repeat_s == 0.0);
+    let fixes: Vec<FixLine> =
+        from_json_lines(&fs::read_to_string(folder.path().join("out/fix.jsonl")).unwrap()).unwrap();
+    assert_eq!(fixes.len(), 100);
+    let unseen: Vec<usize> = (0..100).filter(|&row| fixes[row].unseen_s.is_some()).collect();
+    assert_eq!(unseen, [60]);
+}

@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod about;
+#[cfg(unix)]
+mod advising;
 mod bad_inputs;
 mod broken_frames;
 mod calibrating;
@@ -12,6 +14,7 @@ mod can;
 mod centreline;
 mod chessboard;
 mod claims;
+mod closed_loop;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;

@@ -3,7 +3,7 @@
 use crate::made_by_hand::{drive_north, moved, record, seen};
 use fingerpost_eval::{EvalError, FeatureIdentity, evaluate_junctions, feature_summaries};
 use fingerpost_format::TrackState::{Arrived, Lost, Searching, Tracking};
-use fingerpost_format::{ErrorQuantiles, FrameRecord};
+use fingerpost_format::{ErrorQuantiles, FixRecord, FrameRecord, TruthRecord};
 
 const ROUTE: [i64; 2] = [1, 2];
 
@@ -43,6 +43,33 @@ fn detection_arrival_and_errors_by_hand() {
     assert_quantiles(summary.position_error_m, [0.2, 0.5, 0.5]);
     assert_quantiles(evaluation.arrived_position_error_m, [1.0, 1.0, 1.0]);
     assert_eq!((summary.motion_error_pct, summary.fix_error_m, summary.bound_violations), (None, None, None));
+}
+
+#[test]
+fn fixes_are_measured_from_the_true_place_and_against_their_bound() {
+    // At 60 degrees north, half as far to the east as to the north.
+    let truth: Vec<_> =
+        drive_north(4).into_iter().map(|truth| TruthRecord { lat: 60.0, lon: 10.0, ..truth }).collect();
+    let fix = |north_deg: f64, east_deg: f64, bound_m: Option<f64>| FixRecord {
+        lat: 60.0 + north_deg,
+        lon: 10.0 + east_deg,
+        heading_rad: 0.0,
+        sigma_m: 1.0,
+        bound_m,
+        status: None,
+        measurements: Vec::new(),
+    };
+    let fixes =
+        [Some(fix(1e-4, 0.0, Some(11.0))), Some(fix(0.0, 1e-4, Some(11.0))), Some(fix(0.0, 0.0, None)), None];
+    let run: Vec<_> = fixes
+        .into_iter()
+        .zip(0..)
+        .map(|(fix, frame)| FrameRecord { fix, ..record(frame, Searching) })
+        .collect();
+    let summary = evaluate_junctions(&run, &truth, &[]).unwrap().summary;
+    let error_m = summary.fix_error_m.unwrap();
+    assert!((error_m.max - 11.12).abs() < 0.01 && (error_m.p50 - 5.56).abs() < 0.01, "{error_m:?}");
+    assert_eq!(summary.bound_violations, Some(1));
 }
 
 #[test]

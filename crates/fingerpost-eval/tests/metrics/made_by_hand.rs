@@ -23,6 +23,7 @@ pub(crate) fn record(frame: u64, state: TrackState) -> FrameRecord {
         no_centreline: None,
         lanes: None,
         fix: None,
+        advice: None,
         route_m: None,
         stage_ms: BTreeMap::new(),
         why: String::new(),

@@ -204,9 +204,28 @@ pub(crate) struct Drive {
 
 impl Drive {
     pub(crate) fn of(osm: &OsmData, numbers: &mut Numbers) -> Self {
-        let map = RoadGraph::from_osm(&drawn(osm, 1.2, 0.5, numbers)).unwrap();
-        let roads = *RoadGraph::from_osm(osm).unwrap().plane();
+        Self::with_map(osm, osm, numbers)
+    }
+
+    /// The same where the map was drawn from something else than the true roads.
+    pub(crate) fn with_map(roads: &OsmData, map: &OsmData, numbers: &mut Numbers) -> Self {
+        let map = RoadGraph::from_osm(&drawn(map, 1.2, 0.5, numbers)).unwrap();
+        let roads = *RoadGraph::from_osm(roads).unwrap().plane();
         Self { locator: Locator::new(&map, Traffic::Right, 1), roads, map: *map.plane() }
+    }
+
+    /// A fix a row, and beside each the true place, in the plane of the map's graph. (Hairpins of the map are driven faster round than
+    /// any car turns: such rows are refused, and the fix before holds.)
+    pub(crate) fn fixes(mut self, rows: &[(MotionSample, Pose)]) -> Vec<(Fix, Point2<f64>)> {
+        let mut fixes: Vec<(Fix, Point2<f64>)> = Vec::with_capacity(rows.len());
+        for (row, pose) in rows {
+            let fix = match self.locator.step(*row) {
+                Ok(fix) => fix.unwrap(),
+                Err(_) => fixes.last().unwrap().0.clone(),
+            };
+            fixes.push((fix, self.in_map(pose)));
+        }
+        fixes
     }
 
     /// A true place in the plane of the map's graph, metres.
@@ -221,8 +240,7 @@ pub(crate) fn fixes(
     rows: &[(MotionSample, Pose)],
     numbers: &mut Numbers,
 ) -> Vec<(Fix, Point2<f64>)> {
-    let mut drive = Drive::of(osm, numbers);
-    rows.iter().map(|(row, pose)| (drive.locator.step(*row).unwrap().unwrap(), drive.in_map(pose))).collect()
+    Drive::of(osm, numbers).fixes(rows)
 }
 
 /// How well a drive is located.

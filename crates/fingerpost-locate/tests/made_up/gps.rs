@@ -3,7 +3,7 @@
 
 use fingerpost_locate::GpsEvidence;
 use fingerpost_map::{OsmData, RoadGraph};
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 
 use crate::drives::{Drive, Numbers, Score, drive, line, score, typical_faults};
 
@@ -13,6 +13,13 @@ const ROWS: usize = 10;
 
 /// Some drives with GPS that is off by `error` (metres, by the time in seconds), if it says anything, with 5 m of noise.
 fn located(error: impl Fn(f64) -> Option<Vector2<f64>>) -> (Score, Vec<(f64, GpsEvidence)>) {
+    located_by(|t_s, truths, noise| Some(truths.last()? + error(t_s)? + noise))
+}
+
+/// The same with the place that GPS gives, by the time (seconds), the true places up to then, one a row, and 5 m of noise.
+fn located_by(
+    place: impl Fn(f64, &[Point2<f64>], Vector2<f64>) -> Option<Point2<f64>>,
+) -> (Score, Vec<(f64, GpsEvidence)>) {
     let osm = OsmData::from_bytes(TOWN).unwrap();
     let roads = RoadGraph::from_osm(&osm).unwrap();
     let mut all = Score::default();
@@ -22,15 +29,15 @@ fn located(error: impl Fn(f64) -> Option<Vector2<f64>>) -> (Score, Vec<(f64, Gps
         let road = std::iter::repeat_with(|| line(&roads, 1200.0, &mut numbers)).flatten().next().unwrap();
         let rows = drive(&road, typical_faults(&mut numbers), &mut numbers);
         let mut located = Drive::of(&osm, &mut numbers);
-        let mut fixes = Vec::new();
+        let (mut fixes, mut truths) = (Vec::new(), Vec::new());
         for (index, (row, pose)) in rows.iter().enumerate() {
             let truth = located.in_map(pose);
+            truths.push(truth);
             let fix = located.locator.step(*row).unwrap().unwrap();
             fixes.push((fix, truth));
             let noise = Vector2::new(numbers.normal(5.0), numbers.normal(5.0));
-            if let Some(error) = error(row.t_s).filter(|_| index % ROWS == 0) {
-                evidence
-                    .extend(located.locator.gps(truth + error + noise).map(|evidence| (row.t_s, evidence)));
+            if let Some(place) = place(row.t_s, &truths, noise).filter(|_| index % ROWS == 0) {
+                evidence.extend(located.locator.gps(place).map(|evidence| (row.t_s, evidence)));
             }
         }
         all.add(&score(&fixes, &rows));
@@ -89,4 +96,28 @@ fn a_drift_of_a_metre_a_second_is_given_up() {
         located(|t_s| Some(Vector2::new((t_s - 30.0).max(0.0) * 0.8, (t_s - 30.0).max(0.0) * 0.6)));
     check(&score);
     assert!(evidence.iter().filter(|(t_s, _)| *t_s > 100.0).all(|(_, evidence)| !evidence.believed));
+}
+
+/// A receiver that has lost its sky and repeats its last place for ever, to the digit: it is believed no more but where a drive comes
+/// by that place again, and moves nothing.
+#[test]
+fn a_place_that_is_repeated_for_ever_is_given_up() {
+    let (score, evidence) =
+        located_by(
+            |t_s, truths, noise| {
+                if t_s < 40.0 { Some(truths.last()? + noise) } else { truths.get(400).copied() }
+            },
+        );
+    check(&score);
+    let later: Vec<bool> =
+        evidence.iter().filter(|(t_s, _)| *t_s > 70.0).map(|(_, evidence)| evidence.believed).collect();
+    let believed = later.iter().filter(|believed| **believed).count();
+    println!("{believed} of {} believed", later.len());
+    assert!(later.len() > 100 && believed * 5 < later.len());
+}
+
+/// Places that come two seconds late lie up to 26 m behind the vehicle. They still tell the street, and the level is kept.
+#[test]
+fn places_that_are_two_seconds_late_do_no_harm() {
+    check(&located_by(|_, truths, noise| Some(truths[truths.len().saturating_sub(21)] + noise)).0);
 }

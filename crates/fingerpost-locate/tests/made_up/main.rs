@@ -5,5 +5,7 @@
 
 #[path = "../drives/mod.rs"]
 mod drives;
+mod faults;
 mod gps;
 mod simulated;
+mod wrong_maps;

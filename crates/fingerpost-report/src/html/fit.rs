@@ -42,6 +42,11 @@ impl Fit {
         Self { sheet, low, high, px_per_m }
     }
 
+    /// Picture units for each metre.
+    pub(crate) fn px_per_m(&self) -> f64 {
+        self.px_per_m
+    }
+
     pub(crate) fn at(&self, p_in_map: Point2<f64>) -> [f64; 2] {
         let Sheet { width, margin, .. } = self.sheet;
         let spare = width - 2.0 * margin - (self.high[0] - self.low[0]) * self.px_per_m;

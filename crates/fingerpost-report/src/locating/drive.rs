@@ -1,21 +1,16 @@
 //! What the page shows of a located drive, gathered row by row.
 
-use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use fingerpost_locate::{Fix, RISK, Rival, Status};
 use nalgebra::Point2;
 
 use super::stanford::Stanford;
-use crate::series::{Series, Stretches};
+use crate::fix_track::{FixTrack, TrackedFix};
+use crate::series::Series;
 
 /// Distances driven at which the hypotheses are kept, metres: about doubling, because every turn rules out a share of them.
 const MOMENTS_M: [f64; 5] = [0.0, 50.0, 100.0, 200.0, 400.0];
-/// A place that lies so much farther from the one before than was driven is another, not a correction, metres: the greatest
-/// correction of a converged fix on three recorded drives is 1.4 m.
-const JUMP_M: f64 = 5.0;
-/// Points of a track are kept this far apart, metres: below a pixel of every map on the page.
-const TRACK_STEP_M: f64 = 1.0;
 
 /// A drive over time: curves are thinned as it goes on, tracks have a point a metre.
 #[derive(Debug, Clone, Default)]
@@ -24,14 +19,9 @@ pub struct LocatedDrive {
     start_s: Option<f64>,
     /// Since the first row.
     pub(super) end_s: f64,
-    pub(super) rows: BTreeMap<Status, usize>,
-    pub(super) statuses: Stretches<Status>,
-    pub(super) level_m: Series,
-    pub(super) error_m: Series,
+    pub(super) fixes: FixTrack,
     pub(super) place_p: Series,
     pub(super) off_map_p: Series,
-    pub(super) track: Vec<TrackPiece>,
-    pub(super) truth: Vec<Point2<f64>>,
     pub(super) moments: Vec<Moment>,
     /// The next of the distances at which the hypotheses are kept.
     next_moment: usize,
@@ -48,14 +38,6 @@ pub(super) struct Convergence {
     pub(super) after_s: f64,
     /// Driven by then.
     pub(super) after_m: f64,
-    pub(super) place_m: Point2<f64>,
-}
-
-/// A stretch of fixes of one status that goes on without a jump.
-#[derive(Debug, Clone)]
-pub(super) struct TrackPiece {
-    pub(super) status: Status,
-    pub(super) points: Vec<Point2<f64>>,
 }
 
 /// All hypotheses at one time.
@@ -78,21 +60,12 @@ impl LocatedDrive {
     pub fn add(&mut self, fix: &Fix, true_m: Option<Point2<f64>>, places: impl FnOnce() -> Vec<Rival>) {
         let t_s = fix.t_s - *self.start_s.get_or_insert(fix.t_s);
         self.end_s = t_s;
-        *self.rows.entry(fix.status).or_default() += 1;
-        self.statuses.push(t_s, fix.status);
-        let error_m = true_m.map(|true_m| (fix.place_m - true_m).norm());
-        self.level_m.push(t_s, fix.level_m);
-        self.error_m.push(t_s, error_m);
+        let Fix { driven_m, place_m, level_m, status, .. } = *fix;
+        self.fixes.add(TrackedFix { t_s, driven_m, place_m, level_m, status }, true_m);
         self.place_p.push(t_s, Some(fix.mass));
         self.off_map_p.push(t_s, Some(fix.off_map));
-        if let Some(error_m) = error_m {
-            self.stanford.add(fix.status, error_m, fix.level_m);
-        }
-        self.add_to_track(fix);
-        if let Some(true_m) = true_m
-            && self.truth.last().is_none_or(|last| (true_m - last).norm() >= TRACK_STEP_M)
-        {
-            self.truth.push(true_m);
+        if let Some(true_m) = true_m {
+            self.stanford.add(status, (place_m - true_m).norm(), level_m);
         }
         if let Some(name) = self.due_moment(fix, t_s) {
             self.moments.push(Moment::of(name, fix, true_m, places()));
@@ -114,23 +87,6 @@ impl LocatedDrive {
         0.0..=self.end_s
     }
 
-    fn add_to_track(&mut self, fix: &Fix) {
-        let (status, place_m) = (fix.status, fix.place_m);
-        let goes_on =
-            |before: &&Fix| (place_m - before.place_m).norm() <= fix.driven_m - before.driven_m + JUMP_M;
-        let joined_m = self.last.as_ref().filter(goes_on).map(|before| before.place_m);
-        match self.track.last_mut() {
-            Some(piece) if piece.status == status && joined_m.is_some() => {
-                if piece.points.last().is_none_or(|last| (place_m - last).norm() >= TRACK_STEP_M) {
-                    piece.points.push(place_m);
-                }
-            }
-            _ => self
-                .track
-                .push(TrackPiece { status, points: joined_m.into_iter().chain([place_m]).collect() }),
-        }
-    }
-
     /// Name of the moment that a fix is, if it is one.
     fn due_moment(&mut self, fix: &Fix, t_s: f64) -> Option<String> {
         let converges = fix.status == Status::Converged && self.converged.is_none();
@@ -138,7 +94,7 @@ impl LocatedDrive {
             MOMENTS_M.iter().skip(self.next_moment).take_while(|at_m| **at_m <= fix.driven_m).count();
         self.next_moment += passed;
         if converges {
-            self.converged = Some(Convergence { after_s: t_s, after_m: fix.driven_m, place_m: fix.place_m });
+            self.converged = Some(Convergence { after_s: t_s, after_m: fix.driven_m });
             Some(format!("on convergence, after {:.0} m", fix.driven_m))
         } else if passed > 0 && fix.driven_m > 0.0 {
             Some(format!("after {:.0} m", fix.driven_m))

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::drive::Moment;
-use super::{LocatingInput, map, words};
+use super::{LocatingInput, words};
+use crate::fix_track::roads;
 use crate::html::{Fit, Sheet, px};
 use crate::palette;
 
@@ -24,14 +25,14 @@ pub(super) fn moments(input: &LocatingInput<'_>) -> Markup {
         p {
             "All roads of the map, and a dot wherever the vehicle may be: its area is the probability (the smallest are drawn \
              larger, to be seen)."
-            @if !input.drive.truth.is_empty() { " The cross is where it was." }
+            @if !input.drive.fixes.truth.is_empty() { " The cross is where it was." }
         }
         div class="stages" {
             @for (i, moment) in input.drive.moments.iter().enumerate() {
                 figure class="chart" {
                     svg viewBox=(fit.view_box()) role="img" aria-label={ "Hypotheses " (moment.name) } {
                         // The roads are drawn once and shown in every map.
-                        @if i == 0 { path id="roads" class="road" d=(map::roads(input.graph, &fit)) {} }
+                        @if i == 0 { path id="roads" class="road" d=(roads(input.graph, &fit)) {} }
                         @else { use href="#roads" {} }
                         (dots(moment, &fit))
                         @if let Some([x, y]) = moment.true_m.map(|p| fit.at(p)) {

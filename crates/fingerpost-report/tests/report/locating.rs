@@ -11,7 +11,7 @@ use nalgebra::{Matrix2, Point2};
 use crate::page::{closed_tags, svgs};
 
 /// Parallel streets, each of some pieces that are ways of their own.
-fn streets(count: i64, pieces: i64) -> RoadGraph {
+pub(crate) fn streets(count: i64, pieces: i64) -> RoadGraph {
     let mut osm = OsmData::default();
     for street in 0..count {
         for node in 0..=pieces {
@@ -83,6 +83,7 @@ fn summary(truth: Option<LocationScores>) -> LocationSummary {
         statuses: BTreeMap::new(),
         converged_s: None,
         risk: RISK,
+        motion: fingerpost_format::MotionFaults::default(),
         most_hypotheses: 2,
         gps: None,
         row_ms: None,

@@ -1,9 +1,10 @@
 //! The report page: whole, well-formed, escaped, small.
 
+use crate::locating::streets;
 use crate::painted_run::{camera, painted_run};
 use fingerpost_format::{
-    DepartureRecord, FrameRecord, LaneEdgeRecord, LanesRecord, MarkingRecord, Side, Summary, TrackState,
-    TruthRecord,
+    DepartureRecord, FixRecord, FixStatus, FrameRecord, LaneEdgeRecord, LanesRecord, MarkingRecord,
+    MotionRecord, Side, Summary, TrackState, TruthRecord,
 };
 use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, Timeline, report_html};
 
@@ -48,7 +49,9 @@ fn the_page_of_a_drive_holds_everything() {
         summary: &run.summary,
         truth: Some(&run.truth),
         route: Some(&run.route),
+        roads: None,
         thresholds: THRESHOLDS,
+        rules: &[],
         config_toml: "[track]\nlost_frames = 10 # <10>\n",
         key_frames: &run.key_frames,
     });
@@ -94,6 +97,7 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
         no_centreline: None,
         lanes: None,
         fix: None,
+        advice: None,
         route_m: None,
         stage_ms: std::collections::BTreeMap::new(),
         why,
@@ -113,7 +117,9 @@ fn losses_are_listed_with_their_reasons_once_each() {
         summary: &Summary::default(),
         truth: None,
         route: None,
+        roads: None,
         thresholds: THRESHOLDS,
+        rules: &[],
         config_toml: "",
         key_frames: &KeyFrames::default(),
     });
@@ -122,6 +128,56 @@ fn losses_are_listed_with_their_reasons_once_each() {
     assert!(page.contains("and 20 more"), "60 losses, 40 listed");
     assert!(page.contains("cannot be decoded: &lt;end&gt; of file"));
     assert!(!page.contains("OpenStreetMap"), "no map, no attribution");
+}
+
+/// Fixes along a street, 3 m beside the true places; the first half without a level.
+#[test]
+fn fixes_have_a_map_of_the_roads_and_their_level_over_time() {
+    let graph = streets(3, 10);
+    let at = |frame: u64| 9.0 + 1e-5 * frame as f64;
+    let fix = |frame: u64| FixRecord {
+        lat: 47.000_027,
+        lon: at(frame),
+        heading_rad: 0.0,
+        sigma_m: 2.0,
+        bound_m: (frame >= 50).then_some(8.0),
+        status: Some(if frame >= 50 { FixStatus::Converged } else { FixStatus::Ambiguous }),
+        measurements: Vec::new(),
+    };
+    let moved = |forward_m| MotionRecord { forward_m, left_m: 0.0, yaw_rad: 0.0, quality: 1.0 };
+    let records: Vec<FrameRecord> = (0..100)
+        .map(|frame| FrameRecord {
+            fix: Some(fix(frame)),
+            motion: Some(moved(0.76)),
+            ..record(frame, TrackState::NoRoute, String::new())
+        })
+        .collect();
+    let truth: Vec<TruthRecord> = (0..100)
+        .map(|frame| TruthRecord { frame, lat: 47.0, lon: at(frame), ..TruthRecord::default() })
+        .collect();
+    let page = |records: &[FrameRecord], roads| {
+        report_html(&ReportInput {
+            title: "located",
+            timeline: &Timeline::of(records, Some(&truth)),
+            summary: &Summary::default(),
+            truth: Some(&truth),
+            route: None,
+            roads,
+            thresholds: THRESHOLDS,
+            rules: &[],
+            config_toml: "",
+            key_frames: &KeyFrames::default(),
+        })
+    };
+    let with_roads = page(&records, Some(&graph));
+    assert!(with_roads.contains("Place on the map") && with_roads.contains("OpenStreetMap"));
+    assert!(with_roads.contains("Map of the drive") && with_roads.contains(">converged</text>"));
+    let without_roads = page(&records, None);
+    assert_eq!(svgs(&with_roads), svgs(&without_roads) + 1);
+    assert!(without_roads.contains("distance of the fix from the true place"));
+    let nowhere: Vec<FrameRecord> =
+        records.iter().map(|record| FrameRecord { fix: None, ..record.clone() }).collect();
+    assert!(!page(&nowhere, Some(&graph)).contains("Place on the map"));
 }
 
 #[test]
@@ -157,7 +213,9 @@ fn the_lane_has_curves_and_its_warnings_a_list() {
             summary: &Summary::default(),
             truth: None,
             route: None,
+            roads: None,
             thresholds: THRESHOLDS,
+            rules: &[],
             config_toml: "",
             key_frames: &KeyFrames::default(),
         })
@@ -210,7 +268,9 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
             summary: &Summary::default(),
             truth,
             route: None,
+            roads: None,
             thresholds: THRESHOLDS,
+            rules: &[],
             config_toml: "",
             key_frames: &KeyFrames::default(),
         })

@@ -143,6 +143,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         no_centreline: None,
         lanes: None,
         fix: None,
+        advice: None,
         route_m: output.track.route_m,
         stage_ms: BTreeMap::new(),
         why: output.why.clone(),

@@ -39,6 +39,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         camera: Default::default(),
         track: TrackOutput::default(),
         fix: None,
+        advice: Default::default(),
         mount: None,
         vehicle: Default::default(),
         centreline: None,
@@ -68,6 +69,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         lanes,
         departure: None,
         masks: None,
+        fix: None,
     };
     let picture = RgbImage::new(camera.width(), camera.height());
     StagePictures::draw(&Scene {

@@ -4,7 +4,7 @@ use super::{Conditions, LaneMarkings, Markings};
 use crate::SimError;
 
 /// Names of the presets, in the order of the documentation.
-const NAMES: [&str; 22] = [
+const NAMES: [&str; 25] = [
     "clear",
     "unmarked",
     "shadows",
@@ -16,6 +16,9 @@ const NAMES: [&str; 22] = [
     "dust",
     "street",
     "street_shade",
+    "hills",
+    "knocked",
+    "dirty_lens",
     "lane_continuous",
     "lane_broken",
     "lane_double",
@@ -35,6 +38,8 @@ impl Conditions {
         markings: Markings::Lines,
         lanes: LaneMarkings::WHITE,
         undulation_m: 0.03,
+        hill_slope: 0.0,
+        camera_knock_rad: 0.0,
         // A tenth of a degree: a sedan at 30 km/h on a good road.
         suspension_rms_rad: 0.0022,
         // A tenth of a degree for each m/s2: about 1 degree for each g.
@@ -192,6 +197,15 @@ impl Conditions {
         ..Self::STREET
     };
 
+    /// Hills of up to 8 %, with crests behind which the road is not seen.
+    pub const HILLS: Self = Self { hill_slope: 0.08, ..Self::CLEAR };
+
+    /// A clear day on which something knocks the camera out of place, by 1.7 degrees.
+    pub const KNOCKED: Self = Self { camera_knock_rad: 0.03, ..Self::CLEAR };
+
+    /// A clear day behind a dirty lens.
+    pub const DIRTY_LENS: Self = Self { lens_dirt: 0.15, ..Self::CLEAR };
+
     /// The preset of that name, one of [`Self::names`].
     ///
     /// ```
@@ -215,6 +229,9 @@ impl Conditions {
             "dust" => Ok(Self::DUST),
             "street" => Ok(Self::STREET),
             "street_shade" => Ok(Self::STREET_SHADE),
+            "hills" => Ok(Self::HILLS),
+            "knocked" => Ok(Self::KNOCKED),
+            "dirty_lens" => Ok(Self::DIRTY_LENS),
             "lane_continuous" => Ok(Self::LANE_CONTINUOUS),
             "lane_broken" => Ok(Self::LANE_BROKEN),
             "lane_double" => Ok(Self::LANE_DOUBLE),

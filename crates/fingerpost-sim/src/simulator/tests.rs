@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use super::*;
 use crate::TrafficSide;
 
-fn in_town(config: &SimConfig) -> Simulator {
+pub(crate) fn in_town(config: &SimConfig) -> Simulator {
     let town = OsmData::from_bytes(include_bytes!("../../assets/town.osm")).unwrap();
     let graph = RoadGraph::from_osm(&town).unwrap();
     let route = read_route(include_str!("../../assets/town_route.geojson")).unwrap();

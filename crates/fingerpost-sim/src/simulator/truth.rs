@@ -3,7 +3,7 @@
 use fingerpost_format::{MarkingRecord, TruthRecord};
 use nalgebra::{Point2, Point3, Vector2};
 
-use super::Simulator;
+use super::{Moment, Simulator};
 use crate::drive::VehicleState;
 use crate::kerb_lines::kerbs_ahead;
 use crate::truth::EdgeSeen;
@@ -11,7 +11,11 @@ use crate::truth::EdgeSeen;
 impl Simulator {
     /// The truth of that frame, without rendering it.
     pub fn truth(&self, index: usize) -> TruthRecord {
-        let state = self.state(index);
+        self.truth_of(&self.moment(index))
+    }
+
+    pub(crate) fn truth_of(&self, moment: &Moment) -> TruthRecord {
+        let state = moment.state;
         let place = self.plane.wgs84_from_map(state.p_in_map);
         let target = self.targets.iter().find(|target| target.route_m > state.route_m);
         let (sin, cos) = state.heading_rad.sin_cos();
@@ -20,11 +24,11 @@ impl Simulator {
             Vector2::new(cos * offset.x + sin * offset.y, cos * offset.y - sin * offset.x)
         });
         let [kerb_left_m, kerb_right_m] =
-            if self.has_heights() { self.kerbs_ahead(index) } else { Default::default() };
+            if self.has_heights() { self.kerbs_ahead(moment) } else { Default::default() };
         let [(left, lane_left_marking), (right, lane_right_marking)] = self.lanes_of(&state);
         TruthRecord {
-            frame: index as u64,
-            t_s: index as f64 / self.fps,
+            frame: moment.frame,
+            t_s: moment.t_s,
             x_m: state.p_in_map.x,
             y_m: state.p_in_map.y,
             heading_rad: state.heading_rad,
@@ -48,10 +52,12 @@ impl Simulator {
         }
     }
 
-    fn kerbs_ahead(&self, index: usize) -> [Vec<[f64; 3]>; 2] {
+    fn kerbs_ahead(&self, moment: &Moment) -> [Vec<[f64; 3]>; 2] {
         // A mount that body motion takes out of its limits sees nothing.
-        let Ok(camera) = self.camera_at(index) else { return Default::default() };
-        kerbs_ahead(&self.renderer, &self.view(index), &camera, |p| self.height_m(p))
+        let Ok(camera) = self.camera.with_mount(self.mount_of(&moment.state)) else {
+            return Default::default();
+        };
+        kerbs_ahead(&self.renderer, &self.view(moment), &camera, |p| self.height_m(p))
     }
 
     /// The left and the right edge of the vehicle's lane as the picture shows them, with their markings.

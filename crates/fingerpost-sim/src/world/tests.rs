@@ -11,7 +11,8 @@ fn town() -> OsmData {
 }
 
 /// Small pictures: what is tested is not in them.
-const TINY: WorldOptions = WorldOptions { size_px: Some([64, 48]), fps: Some(4.0) };
+const TINY: WorldOptions =
+    WorldOptions { size_px: Some([64, 48]), fps: Some(4.0), features: None, route_m: None };
 
 fn worlds(seeds: std::ops::Range<u64>) -> Vec<World> {
     let town = town();
@@ -214,7 +215,7 @@ fn a_world_follows_from_its_seed_on_any_number_of_threads() {
 
 #[test]
 fn pictures_that_show_no_street_are_refused() {
-    let ribbon = WorldOptions { size_px: Some([3000, 64]), fps: None };
+    let ribbon = WorldOptions { size_px: Some([3000, 64]), fps: None, features: None, route_m: None };
     let refused = World::draw(1, &town(), &ribbon).unwrap_err().to_string();
     assert!(refused.contains("3000 x 64"), "{refused}");
 }

@@ -77,7 +77,7 @@ impl Corner {
     }
 
     /// How far along the vehicle's road the corner's kerbs begin, metres ahead of the rear axle.
-    pub(super) fn begins_m(&self, width_m: f64) -> f64 {
+    pub(crate) fn begins_m(&self, width_m: f64) -> f64 {
         let ahead_m = self.approach.place.coords.dot(&self.approach.direction());
         ahead_m - tangent_m(self.turn_rad(), width_m)
     }

@@ -8,8 +8,7 @@ use fingerpost_vision::error::PictureError;
 use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::picture::{Plane, ValidityMask};
 
-use super::GroundHeight;
-use super::height_map::{MOST_LOG_ODDS, UNIT};
+use super::{GroundHeight, MOST_LOG_ODDS, UNIT};
 use crate::road_surface::RoadSurface;
 
 /// No colour is believed more than this against a height: one in twenty of what looks like road is none, as pavements do.
@@ -17,12 +16,12 @@ const DOUBT: u8 = 13;
 /// A prior that says nothing, 256 standing for 1.
 const EVEN: u8 = 128;
 /// Squares whose worth of either kind is thought to have been seen before the first: two square metres.
-const BEFORE: f64 = 200.0;
+const BEFORE: f64 = 50.0;
 /// What is kept of the counts from frame to frame: five seconds of a camera at ten frames a second.
 const KEPT: f64 = 0.98;
 /// Units of log-odds that share an entry of the table of priors.
 const UNITS_AN_ENTRY: i32 = 16;
-const ENTRIES: usize = 2 * (MOST_LOG_ODDS * UNIT) as usize / UNITS_AN_ENTRY as usize + 1;
+const ENTRIES: usize = 2 * (MOST_LOG_ODDS as usize * UNIT as usize) / UNITS_AN_ENTRY as usize + 1;
 
 /// Joins height to the road surface, with its memory.
 #[derive(Debug)]
@@ -69,7 +68,7 @@ impl Joining {
         self.learn(height, validity, probability);
         let level_beside = self.level_beside();
         for (entry, prior) in self.priors.iter_mut().enumerate() {
-            let units = entry as f64 * f64::from(UNITS_AN_ENTRY) - MOST_LOG_ODDS * UNIT;
+            let units = entry as f64 * f64::from(UNITS_AN_ENTRY) - f64::from(MOST_LOG_ODDS) * UNIT;
             *prior = road_by_height(units / UNIT, level_beside);
         }
         let (width, rows) = probability.size();
@@ -128,7 +127,7 @@ impl Joining {
 }
 
 fn prior_of(priors: &[u8; ENTRIES], raised: i16) -> u8 {
-    let entry = (i32::from(raised) + (MOST_LOG_ODDS * UNIT) as i32) / UNITS_AN_ENTRY;
+    let entry = (i32::from(raised) + (MOST_LOG_ODDS * UNIT as f32) as i32) / UNITS_AN_ENTRY;
     priors.get(entry.max(0) as usize).copied().unwrap_or(EVEN)
 }
 

@@ -94,12 +94,6 @@ impl LaidOver {
     pub(super) fn over(&mut self, region: Region) {
         self.region = region;
     }
-
-    /// Height over the plane of what is displaced by `displacement_m` along the way, seen from a camera of this height.
-    pub(super) fn height_m(&self, displacement_m: f64, camera_height_m: f64) -> f64 {
-        let share = displacement_m / self.way.norm().max(f64::EPSILON);
-        camera_height_m * share / (1.0 + share)
-    }
 }
 
 impl Registration for LaidOver {

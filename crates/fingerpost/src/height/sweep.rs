@@ -3,13 +3,14 @@
 use fingerpost_vision::parallax::{Correlation, Detrending, GREY_STEPS, HalfWindow, Rows, UNSEEN, register};
 use fingerpost_vision::picture::Plane;
 
+use super::height_map::{HEIGHT_STEP_M, HEIGHTS, LOWEST_M, height_m};
 use super::laid_over::{LaidOver, Raster, Region};
 use super::past_views::PastView;
 use super::road_plane::{Displaced, PlaneFit};
 use crate::ground_view::Viewpoint;
 
 /// Half the sides of a window, metres: long, because kerbs run along the way, and narrow, so that they are sharp.
-const WINDOW_M: [f64; 2] = [0.25, 0.45];
+const WINDOW_M: [f64; 2] = [0.1, 0.6];
 /// Half the length over which brightness is evened out along the way, metres.
 const TREND_M: f64 = 0.75;
 /// Mean square of a window's texture up to which it is the camera's noise, square greys.
@@ -24,21 +25,26 @@ const STRIP_SEARCH_M: f64 = 0.4;
 const BLOCKS_M: [f64; 2] = [0.4, 0.5];
 /// Correlation below which a block shows nothing.
 const LEAST_CORRELATION: f32 = 0.5;
-/// Heights that are looked at, metres over the road's plane.
-pub(super) const LOWEST_M: f64 = -0.06;
-pub(super) const HIGHEST_M: f64 = 0.20;
-/// Finest step between them, metres.
-const HEIGHT_STEP_M: f64 = 0.02;
 /// Rows of the sweep that are looked at: a cell of the map is two of them long.
 pub(super) const SWEPT_ROWS: Rows = Rows { first: 0, step: 2 };
 /// Most shifts of one sweep.
-const MOST_SHIFTS: usize = 20;
+const MOST_SHIFTS: usize = 32;
 
 /// Planes of a view or of a part of one.
 #[derive(Debug, Default)]
 struct Detrended {
     values: Plane<i16>,
     scales: Plane<f32>,
+}
+
+/// The shifts of a sweep.
+#[derive(Debug, Default, Clone, Copy)]
+struct Shifts {
+    first: isize,
+    last: isize,
+    step_m: f64,
+    way_m: f64,
+    camera_m: f64,
 }
 
 /// The correlations of one sweep, and the memory for it.
@@ -53,8 +59,8 @@ pub(super) struct Sweep {
     /// A plane a shift: of the strip ahead, and of all of the view.
     of_strip: Vec<Plane<f32>>,
     of_view: Vec<Plane<f32>>,
-    /// Height of each shift, metres.
-    heights_m: Vec<f64>,
+    /// Shifts of the view, in the order of their heights.
+    shifts: Shifts,
     blocks: Vec<Displaced>,
 }
 
@@ -131,11 +137,10 @@ impl Sweep {
         let way_m = laid.way.norm();
         let displaced_m = |height_m: f64| way_m * height_m / (viewpoint.height_m - height_m);
         let step_m = displaced_m(HEIGHT_STEP_M).max(down_m);
-        let first = (displaced_m(LOWEST_M) / step_m).round() as isize;
-        let last = ((displaced_m(HIGHEST_M) / step_m).round() as isize).min(first + MOST_SHIFTS as isize - 1);
-        self.heights_m.clear();
-        self.heights_m
-            .extend((first..=last).map(|shift| laid.height_m(shift as f64 * step_m, viewpoint.height_m)));
+        let first = (displaced_m(LOWEST_M) / step_m).floor() as isize;
+        let highest = displaced_m(height_m(HEIGHTS - 1)) / step_m;
+        let last = (highest.ceil() as isize).min(first + MOST_SHIFTS as isize - 1);
+        self.shifts = Shifts { first, last, step_m, way_m, camera_m: viewpoint.height_m };
         let along = laid.way / way_m.max(f64::EPSILON) * step_m;
         let cells = |shift: isize| {
             let shift = shift as f64;
@@ -147,9 +152,22 @@ impl Sweep {
         all
     }
 
-    /// The correlations of the last sweep, each with its height, metres.
-    pub(super) fn heights(&self) -> impl Iterator<Item = (f64, &Plane<f32>)> {
-        self.heights_m.iter().copied().zip(&self.of_view)
+    /// Between which shifts of the last sweep places of this height agree: the lower one and the share of the next; none where it
+    /// was not looked at.
+    pub(super) fn shift_at(&self, height_m: f64) -> Option<(usize, f32)> {
+        let Shifts { first, last, step_m, way_m, camera_m } = self.shifts;
+        let shift = way_m * height_m / (camera_m - height_m) / step_m;
+        let below = (shift.floor() as isize).clamp(first, last - 1);
+        (first < last && shift - below as f64 <= 1.0)
+            .then(|| ((below - first) as usize, (shift - below as f64) as f32))
+    }
+
+    /// The correlation between two shifts at a place of the last sweep; none where nothing is seen.
+    pub(super) fn correlation(&self, shift: usize, share: f32, column: usize, row: usize) -> Option<f32> {
+        let row = row - row % SWEPT_ROWS.step;
+        let (below, above) = (self.of_view.get(shift)?, self.of_view.get(shift + 1)?);
+        let (below, above) = (below.get(column, row)?, above.get(column, row)?);
+        (below != 0.0 || above != 0.0).then_some(below + share * (above - below))
     }
 
     fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {

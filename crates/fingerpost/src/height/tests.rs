@@ -1,7 +1,7 @@
 //! Ground views of textured ground with a pavement beside it, drawn as a camera would show them.
 
 use fingerpost_geometry::{Camera, Distortion, GroundPixel, Intrinsics, Mount};
-use nalgebra::{Isometry2, Matrix3, Vector2};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::*;
 use crate::ground_view::GroundViewConfig;

@@ -2,6 +2,7 @@
 
 use super::{FrameEvidence, FrameOutput, Pipeline, Sensors};
 use crate::camera_state::{CameraEvidence, CameraState};
+use crate::fix::FixInput;
 use crate::motion::Motion;
 use crate::road_surface::RoadEvidence;
 use crate::track::{Decision, TrackEvidence};
@@ -18,7 +19,11 @@ impl Pipeline {
         let Self { config, view, ground, surface, tracker, fix, track_evidence, output, .. } = self;
         let Sensors { signals, gps, dt_s } = sensors;
         let (vehicle, signals_evidence) = self.ego.pass_over(sensors);
-        output.fix = fix.as_mut().and_then(|stage| stage.step(dt_s, &vehicle, None, gps));
+        let fix_evidence = fix.as_mut().map(|stage| {
+            let (fix, evidence) = stage.step(dt_s, &vehicle, None, FixInput { gps, followed: None });
+            output.fix = fix;
+            evidence
+        });
         let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
         let repeats = camera.state == CameraState::Frozen && stood;
         if !repeats {
@@ -48,21 +53,25 @@ impl Pipeline {
             turns_through: false,
             ways: None,
             departure: None,
+            fix: fix_evidence.as_ref(),
         }
         .write_to(&mut output.why);
+        let centreline = self.centreline.pass_over();
+        self.advice.step(output, tracker.stops(), (&track_evidence.decision, centreline), dt_s);
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
             height: None,
             surface,
             road: RoadEvidence::default(),
-            centreline: self.centreline.pass_over(),
+            centreline,
             motion: None,
             signals: signals.map(|_| signals_evidence),
             track: track_evidence,
             lanes: None,
             departure: None,
             masks: None,
+            fix: fix_evidence,
         };
         (output, evidence)
     }

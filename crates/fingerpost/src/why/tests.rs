@@ -50,6 +50,25 @@ fn what_does_not_agree_is_said_with_both_values_and_the_bound() {
 }
 
 #[test]
+fn a_place_on_the_map_is_said_with_what_was_measured_of_it() {
+    use fingerpost_locate::{GpsEvidence, PoseInnovation, SightingEvidence, Verdict};
+    let words = |evidence| FixWords { evidence: &evidence, stops: &[] }.to_string();
+    assert_eq!(words(FixEvidence::default()), "");
+    let innovation = PoseInnovation { off: [-3.21, 0.4, 0.01], sigma: [4.0, 2.0, 0.1] };
+    let seen =
+        |verdict, innovation| Some(SightingEvidence { landmark: 0, innovation, present: 0.97, verdict });
+    let accepted =
+        words(FixEvidence { feature: seen(Verdict::Accepted, Some(innovation)), ..FixEvidence::default() });
+    assert!(accepted.contains("3.2 m back and 0.4 m to the left"), "{accepted}");
+    let refused = words(FixEvidence { feature: seen(Verdict::Disagrees, None), ..FixEvidence::default() });
+    assert!(refused.contains("does not count: no possible place"), "{refused}");
+    let gps = |believed| Some(GpsEvidence { innovation_m: [60.0, 80.0], believed });
+    let jump = words(FixEvidence { gps: gps(false), ..FixEvidence::default() });
+    assert_eq!(jump, "; GPS 100.0 m off and not believed");
+    assert_eq!(words(FixEvidence { gps: gps(true), ..FixEvidence::default() }), "; GPS 100.0 m off");
+}
+
+#[test]
 fn a_driving_line_that_is_too_tight_is_said_with_both_radii() {
     let words = TooTightWords { tightest_radius_m: 8.49, turning_radius_m: 9.0 }.to_string();
     assert_eq!(words, "the driving line turns at 8.49 m, the vehicle at no less than 9.00 m");
@@ -69,6 +88,7 @@ fn feature_words(decision: Decision) -> String {
         turns_through: false,
         ways: None,
         departure: None,
+        fix: None,
     };
     why.to_string()
 }

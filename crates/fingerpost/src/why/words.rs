@@ -2,11 +2,13 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use fingerpost_locate::{PoseInnovation, Verdict};
 use fingerpost_map::FeatureKind;
 
 use crate::camera_state::{CameraEvidence, CameraState};
 use crate::centreline::Ways;
 use crate::feature_masks::SubMaskKind;
+use crate::fix::FixEvidence;
 use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::matching::{Match, Participation};
@@ -313,6 +315,46 @@ impl Display for DepartureWords<'_> {
             (None, Some(Silence::CoolDown)) => "there has just been a warning",
         };
         write!(f, "; a wheel is at an edge, no warning because {because}")
+    }
+}
+
+/// What measurements said of the vehicle's place on the map, as the end of a sentence has it; nothing where there were none.
+pub(super) struct FixWords<'a> {
+    pub(super) evidence: &'a FixEvidence,
+    pub(super) stops: &'a [RouteStop],
+}
+
+impl Display for FixWords<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        if let Some(seen) = &self.evidence.feature {
+            write!(f, "; on the map {} ", FeatureName(self.stops.get(seen.landmark)))?;
+            match (seen.verdict, &seen.innovation) {
+                (Verdict::Accepted, Some(PoseInnovation { off: [forward_m, left_m, _], .. })) => {
+                    let ahead = if *forward_m < 0.0 { "back" } else { "ahead" };
+                    let side = if *left_m < 0.0 { "right" } else { "left" };
+                    write!(
+                        f,
+                        "puts the vehicle {:.1} m {ahead} and {:.1} m to the {side} of where it was expected ({:.2} that it is this one)",
+                        forward_m.abs(),
+                        left_m.abs(),
+                        seen.present
+                    )?;
+                }
+                (Verdict::Counted, _) => f.write_str("has counted before")?,
+                (Verdict::Unlikely, _) => f.write_str("does not count: it is hardly there")?,
+                (Verdict::Accepted | Verdict::Disagrees, _) => {
+                    write!(
+                        f,
+                        "does not count: no possible place agrees with it ({:.2} that it is this one)",
+                        seen.present
+                    )?;
+                }
+            }
+        }
+        let Some(gps) = &self.evidence.gps else { return Ok(()) };
+        let [east_m, north_m] = gps.innovation_m;
+        let believed = if gps.believed { "" } else { " and not believed" };
+        write!(f, "; GPS {:.1} m off{believed}", east_m.hypot(north_m))
     }
 }
 

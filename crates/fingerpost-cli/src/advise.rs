@@ -1,0 +1,185 @@
+//! `fingerpost advise`: steering angle and speed, frame by frame, for any vehicle or simulator.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use fingerpost::fix::NearPlace;
+use fingerpost::vehicle_signals::{Sample, VehicleSamples};
+use fingerpost::{Pipeline, Sensors};
+use fingerpost_eval::FeatureIdentity;
+use fingerpost_format::{AdviceRecord, FrameHeader, FrameRecord, TrackState, to_json_line};
+use fingerpost_io::{FedFrame, read_camera, standard_feed};
+use fingerpost_map::LatLon;
+use fingerpost_vision::picture::RgbImage;
+
+use crate::arguments::{InputLimit, Place, number};
+use crate::driver::{RunSetting, Sequence};
+use crate::record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
+use crate::run::NEAR_SIGMA_M;
+use crate::stage_clock::{FrameClock, stage_name};
+use crate::{inputs, output};
+
+/// Advise a vehicle or simulator frame by frame. Standard input: for each frame one line of JSON, {"t_s", "width", "height",
+/// "speed_mps"?, "yaw_rate_rps"?, "lat"?, "lon"?}, then width x height x 3 bytes, red, green and blue, row by row. Standard output: for
+/// each frame its line of frames.jsonl, with "advice": {"steer_rad", "speed_mps", "controller", "line", "because"}, before the next
+/// is read. A frame that cannot be used is answered by a line with "error", and the advice to slow down.
+#[derive(Debug, Args)]
+pub(crate) struct AdviseArgs {
+    /// Calibration of the camera: camera.toml, or the YAML of ROS camera_info or OpenCV.
+    #[arg(long, value_name = "FILE")]
+    camera: PathBuf,
+    /// Route, as written by `fingerpost route`.
+    #[arg(long, value_name = "FILE")]
+    route: PathBuf,
+    /// Distance along the route at the first frame, metres, where it is known; -1e6 to 1e6.
+    #[arg(long, value_name = "M", allow_hyphen_values = true,
+          value_parser = number(-1e6, 1e6, "place on a route", "metres"))]
+    start_m: Option<f64>,
+    /// Configuration; every key is optional. `fingerpost schema` describes them; tables "vehicle" and "advice" are about driving.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf: every frame then says where the vehicle is on its roads.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Where the drive begins to within some 30 m, degrees; without it the vehicle may be on any road of the map.
+    #[arg(long, value_name = "LAT,LON", requires = "map", allow_hyphen_values = true)]
+    near: Option<Place>,
+    #[command(flatten)]
+    limit: InputLimit,
+}
+
+/// Time between frames where none is known, seconds.
+const USUAL_DT_S: f64 = 0.1;
+
+/// Answers frame after frame.
+pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
+    let config = inputs::config(args.config.as_deref())?;
+    let camera = read_camera(&args.camera)?;
+    let route = inputs::route(&args.route)?;
+    let setting = RunSetting {
+        config: &config,
+        camera: &camera,
+        route: Some(&route),
+        start_m: args.start_m,
+        sequence: Sequence::Drive,
+    };
+    let mut pipeline = setting.pipeline()?;
+    if let Some(map) = &args.map {
+        let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
+        pipeline.locate_on(&inputs::road_graph(map, args.limit)?, near);
+    }
+    let mut adviser = Adviser {
+        features: feature_identities(pipeline.tracker().stops()),
+        brakes_mps2: config.advice.deceleration_mps2,
+        pipeline,
+        frames: 0,
+        first_t_s: None,
+        last_t_s: None,
+        last: None,
+    };
+    let mut feed =
+        standard_feed([camera.width(), camera.height()]).context("standard input cannot be read")?;
+    let mut out = io::stdout().lock();
+    loop {
+        let frame = feed
+            .next_frame()
+            .context("standard input gives no frame; close it to end, or allow more with --timeout-s")?;
+        let record = match frame {
+            FedFrame::Good(header, picture) => adviser.answer(&header, picture),
+            FedFrame::Bad(cause) => adviser.pass_over(&cause),
+            FedFrame::End => return Ok(()),
+        };
+        let line = to_json_line(&record).context("the answer cannot be written as JSON")?;
+        let written = out.write_all(line.as_bytes()).and_then(|()| out.flush());
+        written.context("standard output cannot be written; check who reads it")?;
+    }
+}
+
+/// The method with what its answers need.
+struct Adviser {
+    pipeline: Pipeline,
+    features: Vec<FeatureIdentity>,
+    brakes_mps2: f64,
+    /// Frames answered.
+    frames: u64,
+    /// Time of the first frame, as it was given, seconds.
+    first_t_s: Option<f64>,
+    /// Time of the last frame that was used, and how long it lasted, seconds.
+    last_t_s: Option<(f64, f64)>,
+    /// The answer before.
+    last: Option<FrameRecord>,
+}
+
+impl Adviser {
+    fn time(&mut self, t_s: f64) -> FrameTime {
+        let time = FrameTime { frame: self.frames, t_s: t_s - *self.first_t_s.get_or_insert(t_s) };
+        self.frames += 1;
+        time
+    }
+
+    /// The answer to a frame.
+    fn answer(&mut self, header: &FrameHeader, picture: &RgbImage) -> &FrameRecord {
+        let time = self.time(header.t_s);
+        // Times that step back say nothing of how long a frame lasted.
+        let dt_s = self.last_t_s.map(|(last_s, _)| time.t_s - last_s).filter(|dt_s| *dt_s >= 0.0);
+        let sensors = Sensors {
+            gps: header.lat_lon_deg.map(|[lat_deg, lon_deg]| LatLon { lat_deg, lon_deg }),
+            signals: signals(header),
+            dt_s,
+        };
+        let mut clock = FrameClock::start();
+        let done = self.pipeline.step(picture, sensors, &mut |stage| clock.finished(stage_name(stage)));
+        let record = match done {
+            Ok((output, evidence)) => {
+                Ok(frame_record(time, output, &evidence, &self.features, clock.stage_ms))
+            }
+            Err(cause) => Err(cause.to_string()),
+        };
+        self.last_t_s = Some((time.t_s, dt_s.unwrap_or(USUAL_DT_S)));
+        let record = record.unwrap_or_else(|cause| self.broken(time, cause));
+        self.last.insert(record)
+    }
+
+    /// The answer to a frame that cannot be used.
+    fn pass_over(&mut self, cause: &dyn std::error::Error) -> &FrameRecord {
+        let last_s = self.last_t_s.map_or(0.0, |(last_s, _)| last_s);
+        let time = FrameTime { frame: self.frames, t_s: last_s };
+        self.frames += 1;
+        output::message(&format!("frame {} is passed over: {cause}", time.frame));
+        let record = self.broken(time, cause.to_string());
+        self.last.insert(record)
+    }
+
+    /// The record of such a frame: the vehicle is to slow down, wheels as they are, for as long as none can be used.
+    fn broken(&self, time: FrameTime, cause: String) -> FrameRecord {
+        let before = self.last.as_ref().and_then(|record| record.advice.clone());
+        let dt_s = self.last_t_s.map_or(USUAL_DT_S, |(_, dt_s)| dt_s);
+        let advice = before.map(|before| {
+            let speed_mps = (before.speed_mps - self.brakes_mps2 * dt_s).max(0.0);
+            AdviceRecord { speed_mps: rounded(speed_mps, DIGITS), rules: Vec::new(), ..before }
+        });
+        let controller = self.pipeline.config().advice.controller.name();
+        let advice = advice
+            .unwrap_or_else(|| AdviceRecord { controller: controller.to_owned(), ..AdviceRecord::default() });
+        let advice = AdviceRecord {
+            stop: Some("broken_frame".to_owned()),
+            because: "slow down: the frame could not be used".to_owned(),
+            ..advice
+        };
+        let record = broken_record(time, self.last.as_ref(), TrackState::Searching, cause);
+        FrameRecord { advice: Some(advice), ..record }
+    }
+}
+
+/// What a frame's line says of the vehicle.
+fn signals(header: &FrameHeader) -> Option<VehicleSamples> {
+    let sample = |value: f64| Sample { value, age_s: 0.0 };
+    let samples = VehicleSamples {
+        speed_mps: header.speed_mps.map(sample),
+        yaw_rate_rps: header.yaw_rate_rps.map(sample),
+        turn_signal: None,
+    };
+    (samples != VehicleSamples::default()).then_some(samples)
+}

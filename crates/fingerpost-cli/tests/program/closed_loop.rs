@@ -1,0 +1,85 @@
+//! Drives in which the advice moves the vehicle.
+
+use std::fs;
+use std::path::Path;
+
+use fingerpost_format::{LoopDrive, LoopEnd, from_json_lines};
+use tempfile::TempDir;
+
+use crate::program::call_line;
+
+/// Small pictures, few of them, a short route: what is tried is the loop, not how well it drives.
+fn small(out: &Path, more: &str) -> String {
+    let out = out.display();
+    format!(
+        "campaign --closed-loop --features 1 --conditions ideal --size 96x72 --fps 4 --seed 5 --out {out} {more}"
+    )
+}
+
+fn drives(out: &Path) -> Vec<LoopDrive> {
+    from_json_lines(&fs::read_to_string(out.join("closed_loop.jsonl")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_campaign_that_was_ended_goes_on_where_it_was() {
+    let out = TempDir::new().unwrap();
+    call_line(&small(out.path(), "--drives 1 --controllers stanley")).done();
+    let first = drives(out.path());
+    assert_eq!(first.len(), 1);
+    assert!(first[0].frames > 10 && first[0].error.is_none(), "{first:?}");
+    // A line that a killed program left without its end is no drive.
+    let path = out.path().join("closed_loop.jsonl");
+    let torn = format!("{}{{\"seed\": 6, \"cond", fs::read_to_string(&path).unwrap());
+    fs::write(&path, torn).unwrap();
+    let called = call_line(&small(out.path(), "--drives 2 --controllers stanley")).done();
+    assert!(called.stderr.contains("1 of 2 drives are done already"), "{}", called.stderr);
+    let both = drives(out.path());
+    assert_eq!((both.len(), &both[0]), (2, &first[0]));
+    assert!(out.path().join("closed_loop.json").exists() && out.path().join("report.html").exists());
+    // Drives of other settings are not mixed with these.
+    call_line(&small(out.path(), "--drives 2 --controllers stanley --fault late"))
+        .refused(1, &["another campaign", "fault"]);
+}
+
+#[test]
+fn a_drive_follows_from_its_seed_and_a_report_does_not_change_it() {
+    let (plain, reported) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    call_line(&small(plain.path(), "--drives 1 --controllers fuzzy --threads 1")).done();
+    call_line(&small(reported.path(), "--drives 1 --controllers fuzzy --threads 2 --reports")).done();
+    assert_eq!(drives(plain.path()), drives(reported.path()));
+    let run = reported.path().join("ideal_5_fuzzy");
+    assert!(fs::read_to_string(run.join("plan.svg")).unwrap().starts_with("<svg"));
+    let frames = fs::read_to_string(run.join("loop.jsonl")).unwrap().lines().count() as u64;
+    assert_eq!(frames, drives(plain.path())[0].frames);
+}
+
+/// Whatever is wrong with pictures, GPS or map, a drive comes to an end of its own: it arrives, or it stops, or it is found
+/// beside the road or the route; it gives no error, and it is not driven on for ever.
+#[test]
+fn a_drive_with_a_fault_comes_to_an_end() {
+    // One of each kind: of a camera's line, of GPS, of the map.
+    let faults = ["reordered", "gps_jumps", "node_moved"];
+    for fault in faults {
+        let out = TempDir::new().unwrap();
+        let more = format!("--drives 1 --controllers pure_pursuit --fault {fault}");
+        call_line(&small(out.path(), &more)).done();
+        let drive = drives(out.path()).remove(0);
+        assert!(drive.error.is_none() && drive.end != LoopEnd::Failed, "{fault}: {drive:?}");
+        assert_ne!(drive.end, LoopEnd::TimedOut, "{fault}: {drive:?}");
+    }
+}
+
+/// A camera that goes blind for good: the vehicle does not arrive, it stops and says that it is lost.
+#[test]
+fn a_vehicle_whose_camera_goes_blind_stops_and_says_that_it_is_lost() {
+    let out = TempDir::new().unwrap();
+    let line = format!(
+        "campaign --closed-loop --features 1 --conditions clear --size 160x120 --seed 9820 --drives 1 \
+         --controllers pure_pursuit --fault blind --out {}",
+        out.path().display()
+    );
+    call_line(&line).done();
+    let drive = drives(out.path()).remove(0);
+    assert_eq!(drive.end, LoopEnd::StoppedLost, "{drive:?}");
+    assert!(drive.because.contains("lost"), "{}", drive.because);
+}
