@@ -1,7 +1,7 @@
 //! Advice: steering angle and speed along the line that leads.
 //!
-//! Paper 1, section VII-B, and paper 2, sections 6 and 7.3, hand the driving line to a controller. Near a feature its driving
-//! line leads, between features the lane or the road's middle (`line`). Where a frame shows none, the last one is kept where it
+//! Paper 1, section VII-B, and paper 2, sections 6 and 7.3, hand the driving line to a controller. Where the
+//! route turns at a feature its driving line leads, elsewhere the road's middle, or else the lane (`line`). Where a frame shows none, the last one is kept where it
 //! lies, while the vehicle drives over what it saw of it, ever slower, and then stops. A [`Steersman`] of `fingerpost-control` steers
 //! along the line within the vehicle's limits. The advice is the vehicle's only where it is followed: it knows no obstacles and no
 //! traffic rules.

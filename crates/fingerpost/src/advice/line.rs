@@ -1,4 +1,4 @@
-//! Which line leads: the driving line through the feature at hand, the lane, or the road's middle.
+//! Which line leads: the driving line through the feature at hand, the road's middle, or the lane.
 
 use fingerpost_control::{ControllerName, PathPoint, arc, foot, lay};
 use nalgebra::Point2;
