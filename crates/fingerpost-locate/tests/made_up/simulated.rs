@@ -60,10 +60,12 @@ fn after(rows: Vec<(MotionSample, Pose)>, more: Vec<(MotionSample, Pose)>) -> Ve
 }
 
 /// A vehicle that is carried elsewhere while its sensors see nothing: what was converged must be given up within a few turns,
-/// and the vehicle be found again. (The drive of seed 1 is not converged when it is carried off: the map is metres off there.)
+/// and the vehicle be found again. Five of the six are converged when they are carried off; the first one coasts, where the map is
+/// metres off.
 #[test]
 fn a_kidnapped_vehicle_is_noticed_and_found_again() {
-    for seed in 2..=6 {
+    let mut converged = 0;
+    for seed in 1..=6 {
         let mut numbers = Numbers(100 + seed);
         let faults = typical_faults(&mut numbers);
         let first = drive(&line_of(&roads(), 1000.0, &mut numbers), faults, &mut numbers);
@@ -75,7 +77,7 @@ fn a_kidnapped_vehicle_is_noticed_and_found_again() {
             fixes.iter().skip(kidnapped).position(|(fix, _)| fix.status != Status::Converged).unwrap();
         let driven_m = |i: usize| rows[kidnapped + i].1.driven_m;
         println!("noticed after {:.0} m", driven_m(noticed));
-        assert!(fixes[kidnapped - 1].0.status == Status::Converged);
+        converged += usize::from(fixes[kidnapped - 1].0.status == Status::Converged);
         assert!(driven_m(noticed) < 500.0, "{}", driven_m(noticed));
         let (last, truth) = fixes.last().unwrap();
         assert_eq!(last.status, Status::Converged);
@@ -86,6 +88,7 @@ fn a_kidnapped_vehicle_is_noticed_and_found_again() {
         });
         assert!(longest_run(false_claims) <= 30);
     }
+    assert_eq!(converged, 5);
 }
 
 /// The longest run of claims, rows.
