@@ -2,6 +2,8 @@
 
 use nalgebra::Point2;
 
+use crate::{ControlError, Foot, Situation, foot};
+
 /// What the vehicle is to do.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Command {
@@ -54,5 +56,14 @@ impl ControlEvidence {
         let mut rules = std::mem::take(&mut self.rules);
         rules.clear();
         *self = Self { rules, ..Self::default() };
+    }
+
+    /// Begins that of a situation: where the vehicle is against the path, which is given back.
+    pub(crate) fn begin(&mut self, situation: &Situation<'_>) -> Result<Foot, ControlError> {
+        situation.check()?;
+        self.clear();
+        let beside = foot(situation.path, Point2::origin()).ok_or(situation.no_path())?;
+        (self.offset_m, self.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
+        Ok(beside)
     }
 }

@@ -126,13 +126,18 @@ pub enum ControlError {
 }
 
 impl Situation<'_> {
+    /// What is wrong where the path leads nowhere.
+    const fn no_path(&self) -> ControlError {
+        ControlError::NoPath { points: self.path.len() }
+    }
+
     /// Refuses what no controller can steer in.
     ///
     /// # Errors
     /// [`ControlError`] names the first thing that is wrong.
     pub fn check(&self) -> Result<(), ControlError> {
         if self.path.len() < 2 {
-            return Err(ControlError::NoPath { points: self.path.len() });
+            return Err(self.no_path());
         }
         let of_path = |p: &PathPoint| {
             [p.x_m, p.y_m, p.heading_rad, p.curvature_per_m, p.along_m].into_iter().all(f64::is_finite)

@@ -5,9 +5,8 @@
 
 use crate::{
     Command, ControlError, ControlEvidence, Controller, ControllerName, Situation, SpeedPlan, VehicleLimits,
-    at, foot,
+    at,
 };
-use nalgebra::Point2;
 
 /// The controller.
 #[derive(Debug, Clone, Copy)]
@@ -32,11 +31,8 @@ impl Controller for PurePursuit {
         situation: &Situation<'_>,
         evidence: &mut ControlEvidence,
     ) -> Result<Command, ControlError> {
-        situation.check()?;
-        evidence.clear();
-        let no_path = ControlError::NoPath { points: situation.path.len() };
-        let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
-        (evidence.offset_m, evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
+        evidence.begin(situation)?;
+        let no_path = situation.no_path();
         let look_ahead_m = self.limits.look_ahead_m(situation.speed_mps);
         let aim = at(situation.path, look_ahead_m).ok_or(no_path)?.place();
         evidence.aim = Some(aim);

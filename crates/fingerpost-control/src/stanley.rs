@@ -46,11 +46,8 @@ impl Controller for Stanley {
         situation: &Situation<'_>,
         evidence: &mut ControlEvidence,
     ) -> Result<Command, ControlError> {
-        situation.check()?;
-        evidence.clear();
-        let no_path = ControlError::NoPath { points: situation.path.len() };
-        let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
-        (evidence.offset_m, evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
+        let beside = evidence.begin(situation)?;
+        let no_path = situation.no_path();
         let limits = &self.limits;
         self.front.clear();
         self.front.extend(situation.path.iter().map(|point| {

@@ -1,14 +1,12 @@
 //! The fuzzy controller: what its rules' variables mean.
 
-use nalgebra::Point2;
-
 use super::FuzzyError;
 use super::inference::Inference;
 use super::rule_base::RuleBase;
 use crate::speed::sureness;
 use crate::{
     Command, ControlError, ControlEvidence, Controller, ControllerName, FiredRule, Situation, SpeedPlan,
-    VehicleLimits, foot,
+    VehicleLimits,
 };
 
 /// The rules that are taken where no others are given.
@@ -108,11 +106,8 @@ impl Controller for FuzzyController {
         situation: &Situation<'_>,
         evidence: &mut ControlEvidence,
     ) -> Result<Command, ControlError> {
-        situation.check()?;
-        evidence.clear();
-        let no_path = ControlError::NoPath { points: situation.path.len() };
-        let beside = foot(situation.path, Point2::origin()).ok_or(no_path)?;
-        (evidence.offset_m, evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
+        let beside = evidence.begin(situation)?;
+        let no_path = situation.no_path();
         let look_ahead_m = self.limits.look_ahead_m(situation.speed_mps);
         let curvature_per_m =
             self.limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
