@@ -17,7 +17,7 @@ mod corner;
 mod mask_curve;
 
 use fingerpost_geometry::{GeometryError, Polyline};
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -74,6 +74,8 @@ pub struct DrivingLine {
 const CURVE_PIECES: usize = 64;
 /// Distance on either side of a point of approach or exit over which its curvature is measured, metres.
 const CORNER_SPREAD_M: f64 = 3.0;
+/// Pieces of a bend's length whose ends are averaged: half a metre each.
+const BEND_PLACES: usize = 12;
 /// Times that a curve is widened, a twentieth each, until it is as wide as is needed.
 const MOST_WIDENED: usize = 8;
 /// Radius of the kerbs where none is known, metres: German residential streets join with 4 to 6 m (RASt 06, table 45).
@@ -163,13 +165,15 @@ fn hand_out(
 ) -> (Vec<Point2<f64>>, Vec<f64>) {
     let step = config.step_m.max(0.05);
     let lead = (config.lead_m / step).floor() as usize;
+    let led =
+        |arm: &Polyline, along_m: f64, i: usize| bent(arm, along_m, CORNER_SPREAD_M.min(step * i as f64));
     let mut points: Vec<Point2<f64>> =
-        (1..=lead).rev().map(|i| inbound.at(inbound.length_m() - before_m - step * i as f64).0).collect();
+        (1..=lead).rev().map(|i| led(inbound, inbound.length_m() - before_m - step * i as f64, i)).collect();
     let pieces = (sampled.length_m() / step).ceil().max(1.0) as usize;
     let parameters: Vec<f64> =
         (0..=pieces).map(|i| parameter_at(sampled, sampled.length_m() * i as f64 / pieces as f64)).collect();
     points.extend(parameters.iter().map(|&t| curve.at(t)));
-    points.extend((1..=lead).map(|i| outbound.at(behind_m + step * i as f64).0));
+    points.extend((1..=lead).map(|i| led(outbound, behind_m + step * i as f64, i)));
     let reach = (CORNER_SPREAD_M / step).ceil() as usize;
     let curvature = (0..points.len())
         .map(|i| match i.checked_sub(lead).and_then(|k| parameters.get(k)) {
@@ -182,6 +186,17 @@ fn hand_out(
         })
         .collect();
     (points, curvature)
+}
+
+/// The place on a line whose corners are bends over `spread_m` before and behind them, metres: the mean of the line over as much about
+/// `along_m`, which is the line itself where that is straight, and a parabola at a corner. It leaves a corner of 30 degrees by 0.4 m,
+/// as much as the middle of a road leaves the nodes of its map.
+fn bent(line: &Polyline, along_m: f64, spread_m: f64) -> Point2<f64> {
+    let places = (1..BEND_PLACES).map(|i| {
+        let share = 2.0 * i as f64 / BEND_PLACES as f64 - 1.0;
+        line.at(along_m + spread_m * share).0.coords
+    });
+    Point2::from(places.sum::<Vector2<f64>>() / (BEND_PLACES - 1) as f64)
 }
 
 /// Signed curvature of the circle through three points, 1/m, positive to the left.
