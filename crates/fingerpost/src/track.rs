@@ -101,6 +101,8 @@ pub struct TrackOutput {
     pub followed: Option<Followed>,
     /// Believed distance along the route, metres; none while unknown.
     pub route_m: Option<f64>,
+    /// Its standard deviation, metres; none while unknown.
+    pub route_sigma_m: Option<f64>,
 }
 
 /// The best match of a feature that was searched for and is not followed.
@@ -112,6 +114,19 @@ pub struct Sought {
     pub vehicle_from_feature: Isometry2<f64>,
     /// The match there, good enough or not; its pose is where the ground view shows it.
     pub matched: Match,
+}
+
+/// A feature that is searched for and seen, whose place is not sure enough yet to follow it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CandidatePlace {
+    /// Index of the feature in the route.
+    pub index: usize,
+    /// Its likeliest place.
+    pub vehicle_from_feature: Isometry2<f64>,
+    /// Covariance of its forward (m), left (m) and heading (rad).
+    pub covariance: Matrix3<f64>,
+    /// Probability that it is there; by the rules P(F), which is of its masks alone.
+    pub present: f64,
 }
 
 /// A place where a feature may be.
@@ -153,6 +168,8 @@ pub struct TrackEvidence {
     pub sections: Vec<CrossSection>,
     /// Where the feature that is followed or searched for may be, the likeliest first; none by the rules.
     pub places: Vec<PossiblePlace>,
+    /// The feature that is searched for, where only its place is not sure enough to follow it.
+    pub candidate: Option<CandidatePlace>,
     /// Edges of the road at the likeliest of them, vehicle frame, metres: both ends of every piece.
     pub edges: Vec<[Point2<f64>; 2]>,
     /// What became of the GPS position, where there was one.

@@ -127,7 +127,10 @@ mod tests {
             present: None,
             matched: matched(p),
         });
-        FrameOutput { track: TrackOutput { state, followed, route_m: None }, ..FrameOutput::default() }
+        FrameOutput {
+            track: TrackOutput { state, followed, ..TrackOutput::default() },
+            ..FrameOutput::default()
+        }
     }
 
     fn evidence(decision: Decision) -> TrackEvidence {

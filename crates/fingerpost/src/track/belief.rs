@@ -34,8 +34,8 @@ use self::route_belief::{FeatureInView, PASSED_M, RouteBelief, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
-    Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State, TrackConfig, TrackEvidence,
-    TrackOutput,
+    CandidatePlace, Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State,
+    TrackConfig, TrackEvidence, TrackOutput,
 };
 use crate::driving_line::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
@@ -312,6 +312,8 @@ impl BeliefTracker {
         belief.edges(stop, &mut evidence.edges);
         let (index, is_followed) = (*index, followed.is_some());
         let Moments { vehicle_from_feature, covariance, present } = moments;
+        evidence.candidate = matches!(evidence.decision, Decision::NotSure { lack: Lack::Place { .. }, .. })
+            .then_some(CandidatePlace { index, vehicle_from_feature, covariance, present });
         let mut matched = self.spare.pop().unwrap_or_default();
         laid.explain(&mut stop.masks, &self.shown.shown_from_road(&vehicle_from_feature), &mut matched)?;
         if is_followed {
@@ -351,8 +353,11 @@ impl FeatureTracker for BeliefTracker {
         }
         self.give(&shown.laid, output, evidence)?;
         let beside = output.followed.as_ref().and_then(|followed| followed.route_m(&self.stops));
-        let likeliest = || self.route.progress().components().next().map(|likeliest| likeliest.mean_m);
-        output.route_m = beside.map(|(route_m, _)| route_m).or_else(likeliest);
+        let likeliest = || {
+            let likeliest = self.route.progress().components().next()?;
+            Some((likeliest.mean_m, likeliest.sigma_m))
+        };
+        (output.route_m, output.route_sigma_m) = beside.or_else(likeliest).unzip();
         Ok(())
     }
 }

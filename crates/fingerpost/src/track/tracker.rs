@@ -279,7 +279,7 @@ impl FeatureTracker for Tracker {
                 (None, _) => {}
             }
         }
-        output.route_m = self.progress.belief_m().map(|(mean, _)| mean);
+        (output.route_m, output.route_sigma_m) = self.progress.belief_m().unzip();
         Ok(())
     }
 }

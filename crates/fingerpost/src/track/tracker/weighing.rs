@@ -4,7 +4,7 @@ use fingerpost_vision::span::SpanError;
 
 use super::searching::Found;
 use super::{Candidate, Mode, Tracker};
-use crate::track::{Decision, Missing, PoseFilter, TrackConfig, TrackEvidence};
+use crate::track::{CandidatePlace, Decision, Missing, PoseFilter, TrackConfig, TrackEvidence};
 
 /// A candidate whose place is not sure after this many times the frames that are needed is another place.
 const CANDIDATE_PATIENCE: usize = 10;
@@ -37,6 +37,12 @@ impl Tracker {
             evidence.decision = Decision::Dropped { index, frames, most_frames };
         } else if let Some(missing) = missing(config, (frames, weight), &filter, most_m) {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p, missing };
+            evidence.candidate = matches!(missing, Missing::Distance { .. }).then(|| CandidatePlace {
+                index,
+                vehicle_from_feature: *filter.pose(),
+                covariance: *filter.covariance(),
+                present: aligned_p,
+            });
             if let Mode::Searching { candidate, .. } = &mut self.mode {
                 *candidate = Some(Candidate { filter, frames, weight });
             }
