@@ -52,6 +52,17 @@ pub struct Situation<'a> {
     pub present: f64,
     /// How far ahead of the rear axle the road is seen, metres.
     pub seen_ahead_m: f64,
+    /// A turn that is expected and not part of the path yet; none where none is near.
+    pub turn_ahead: Option<TurnAhead>,
+}
+
+/// A turn that is expected ahead and has not been found: the path leads past it still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurnAhead {
+    /// The least distance at which it may well begin, metres; negative once that lies behind.
+    pub ahead_m: f64,
+    /// Its curvature, 1/m, positive to the left.
+    pub curvature_per_m: f64,
 }
 
 /// A way to steer along a path.
@@ -150,6 +161,11 @@ impl Situation<'_> {
             ("the room beside the path", self.room_m.is_finite()),
             ("the probability of the path", self.present.is_finite()),
             ("the distance that is seen", self.seen_ahead_m.is_finite()),
+            (
+                "the turn ahead",
+                self.turn_ahead
+                    .is_none_or(|turn| turn.ahead_m.is_finite() && turn.curvature_per_m.is_finite()),
+            ),
         ] {
             if !finite {
                 return Err(ControlError::NotFinite { what });

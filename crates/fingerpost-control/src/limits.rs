@@ -4,7 +4,7 @@ use nalgebra::{Isometry2, Vector2};
 
 use crate::command::{Command, Limited};
 use crate::path::chord_m;
-use crate::{Situation, at};
+use crate::{PathPoint, Situation, at};
 
 /// Acceleration to the side that tyres hold on a wet road, m/s²: a friction of 0.4.
 const GRIP_MPS2: f64 = 4.0;
@@ -31,6 +31,8 @@ pub struct VehicleLimits {
     pub steering_lag_s: f64,
     /// Largest acceleration to the side, m/s².
     pub lateral_acceleration_mps2: f64,
+    /// Room on either side of it that the path keeps, metres: so far from the path it may come while its wheels turn.
+    pub clearance_m: f64,
     /// Deceleration with which it stops within what it sees, m/s².
     pub deceleration_mps2: f64,
     /// Time until it begins to brake, seconds.
@@ -77,14 +79,28 @@ impl VehicleLimits {
     /// Curvature, 1/m, of a path from beside the rear axle at `beside_m` along it, as far ahead as the vehicle drives while its wheels
     /// are half turned to it: a corner that begins at once is met in the middle of the turning.
     pub fn curvature_soon_per_m(&self, situation: &Situation<'_>, beside_m: f64) -> Option<f64> {
+        let here = at(situation.path, beside_m)?;
         let speed_mps = situation.speed_mps.max(0.0);
-        let half_turned_s = |curvature_per_m: f64| {
-            0.5 * (self.steer_rad(curvature_per_m) - situation.steer_rad).abs() / self.steering_rate_radps
+        let half_turned_m = |curvature_per_m: f64| {
+            let turn_rad = (self.steer_rad(curvature_per_m) - situation.steer_rad).abs();
+            0.5 * speed_mps * turn_rad / self.steering_rate_radps
         };
-        let farthest_m = speed_mps * self.steer_max_rad() / (2.0 * self.steering_rate_radps);
-        let curvature_per_m = at(situation.path, beside_m + farthest_m)?.curvature_per_m;
-        let soon_m = speed_mps * half_turned_s(curvature_per_m);
-        Some(at(situation.path, beside_m + soon_m.min(farthest_m))?.curvature_per_m)
+        let is_due = |point: &&PathPoint| {
+            let ahead_m = point.along_m - beside_m;
+            ahead_m > 0.0 && ahead_m <= half_turned_m(point.curvature_per_m)
+        };
+        let due = situation.path.iter().rev().find(is_due);
+        Some(due.map_or(here.curvature_per_m, |point| point.curvature_per_m))
+    }
+
+    /// Speed at which a path is kept to [`VehicleLimits::clearance_m`] where its curvature changes at once from one to another, 1/m; m/s.
+    ///
+    /// Wheels that turn at a steady rate drive a clothoid where the path has a step. Begun in time it lies beside the path by L² Δκ / 24,
+    /// where L is its length: the shift of the circle that every clothoid between a straight line and an arc has.
+    pub fn turning_mps(&self, from_per_m: f64, to_per_m: f64) -> f64 {
+        let time_s = (self.steer_rad(to_per_m) - self.steer_rad(from_per_m)).abs() / self.steering_rate_radps;
+        let length_m = (24.0 * self.clearance_m / (to_per_m - from_per_m).abs().max(1e-9)).sqrt();
+        (length_m / time_s.max(1e-9)).min(self.speed_max_mps)
     }
 
     /// Where a vehicle at this speed (m/s) and steering angle (radians) is after some seconds, as a pose in its frame before.
@@ -131,6 +147,7 @@ impl Default for VehicleLimits {
             steering_rate_radps: 0.4,
             steering_lag_s: 0.2,
             lateral_acceleration_mps2: 2.0,
+            clearance_m: 0.1,
             deceleration_mps2: 2.0,
             reaction_s: 0.5,
             speed_max_mps: 30.0 / 3.6,

@@ -38,7 +38,7 @@ proptest! {
         arc(left_m, heading_rad, curvature_per_m, [length_m, 0.5], &mut path);
         let steer_rad = asked_share * limits.steer_max_rad();
         let situation =
-            Situation { path: &path, speed_mps, steer_rad, lateral_sigma_m, room_m: 1.0, present, seen_ahead_m };
+            Situation { path: &path, speed_mps, steer_rad, lateral_sigma_m, room_m: 1.0, present, seen_ahead_m, turn_ahead: None };
         for name in ControllerName::ALL {
             let mut steersman = Steersman::new(name, limits, DEFAULT_RULES).unwrap();
             let command = steersman.steer(&situation, Some(dt_s)).unwrap();
@@ -72,6 +72,7 @@ proptest! {
             room_m: 1.0,
             present: of(3, 1.0),
             seen_ahead_m: of(4, 20.0),
+            turn_ahead: None,
         };
         for name in ControllerName::ALL {
             let mut steersman = Steersman::new(name, VehicleLimits::default(), DEFAULT_RULES).unwrap();
@@ -93,6 +94,7 @@ fn a_path_without_length_leads_nowhere() {
             room_m: 1.0,
             present: 1.0,
             seen_ahead_m: 20.0,
+            turn_ahead: None,
         };
         let mut steersman =
             Steersman::new(ControllerName::Stanley, VehicleLimits::default(), DEFAULT_RULES).unwrap();

@@ -78,6 +78,7 @@ fn rules_of_ones_own_fire_and_where_none_does_the_vehicle_is_not_steered() {
             room_m: 1.0,
             present: 1.0,
             seen_ahead_m: 20.0,
+            turn_ahead: None,
         };
         let command = steersman.steer(&situation, None);
         (command, steersman.evidence().rules.iter().map(|rule| rule.number).collect::<Vec<_>>())

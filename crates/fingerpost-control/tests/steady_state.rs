@@ -24,6 +24,7 @@ fn on(path: &[fingerpost_control::PathPoint], speed_mps: f64, steer_rad: f64) ->
         room_m: 1.0,
         present: 1.0,
         seen_ahead_m: 20.0,
+        turn_ahead: None,
     }
 }
 

@@ -1,12 +1,15 @@
 //! Advice: steering angle and speed along the line that leads.
 //!
-//! Paper 1, section VII-B, and paper 2, sections 6 and 7.3, hand the driving line to a controller. Where the
-//! route turns at a feature its driving line leads, elsewhere the road's middle, or else the lane (`line`). Where a frame shows none, the last one is kept where it
-//! lies, while the vehicle drives over what it saw of it, ever slower, and then stops. A [`Steersman`] of `fingerpost-control` steers
-//! along the line within the vehicle's limits. The advice is the vehicle's only where it is followed: it knows no obstacles and no
-//! traffic rules.
+//! Paper 1, section VII-B, and paper 2, sections 6 and 7.3, hand the driving line to a controller. At a feature its driving line leads,
+//! where the road's middle beside the vehicle has it (`alignment`), elsewhere the road's middle, or else the lane (`line`). Where a frame
+//! shows none, the last one is kept where it lies, while the vehicle drives over what it saw of it, ever slower, and then stops. To a
+//! feature at which the route turns the vehicle comes slowly enough to turn before it is found (`expected_turn`), and where only its
+//! distance is not sure enough to follow it, its driving line leads already. A [`Steersman`] of `fingerpost-control` steers along the line
+//! within the vehicle's limits. The advice is the vehicle's only where it is followed: it knows no obstacles and no traffic rules.
 
+mod alignment;
 mod config;
+mod expected_turn;
 mod line;
 mod words;
 
@@ -21,12 +24,13 @@ pub use config::AdviceConfig;
 pub use fingerpost_control::{ControllerName, DEFAULT_RULES, VehicleLimits};
 pub use line::{LineKind, RoadEnd};
 
+use self::expected_turn::ExpectedTurn;
 use self::line::{Led, LineFinder};
 use self::words::Because;
 use crate::Config;
 use crate::centreline::CentrelineEvidence;
 use crate::pipeline::FrameOutput;
-use crate::track::{Decision, RouteStop};
+use crate::track::{CandidatePlace, Decision, RouteStop, TrackEvidence};
 
 /// What the vehicle is advised to do.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -78,6 +82,8 @@ pub struct AdviceInput<'a> {
     pub stops: &'a [RouteStop],
     /// What decided the frame.
     pub decision: &'a Decision,
+    /// A feature whose place is not sure enough to follow it.
+    pub candidate: Option<CandidatePlace>,
     /// How the road's middle was found.
     pub centreline: &'a CentrelineEvidence,
     /// Seconds since the frame before; none in the first one and where frames have no times.
@@ -103,6 +109,8 @@ pub struct AdviceStage {
     last: Command,
     /// The feature that was passed without being seen.
     strayed: Option<usize>,
+    /// The turn that is expected next.
+    turn: Option<ExpectedTurn>,
 }
 
 impl AdviceStage {
@@ -127,6 +135,7 @@ impl AdviceStage {
             moved: Vec::new(),
             last: Command::default(),
             strayed: None,
+            turn: None,
         }
     }
 
@@ -147,6 +156,7 @@ impl AdviceStage {
             self.led = Some(led);
         }
         self.watch_route(input);
+        self.turn = ExpectedTurn::next(&input.output.track, input.stops);
         let advised = match self.strayed {
             Some(index) => Err(Stop::Strayed { index }),
             None => self.steer(input),
@@ -177,6 +187,7 @@ impl AdviceStage {
             speed_mps: command.speed_mps,
             controller: self.finder.controller(),
             stops: input.stops,
+            turn: self.turn.as_ref(),
         }
         .write_to(because);
     }
@@ -186,11 +197,13 @@ impl AdviceStage {
         &mut self,
         output: &mut FrameOutput,
         stops: &[RouteStop],
-        (decision, centreline): (&Decision, &CentrelineEvidence),
+        (track, centreline): (&TrackEvidence, &CentrelineEvidence),
         dt_s: Option<f64>,
     ) {
         let mut advice = std::mem::take(&mut output.advice);
-        self.advise(&AdviceInput { output, stops, decision, centreline, dt_s }, &mut advice);
+        let (decision, candidate) = (&track.decision, track.candidate);
+        let input = AdviceInput { output, stops, decision, candidate, centreline, dt_s };
+        self.advise(&input, &mut advice);
         output.advice = advice;
     }
 
@@ -240,6 +253,7 @@ impl AdviceStage {
             room_m: led.room_m,
             present: led.present,
             seen_ahead_m: led.seen_m,
+            turn_ahead: self.turn.map(|turn| turn.ahead),
         };
         let command = self.steersman.steer(&situation, input.dt_s).map_err(Stop::Control)?;
         let SpeedPlan { speed_mps, reason } = *self.steersman.speed_plan();

@@ -388,12 +388,7 @@ impl Pipeline {
         .write_to(&mut output.why);
         finished(Stage::Lanes);
 
-        self.advice.step(
-            output,
-            tracker.stops(),
-            (&track_evidence.decision, centreline_evidence),
-            sensors.dt_s,
-        );
+        self.advice.step(output, tracker.stops(), (track_evidence, centreline_evidence), sensors.dt_s);
         finished(Stage::Advice);
 
         let evidence = FrameEvidence {

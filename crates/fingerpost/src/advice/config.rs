@@ -59,6 +59,7 @@ impl AdviceConfig {
             steering_rate_radps: vehicle.steering_rate_deg_per_s.to_radians(),
             steering_lag_s: vehicle.steering_lag_s,
             lateral_acceleration_mps2: self.lateral_acceleration_mps2,
+            clearance_m: vehicle.margin_m,
             deceleration_mps2: self.deceleration_mps2,
             reaction_s: self.reaction_s,
             speed_max_mps: self.speed_mps,

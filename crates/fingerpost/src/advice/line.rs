@@ -1,14 +1,15 @@
 //! Which line leads: the driving line through the feature at hand, the road's middle, or the lane.
 
-use fingerpost_control::{ControllerName, PathPoint, arc, foot, lay};
+use fingerpost_control::{ControllerName, PathPoint, arc, at, foot, lay};
 use nalgebra::Point2;
 
 use super::AdviceInput;
+use super::alignment::FeaturePlace;
 use crate::Config;
 use crate::centreline::{Centreline, CentrelineEvidence, SteerBy, WayKind};
 use crate::feature_model::ArmModel;
 use crate::lanes::{Lane, Side};
-use crate::track::{Followed, RouteStop};
+use crate::track::{CandidatePlace, Followed, RouteStop};
 use crate::vehicle::VehicleConfig;
 
 /// What is steered along.
@@ -51,6 +52,8 @@ pub enum RoadEnd {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Led {
     pub(super) kind: LineKind,
+    /// The feature through which it leads; none of other lines.
+    feature: Option<usize>,
     /// Standard deviation of its place across itself, metres.
     pub(super) sigma_m: f64,
     /// How far the vehicle may be beside it, metres.
@@ -98,6 +101,10 @@ pub(super) struct LineFinder {
     /// Width of the lane when both its edges were known, metres.
     lane_width_m: Option<f64>,
     width: KnownWidth,
+    /// Points of the driving line where the road's middle has them, vehicle frame, metres.
+    points: Vec<Point2<f64>>,
+    /// The same as a path.
+    laid: Vec<PathPoint>,
 }
 
 impl LineFinder {
@@ -109,6 +116,8 @@ impl LineFinder {
             aim_m: config.centreline.look_ahead_m,
             lane_width_m: None,
             width: KnownWidth::default(),
+            points: Vec::new(),
+            laid: Vec::new(),
         }
     }
 
@@ -128,18 +137,20 @@ impl LineFinder {
         let followed = output.track.followed.as_ref();
         let stop = followed.and_then(|followed| input.stops.get(followed.index));
         self.width.learn(stop.zip(followed), output.centreline.as_ref());
-        let passes = |place: &Point2<f64>| place.coords.norm() < MOST_BESIDE_M;
-        let through = followed
-            .zip(stop)
-            .filter(|_| output.driving_line.len() > 1 && output.driving_line.iter().any(passes));
-        if let Some((followed, stop)) = through.filter(|(_, stop)| turns(stop)) {
-            lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
-            return Some(self.driving_line(followed, stop, path));
-        }
-        // Just behind a corner the road's middle is told by few edges: the line through the corner was surer.
+        let through = Through::at_hand(input);
         let leads_on = foot(path, Point2::origin())
             .zip(path.last())
             .is_some_and(|(beside, last)| last.along_m - beside.on_path.along_m > self.aim_m);
+        if let Some(led) = through.and_then(|through| self.driving_line(&through, input)) {
+            // Where the feature is no longer seen well its place may jump: the line that lies where it was seen better is surer.
+            let is_surer = |kept: &&Led| kept.feature == led.feature && kept.sigma_m < led.sigma_m;
+            if leads_on && kept.is_some_and(|kept| is_surer(&kept)) {
+                return None;
+            }
+            std::mem::swap(path, &mut self.laid);
+            return Some(led);
+        }
+        // Just behind a corner the road's middle is told by few edges: the line through the corner was surer.
         let through_corner = kept.is_some_and(|led| led.kind == LineKind::DrivingLine && led.end.is_none());
         if leads_on && through_corner {
             return None;
@@ -148,12 +159,10 @@ impl LineFinder {
         if let Some(road) = output.centreline.as_ref().filter(|road| self.width.fits(road)) {
             return Some(self.centreline(road, input.centreline, path));
         }
-        if leads_on && kept.is_some() {
+        // A lane that is in sight is surer than one that was.
+        let keeps = kept.is_some_and(|led| led.kind != LineKind::Lane || output.lane.is_none());
+        if leads_on && keeps {
             return None;
-        }
-        if let Some((followed, stop)) = through {
-            lay(&output.driving_line, &output.driving_line_curvature_per_m, path);
-            return Some(self.driving_line(followed, stop, path));
         }
         output.lane.as_ref().and_then(|lane| self.lane(lane, path))
     }
@@ -164,24 +173,42 @@ impl LineFinder {
 
     fn led(&self, kind: LineKind, sigma_m: f64, half_width_m: f64) -> Led {
         let (room_m, seen_m) = (self.room_m(half_width_m), self.far_m);
-        Led { kind, sigma_m, room_m, present: 1.0, seen_m, end: None, kept_m: 0.0 }
+        Led { kind, feature: None, sigma_m, room_m, present: 1.0, seen_m, end: None, kept_m: 0.0 }
     }
 
-    fn driving_line(&self, followed: &Followed, stop: &RouteStop, path: &[PathPoint]) -> Led {
-        let sigma_m = followed.covariance.fixed_view::<2, 2>(0, 0).trace().max(0.0).sqrt();
+    /// The driving line through a feature where the road's middle beside the vehicle has it, in `laid`; none where it does not lead past the
+    /// vehicle.
+    fn driving_line(&mut self, through: &Through<'_>, input: &AdviceInput<'_>) -> Option<Led> {
+        let Through { index, stop, tracked, present } = *through;
+        let line = stop.line.as_ref()?;
+        let place = match &input.output.centreline {
+            Some(road) => tracked.with_road(&stop.model, (road, input.centreline)),
+            None => tracked,
+        };
+        let in_vehicle = line.points.iter().map(|p_in_feature| place.vehicle_from_feature * p_in_feature);
+        self.points.clear();
+        self.points.extend(in_vehicle.skip_while(|p_in_vehicle| p_in_vehicle.x < 0.0));
+        let passes = |place: &Point2<f64>| place.coords.norm() < MOST_BESIDE_M;
+        if self.points.len() < 2 || !self.points.iter().any(passes) {
+            return None;
+        }
+        lay(&self.points, &line.curvature_per_m[line.points.len() - self.points.len()..], &mut self.laid);
+        let path = &self.laid;
+        let aim = at(path, self.aim_m).unwrap_or_default();
+        let sigma_m = place.sigma_across_m(aim.place(), aim.direction());
         let width_m = stop.model.approach().map_or(0.0, |arm| arm.width_m);
         let to_edge_m = 0.5 * width_m - self.vehicle.traffic.lane_left_m(width_m).abs();
         let mut led = self.led(LineKind::DrivingLine, sigma_m, to_edge_m);
-        led.present = followed.present.or_else(|| followed.matched.confidence()).unwrap_or(1.0);
-        if let Some(line) = stop.line.as_ref().filter(|line| !line.within_turning_circle()) {
-            let begins = foot(path, followed.vehicle_from_feature * line.start());
+        (led.feature, led.present) = (Some(index), present);
+        if !line.within_turning_circle() {
+            let begins = foot(path, place.vehicle_from_feature * line.start());
             led.seen_m = led.seen_m.min(begins.map_or(0.0, |begins| begins.on_path.along_m));
             led.end = Some(RoadEnd::TooTight {
                 tightest_radius_m: line.tightest_radius_m,
                 turning_radius_m: line.turning_radius_m,
             });
         }
-        led
+        Some(led)
     }
 
     /// The middle of the lane, by both edges or by one and the width that it had.
@@ -235,6 +262,35 @@ impl LineFinder {
     }
 }
 
+/// A feature that the vehicle may steer through.
+struct Through<'a> {
+    /// Its index in the route.
+    index: usize,
+    stop: &'a RouteStop,
+    tracked: FeaturePlace,
+    /// Probability that the driving line is there, 0 to 1.
+    present: f64,
+}
+
+impl<'a> Through<'a> {
+    /// The feature that is followed, or else one at which the route turns and whose place alone is not sure: driving on straight where
+    /// the route turns is surely wrong.
+    fn at_hand(input: &AdviceInput<'a>) -> Option<Self> {
+        if let Some(followed) = &input.output.track.followed {
+            let stop = input.stops.get(followed.index)?;
+            let there = followed.present.or_else(|| followed.matched.confidence());
+            let Followed { vehicle_from_feature, covariance, .. } = *followed;
+            let tracked = FeaturePlace { vehicle_from_feature, covariance };
+            // Where the route keeps to its road, that goes on whether the feature is there or not.
+            let present = there.filter(|_| turns(stop)).unwrap_or(1.0);
+            return Some(Self { index: followed.index, stop, tracked, present });
+        }
+        let CandidatePlace { index, vehicle_from_feature, covariance, present } = input.candidate?;
+        let stop = input.stops.get(index).filter(|stop| turns(stop))?;
+        Some(Self { index, stop, tracked: FeaturePlace { vehicle_from_feature, covariance }, present })
+    }
+}
+
 /// How wide the road should be: as the map has it, by what has been measured of roads that it has.
 #[derive(Debug, Clone, Copy, Default)]
 struct KnownWidth {
@@ -271,7 +327,7 @@ impl KnownWidth {
     }
 }
 
-/// Whether the route turns at a feature: where it goes on along its road, the road itself is surer than the feature's place.
-fn turns(stop: &RouteStop) -> bool {
+/// Whether the route turns at a feature.
+pub(super) fn turns(stop: &RouteStop) -> bool {
     stop.model.exit().is_some_and(ArmModel::leaves_the_line)
 }

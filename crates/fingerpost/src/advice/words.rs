@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter, Write};
 use fingerpost_control::{ControlEvidence, ControllerName, SpeedPlan, SpeedReason};
 
 use super::Stop;
+use super::expected_turn::ExpectedTurn;
 use super::line::{Led, LineKind, RoadEnd};
 use crate::track::RouteStop;
 
@@ -19,6 +20,7 @@ pub(super) struct Because<'a> {
     pub(super) speed_mps: f64,
     pub(super) controller: ControllerName,
     pub(super) stops: &'a [RouteStop],
+    pub(super) turn: Option<&'a ExpectedTurn>,
 }
 
 impl Because<'_> {
@@ -53,14 +55,18 @@ impl Because<'_> {
             Stop::NoLine => f.write_str("lost, neither driving line, lane nor road's middle is known"),
             Stop::Strayed { index } => {
                 f.write_str("lost, the route turns at ")?;
-                match self.stops.get(index) {
-                    Some(stop) => write!(f, "{} ({})", stop.model.name, stop.model.id)?,
-                    None => write!(f, "feature {index}")?,
-                }
+                self.write_feature(f, index)?;
                 f.write_str(", which lies behind by all that is known and was never seen")
             }
             Stop::LineEnds(end) => write_end(f, end),
             Stop::Control(error) => write!(f, "{error}"),
+        }
+    }
+
+    fn write_feature(&self, f: &mut Formatter<'_>, index: usize) -> fmt::Result {
+        match self.stops.get(index) {
+            Some(stop) => write!(f, "{} ({})", stop.model.name, stop.model.id),
+            None => write!(f, "feature {index}"),
         }
     }
 
@@ -104,6 +110,17 @@ impl Because<'_> {
             SpeedReason::Highest => f.write_str("as fast as is allowed"),
             SpeedReason::Bend { radius_m, ahead_m } => {
                 write!(f, "slower for a bend of {radius_m:.0} m {ahead_m:.0} m ahead")
+            }
+            SpeedReason::Steering { change_per_m, ahead_m } => {
+                let side = if change_per_m > 0.0 { "left" } else { "right" };
+                write!(f, "slower while the wheels turn to the {side} for what begins {ahead_m:.0} m ahead")
+            }
+            SpeedReason::Turn { radius_m, ahead_m } => {
+                write!(f, "slower for a turn of {radius_m:.0} m that may begin in {ahead_m:.0} m")?;
+                let Some(turn) = self.turn else { return Ok(()) };
+                f.write_str(": ")?;
+                self.write_feature(f, turn.index)?;
+                f.write_str(" is not found yet")
             }
             SpeedReason::Sight { seen_m, sure } => {
                 write!(f, "slower because {seen_m:.0} m are seen, {sure:.2} sure")?;

@@ -57,7 +57,7 @@ impl Pipeline {
         }
         .write_to(&mut output.why);
         let centreline = self.centreline.pass_over();
-        self.advice.step(output, tracker.stops(), (&track_evidence.decision, centreline), dt_s);
+        self.advice.step(output, tracker.stops(), (track_evidence, centreline), dt_s);
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
