@@ -6,7 +6,6 @@
 // Functions shared with the tests unwrap; figures are what it is for.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-#[allow(dead_code, reason = "the tests use more of it")]
 #[path = "../tests/drives/mod.rs"]
 mod drives;
 

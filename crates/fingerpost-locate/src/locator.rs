@@ -5,11 +5,12 @@ use nalgebra::Point2;
 use thiserror::Error;
 
 use crate::belief::{Belief, OFFSET_MODEL};
-use crate::fix::{Estimate, Fix, Rival, Status};
+use crate::fix::{Estimate, Fix, RISK, Rival, Status};
 use crate::gps::{GpsEvidence, Receiver};
 use crate::landmark::{Landmarks, Sighting, SightingEvidence, Taken};
-use crate::odometry::{Motion, MotionInterval, MotionSample};
+use crate::odometry::{Motion, MotionInterval, MotionSample, YAW_RATE_NOISE};
 use crate::roads::Traffic;
+use crate::speedometer::Speedometer;
 use crate::start::Start;
 use crate::state::{HEADING, SCALE};
 
@@ -58,6 +59,7 @@ pub struct Locator {
     before: Option<MotionSample>,
     now_s: Option<f64>,
     estimate: Option<Estimate>,
+    speedometer: Speedometer,
     receiver: Receiver,
     landmarks: Landmarks,
 }
@@ -84,6 +86,7 @@ impl Locator {
             before: None,
             now_s: None,
             estimate,
+            speedometer: Speedometer::default(),
             receiver: Receiver::default(),
             landmarks: Landmarks::default(),
         }
@@ -128,20 +131,30 @@ impl Locator {
             let MotionSample { t_s, speed_mps, yaw_rate_rps } = row;
             return Err(MotionError::Impossible { t_s, speed_mps, yaw_rate_rps });
         }
+        let mut speed_mps = row.speed_mps;
         if let Some(before) = self.before {
             let time_s = row.t_s - before.t_s;
             if time_s <= 0.0 {
                 return Ok(self.fix(row.t_s));
             }
             if time_s > LONGEST_GAP_S {
+                self.speedometer.go_on_after_gap(&row);
                 self.go_unseen(0.5 * (before.speed_mps.abs() + row.speed_mps.abs()) * time_s);
             } else {
-                let (speed, turn) =
-                    (before.speed_mps + row.speed_mps, before.yaw_rate_rps + row.yaw_rate_rps);
-                self.pending.go_on(0.5 * speed, 0.5 * turn, time_s);
+                let speed = self.speedometer.take(&row, time_s);
+                self.pending.go_on_by(&MotionInterval {
+                    time_s,
+                    speed_mps: 0.5 * (before.speed_mps + speed.mps),
+                    yaw_rate_rps: 0.5 * (before.yaw_rate_rps + row.yaw_rate_rps),
+                    turn_variance_rad2: YAW_RATE_NOISE.powi(2) * time_s,
+                    distance_variance_m2: speed.distance_variance_m2,
+                });
+                speed_mps = speed.mps;
             }
+        } else {
+            self.speedometer.go_on_after_gap(&row);
         }
-        self.before = Some(row);
+        self.before = Some(MotionSample { speed_mps, ..row });
         self.now_s = Some(row.t_s);
         if self.pending.driven_m >= LOOK_EVERY_M {
             self.look();
@@ -198,6 +211,10 @@ impl Locator {
     fn look(&mut self) {
         let out_of_sight = self.landmarks.go(&self.pending);
         self.belief.go(&self.pending);
+        if self.speedometer.lies() > 0.5 {
+            // Only roads that agree from now on can say where it is.
+            self.belief.agreed_m = 0.0;
+        }
         if let Some(seen) = out_of_sight {
             self.belief.take_seen(&seen);
         }
@@ -227,7 +244,12 @@ impl Locator {
 
     /// The fix at a time (seconds) after the last row's motion.
     fn fix(&self, t_s: f64) -> Option<Fix> {
-        let Estimate { mut state, mass, level_m, status } = self.estimate.clone()?;
+        let Estimate { mut state, mass, mut level_m, mut status } = self.estimate.clone()?;
+        // Where the speed may lie, the vehicle may be anywhere else on its road.
+        if self.speedometer.lies() > RISK {
+            level_m = None;
+            status = if status == Status::Converged { Status::Coasting } else { status };
+        }
         state.go(&self.pending, &OFFSET_MODEL);
         Some(Fix {
             t_s,

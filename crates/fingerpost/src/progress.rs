@@ -11,12 +11,12 @@
 //!
 //! Memory is bounded, no call allocates, and the same calls give the same numbers.
 
-mod component;
+pub(crate) mod component;
 mod elsewhere;
 mod feature;
 mod gps;
 mod mixture;
-mod noise;
+pub(crate) mod noise;
 #[cfg(test)]
 mod tests;
 mod travel;

@@ -4,6 +4,12 @@
 //! corrected by every feature that is followed and by GPS where there is any; or from nothing, in which case the
 //! features serve as directions in their order (`track/directions.rs` asks which is the first) and one that is found says where the
 //! vehicle is.
+//!
+//! A receiver's error keeps for minutes and is a part of what is believed (`progress/component.rs`), so that a feature says how far
+//! GPS is off, and many fixes are not many witnesses. An error that fits no such model, a drift or a receiver that stands, is
+//! found as integrity monitors of aircraft do it: what start, motion and features say alone is kept beside what GPS has corrected, and
+//! where the two are farther apart than their covariances allow (solution separation: J. Blanch et al., "Baseline advanced RAIM user
+//! algorithm and possible improvements", IEEE Transactions on Aerospace and Electronic Systems 51, 2015), both are looked for.
 
 use fingerpost_geometry::Polyline;
 use nalgebra::Point2;
@@ -11,6 +17,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::progress::GpsUse;
+use crate::progress::component::{Component, GPS, PROGRESS};
+use crate::progress::noise::Noise;
+
+#[cfg(test)]
+mod tests;
 
 /// Settings of the progress along the route.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,43 +49,62 @@ impl Default for RouteProgressConfig {
 
 /// Standard deviation of the progress beside a feature that is followed, at least, metres.
 const LEAST_SIGMA_M: f64 = 0.3;
-/// A feature that is found farther from where it was expected leaves a doubt.
+/// A feature that is found farther from where it was expected leaves a doubt, and so does GPS that moves the progress farther.
 const AGREEING_SIGMAS: f64 = 1.5;
+/// Standard deviation of a progress of which nothing is known but GPS, metres.
+const UNKNOWN_M: f64 = 1e3;
 
-/// Progress along the route as a Gaussian, or unknown.
+/// Progress along the route as Gaussians that are possible, or unknown.
 #[derive(Debug, Clone)]
 pub struct RouteProgress {
     config: RouteProgressConfig,
-    known: Option<Known>,
-    /// What was known before a feature was found where it was not expected; kept until the next one tells which is right.
-    doubted: Option<Known>,
+    noise: Noise,
+    /// By all that was measured.
+    known: Option<Component>,
+    /// What was known before a feature was found, or a GPS position was, where it was not expected; kept until the next feature tells
+    /// which is right.
+    doubted: Option<Component>,
+    /// Without GPS.
+    unaided: Option<Component>,
     /// Distance along the route of the feature that was found last, metres.
     found_m: Option<f64>,
     /// Metres driven since the first frame: the vehicle started on the route, so it is at least this far along.
     driven_m: f64,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Known {
-    mean_m: f64,
-    variance: f64,
-}
-
 impl RouteProgress {
     /// Progress at the first frame: `start_m` along the route, or unknown.
     pub fn new(config: &RouteProgressConfig, start_m: Option<f64>) -> Self {
-        let known = start_m.map(|mean_m| Known { mean_m, variance: config.start_sigma_m.powi(2) });
-        Self { config: config.clone(), known, doubted: None, found_m: None, driven_m: 0.0 }
+        let noise = Noise::of_any_receiver(config);
+        let known = start_m.map(|mean_m| Component::at(1.0, mean_m, config.start_sigma_m, &noise));
+        Self {
+            config: config.clone(),
+            noise,
+            known,
+            doubted: None,
+            unaided: known,
+            found_m: None,
+            driven_m: 0.0,
+        }
     }
 
     /// Mean and standard deviation, metres; none while unknown.
     pub fn belief_m(&self) -> Option<(f64, f64)> {
-        self.known.map(|known| (known.mean_m, known.variance.sqrt()))
+        self.known.as_ref().map(moments_m)
     }
 
     /// Mean and standard deviation of every belief that is still possible, the likeliest first, metres; none while unknown.
     pub fn beliefs_m(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.known.into_iter().chain(self.doubted).map(|known| (known.mean_m, known.variance.sqrt()))
+        self.known.iter().chain(&self.doubted).chain(self.separate()).map(moments_m)
+    }
+
+    /// What is believed without GPS, where that is farther from what is believed with it than the measurements between them explain.
+    fn separate(&self) -> Option<&Component> {
+        let (known, unaided) = (self.known.as_ref()?, self.unaided.as_ref()?);
+        // The variance of the difference between an estimate and that of a part of its measurements is that of the variances.
+        let explained = (unaided.sigma_m().powi(2) - known.sigma_m().powi(2)).max(0.0);
+        let apart_m = known.mean_m() - unaided.mean_m();
+        (apart_m * apart_m > AGREEING_SIGMAS * AGREEING_SIGMAS * explained).then_some(unaided)
     }
 
     /// The least progress that is believed possible, metres.
@@ -85,15 +115,20 @@ impl RouteProgress {
             .unwrap_or((1.0 - 3.0 * self.config.drift_share) * self.driven_m)
     }
 
+    /// So many seconds went by, over which the receiver's slow error changes.
+    pub fn elapse(&mut self, dt_s: f64) {
+        for component in self.known.iter_mut().chain(&mut self.doubted) {
+            component.forget_gps_error(dt_s, &self.noise);
+        }
+    }
+
     /// The vehicle moved on by `forward_m`, known to the standard deviation `sigma_m`, metres.
     pub fn advance(&mut self, forward_m: f64, sigma_m: f64) {
         self.driven_m += forward_m;
-        for known in self.known.iter_mut().chain(&mut self.doubted) {
-            known.mean_m += forward_m;
-            // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
-            let drift_m = (self.config.drift_share * forward_m.abs()).max(sigma_m);
-            let sigma = known.variance.sqrt() + drift_m;
-            known.variance = sigma * sigma;
+        // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
+        let drift_m = (self.config.drift_share * forward_m.abs()).max(sigma_m);
+        for component in self.known.iter_mut().chain(&mut self.doubted).chain(&mut self.unaided) {
+            component.move_by(forward_m, drift_m);
         }
     }
 
@@ -103,11 +138,12 @@ impl RouteProgress {
         // The same feature found again tells nothing new.
         let is_same =
             self.found_m.replace(feature_m).is_some_and(|found_m| (found_m - feature_m).abs() < 0.01);
-        let agrees = |known: &Known| {
-            let variance = known.variance + sigma_m.max(LEAST_SIGMA_M).powi(2);
-            (route_m - known.mean_m).powi(2) <= AGREEING_SIGMAS.powi(2) * variance
+        let agrees = |component: &Component| {
+            let (mean_m, of_m) = moments_m(component);
+            let variance = of_m.powi(2) + sigma_m.max(LEAST_SIGMA_M).powi(2);
+            (route_m - mean_m).powi(2) <= AGREEING_SIGMAS.powi(2) * variance
         };
-        let surprised = self.known.as_ref().is_some_and(|known| !agrees(known));
+        let surprised = self.known.is_some() && !self.known.iter().chain(self.separate()).any(agrees);
         self.doubted = match self.doubted {
             Some(doubted) if agrees(&doubted) => None,
             Some(doubted) if is_same => Some(doubted),
@@ -117,21 +153,27 @@ impl RouteProgress {
         self.observe(route_m, sigma_m);
     }
 
-    /// A followed feature says where on the route the vehicle is.
+    /// A followed feature says where on the route the vehicle is, and with it how far GPS is off.
     pub fn observe(&mut self, route_m: f64, sigma_m: f64) {
         // The feature's place is measured against the map in each frame: it replaces dead reckoning.
         let sigma_m = sigma_m.max(LEAST_SIGMA_M);
-        self.known = Some(Known { mean_m: route_m, variance: sigma_m * sigma_m });
+        let unknown = Component::at(1.0, route_m, sigma_m, &self.noise);
+        for place in [&mut self.known, &mut self.unaided] {
+            *place = Some(place.unwrap_or(unknown).given(&PROGRESS, route_m, sigma_m * sigma_m));
+        }
     }
 
     /// A GPS position, in the map frame.
     pub fn observe_gps(&mut self, route: &Polyline, p_in_map: Point2<f64>) -> GpsUse {
-        let foot = match self.known {
+        if !(p_in_map.x.is_finite() && p_in_map.y.is_finite()) {
+            return GpsUse::NothingNew;
+        }
+        let foot = match &self.known {
             // Where the route passes the same place twice, the pass that is believed counts.
             Some(known) => {
-                let reach = 3.0 * known.variance.sqrt() + self.config.gps_gate_m;
+                let reach = 3.0 * known.sigma_m() + self.config.gps_gate_m;
                 route
-                    .nearest_on_part(p_in_map, known.mean_m - reach, known.mean_m + reach)
+                    .nearest_on_part(p_in_map, known.mean_m() - reach, known.mean_m() + reach)
                     .unwrap_or_else(|| route.nearest(p_in_map))
             }
             None => route.nearest(p_in_map),
@@ -139,87 +181,31 @@ impl RouteProgress {
         if foot.left_m.abs() > self.config.gps_gate_m {
             return GpsUse::OffRoute { distance_m: foot.left_m.abs() };
         }
-        let measured = self.config.gps_sigma_m.powi(2);
-        let contradicted =
-            |known: &Known| (foot.along_m - known.mean_m).powi(2) > 9.0 * (known.variance + measured);
-        self.doubted = self.doubted.filter(|doubted| !contradicted(doubted));
-        let known = self.known.unwrap_or(Known { mean_m: foot.along_m, variance: 1e6 });
-        let gain = known.variance / (known.variance + measured);
-        let innovation_m = foot.along_m - known.mean_m;
-        self.known = Some(Known {
-            mean_m: known.mean_m + gain * innovation_m,
-            variance: (1.0 - gain) * known.variance,
+        let fix_m = foot.along_m;
+        let here = Component::at(1.0, fix_m, UNKNOWN_M, &self.noise).with_fix(fix_m, &self.noise);
+        let Some(known) = &mut self.known else {
+            self.known = Some(here);
+            return GpsUse::Accepted { innovation_m: 0.0 };
+        };
+        let innovation_m = fix_m - known.predicted(&GPS).0;
+        if known.expects_fix(fix_m, &self.noise) {
+            *known = known.with_fix(fix_m, &self.noise);
+            // What the receiver contradicts and the rest does not is no more in doubt.
+            self.doubted = self.doubted.filter(|doubted| doubted.expects_fix(fix_m, &self.noise));
+            self.doubted = self.doubted.map(|doubted| doubted.with_fix(fix_m, &self.noise));
+            return GpsUse::Accepted { innovation_m };
+        }
+        // The receiver has jumped, or it is right and the vehicle is not where it was believed.
+        *known = known.after_jump(fix_m, &self.noise);
+        self.doubted = Some(match self.doubted {
+            Some(doubted) if doubted.expects_fix(fix_m, &self.noise) => doubted.with_fix(fix_m, &self.noise),
+            _ => here,
         });
-        GpsUse::Accepted { innovation_m }
+        GpsUse::Jumped { innovation_m }
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn route() -> Polyline {
-        Polyline::new([Point2::new(0.0, 0.0), Point2::new(100.0, 0.0), Point2::new(100.0, 100.0)]).unwrap()
-    }
-
-    #[test]
-    fn dead_reckoning_grows_unsure_and_a_feature_ends_it() {
-        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
-        for _ in 0..100 {
-            progress.advance(1.0, 0.0);
-        }
-        let (mean, sigma) = progress.belief_m().unwrap();
-        assert!((mean - 110.0).abs() < 1e-9 && (sigma - 6.0).abs() < 1e-6, "{mean} {sigma}");
-        progress.observe(105.0, 0.4);
-        assert!((progress.belief_m().unwrap().0 - 105.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_feature_that_is_not_where_it_was_expected_leaves_a_doubt_that_the_next_one_ends() {
-        let start = || RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
-        let sigma_m = 0.4;
-        let means = |progress: &RouteProgress| progress.beliefs_m().map(|(mean, _)| mean).collect::<Vec<_>>();
-        let mut progress = start();
-        progress.observe_found(30.0, 13.0, sigma_m);
-        assert_eq!(means(&progress), [13.0], "within what was expected");
-
-        let surprised = || {
-            let mut progress = start();
-            progress.observe_found(30.0, 18.0, sigma_m);
-            progress.observe(18.1, sigma_m);
-            progress.advance(20.0, 0.0);
-            progress
-        };
-        assert_eq!(means(&surprised()), [38.1, 30.0]);
-        assert!(surprised().at_least_m() < 30.0 - 9.0, "neither is given up");
-        for (next_m, believed) in [(38.3, vec![38.3]), (30.5, vec![30.5]), (50.0, vec![50.0, 38.1])] {
-            let mut progress = surprised();
-            progress.observe_found(60.0, next_m, sigma_m);
-            assert_eq!(means(&progress), believed);
-        }
-        let mut lost_and_found = surprised();
-        lost_and_found.observe_found(30.0, 38.2, sigma_m);
-        assert_eq!(means(&lost_and_found), [38.2, 30.0], "the same feature again proves nothing");
-        let mut with_gps = surprised();
-        with_gps.observe_gps(&route(), Point2::new(80.0, 0.0));
-        assert_eq!(means(&with_gps).len(), 1, "a position that contradicts the doubt ends it");
-    }
-
-    #[test]
-    fn gps_places_a_vehicle_that_knew_nothing() {
-        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
-        assert!(progress.belief_m().is_none());
-        let used = progress.observe_gps(&route(), Point2::new(60.0, 3.0));
-        assert!(matches!(used, GpsUse::Accepted { .. }));
-        assert!((progress.belief_m().unwrap().0 - 60.0).abs() < 0.1);
-        let far = progress.observe_gps(&route(), Point2::new(60.0, -80.0));
-        assert_eq!(far, GpsUse::OffRoute { distance_m: 80.0 });
-    }
-
-    #[test]
-    fn without_a_start_the_distance_driven_is_the_least() {
-        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
-        progress.advance(40.0, 0.0);
-        assert!((progress.at_least_m() - 36.4).abs() < 1e-9);
-    }
+/// Mean and standard deviation, metres.
+fn moments_m(component: &Component) -> (f64, f64) {
+    (component.mean_m(), component.sigma_m())
 }

@@ -8,18 +8,18 @@ use super::noise::Noise;
 use super::travel::Step;
 
 /// The progress alone, of the state (progress, scale error, slow GPS error).
-pub(super) const PROGRESS: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
+pub(crate) const PROGRESS: Vector3<f64> = Vector3::new(1.0, 0.0, 0.0);
 /// The slow error of GPS alone.
 const GPS_ERROR: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 /// What GPS measures: the progress and its own slow error.
-pub(super) const GPS: Vector3<f64> = Vector3::new(1.0, 0.0, 1.0);
+pub(crate) const GPS: Vector3<f64> = Vector3::new(1.0, 0.0, 1.0);
 
 /// A truncated Gaussian keeps at least this share of its variance: the difference that gives it is rounded far out in a tail.
 const LEAST_TRUNCATED: f64 = 1e-4;
 
 /// A weighted Gaussian over (progress in metres, scale error as a share, slow GPS error in metres).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Component {
+pub(crate) struct Component {
     pub(super) weight: f64,
     pub(super) mean: Vector3<f64>,
     pub(super) covariance: Matrix3<f64>,
@@ -36,7 +36,7 @@ impl Component {
     };
 
     /// At `mean_m` along the route, with nothing known of the scale and of GPS but their priors.
-    pub(super) fn at(weight: f64, mean_m: f64, sigma_m: f64, noise: &Noise) -> Self {
+    pub(crate) fn at(weight: f64, mean_m: f64, sigma_m: f64, noise: &Noise) -> Self {
         let sigmas = Vector3::new(sigma_m, noise.scale_sigma, noise.gps_slow_m);
         Self {
             weight,
@@ -46,42 +46,59 @@ impl Component {
         }
     }
 
-    pub(super) fn mean_m(&self) -> f64 {
+    pub(crate) fn mean_m(&self) -> f64 {
         self.mean.x
     }
 
-    pub(super) fn sigma_m(&self) -> f64 {
+    pub(crate) fn sigma_m(&self) -> f64 {
         self.covariance.m11.max(0.0).sqrt()
     }
 
     /// Mean and variance of what `measured` picks of the state.
-    pub(super) fn predicted(&self, measured: &Vector3<f64>) -> (f64, f64) {
+    pub(crate) fn predicted(&self, measured: &Vector3<f64>) -> (f64, f64) {
         (measured.dot(&self.mean), measured.dot(&(self.covariance * measured)).max(f64::MIN_POSITIVE))
     }
 
     /// Moves on with the vehicle.
     pub(super) fn advance(&mut self, step: &Step, noise: &Noise) {
         let scaled_m = step.measured_m;
-        let (scale_kept, gps_kept) = (noise.scale_kept(scaled_m), noise.gps_kept(step.dt_s));
-        let transition = Matrix3::new(1.0, scaled_m, 0.0, 0.0, scale_kept, 0.0, 0.0, 0.0, gps_kept);
-        let forward_m = PROGRESS * (scaled_m + step.unscaled_m);
-        self.mean = transition * self.mean + forward_m + GPS_ERROR * (self.gps_level_m * (1.0 - gps_kept));
+        let scale_kept = noise.scale_kept(scaled_m);
+        let transition = Matrix3::new(1.0, scaled_m, 0.0, 0.0, scale_kept, 0.0, 0.0, 0.0, 1.0);
+        self.mean = transition * self.mean + PROGRESS * (scaled_m + step.unscaled_m);
         // What adds up within a run of unknown motion errs in one direction; it can go along with what was unsure before no
         // more than that was unsure.
         let along_m = 2.0 * step.run_before_m.min(self.sigma_m()) + step.run_added_m;
         let added = Vector3::new(
             step.white_sigma_m.powi(2) + along_m * step.run_added_m,
             noise.scale_sigma.powi(2) * (1.0 - scale_kept * scale_kept),
-            noise.gps_slow_m.powi(2) * (1.0 - gps_kept * gps_kept),
+            0.0,
         );
         self.covariance =
             transition * self.covariance * transition.transpose() + Matrix3::from_diagonal(&added);
+        self.forget_gps_error(step.dt_s, noise);
+    }
+
+    /// Moves on by a distance whose error goes on in the direction of the error that there is, with this standard deviation, metres.
+    pub(crate) fn move_by(&mut self, forward_m: f64, drift_m: f64) {
+        let wider = 1.0 + drift_m / self.sigma_m().max(f64::MIN_POSITIVE);
+        let transition = Matrix3::from_diagonal(&Vector3::new(wider, 1.0, 1.0));
+        self.mean.x += forward_m;
+        self.covariance = transition * self.covariance * transition;
+    }
+
+    /// So many seconds went by, and the slow error of GPS becomes another one (first-order Gauss-Markov process).
+    pub(crate) fn forget_gps_error(&mut self, dt_s: f64, noise: &Noise) {
+        let kept = noise.gps_kept(dt_s);
+        let transition = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, kept));
+        self.mean.z = kept * self.mean.z + (1.0 - kept) * self.gps_level_m;
+        self.covariance = transition * self.covariance * transition;
+        self.covariance.m33 += noise.gps_slow_m.powi(2) * (1.0 - kept * kept);
     }
 
     /// The same once what `measured` picks of the state is known to have this mean and variance: a measurement, or a range that
     /// is ruled out.
     #[must_use]
-    pub(super) fn given(&self, measured: &Vector3<f64>, mean: f64, variance: f64) -> Self {
+    pub(crate) fn given(&self, measured: &Vector3<f64>, mean: f64, variance: f64) -> Self {
         let (expected, before) = self.predicted(measured);
         let gain = self.covariance * measured / before;
         let covariance = self.covariance + gain * gain.transpose() * (variance - before);

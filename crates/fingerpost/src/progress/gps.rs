@@ -144,19 +144,15 @@ fn found_elsewhere(elsewhere: &Elsewhere, foot: &Foot, untold_share: f64, noise:
     let weight = untold_share * (1.0 - JUMP_SHARE) * foot.weight * elsewhere.density(foot.along_m, sigma_m);
     // As after a fix when nothing was known: the progress errs as GPS does.
     let unknown_m = 1e3 * sigma_m;
-    Component::at(weight, foot.along_m, unknown_m, noise).measured(
-        &GPS,
-        foot.along_m,
-        noise.gps_white_m.powi(2),
-    )
+    Component::at(weight, foot.along_m, unknown_m, noise).with_fix(foot.along_m, noise)
 }
 
 impl Component {
     /// Adds what a fix leaves of this component, and says how likely the fix was.
     fn take_fix(&self, feet: &Feet, noise: &Noise, weighed: &mut Mixture<WORKING>) -> Taken {
         let white_m2 = noise.gps_white_m.powi(2);
-        let (expected_m, before) = self.predicted(&GPS);
-        let gate_m = GATE_SIGMAS * (before + white_m2).sqrt();
+        let (_, before) = self.predicted(&GPS);
+        let (expected_m, gate_m) = self.fix_within_m(noise);
         let within = || feet.as_slice().iter().filter(|foot| (foot.along_m - expected_m).abs() <= gate_m);
         let nearest_weight = within().map(|foot| foot.weight).fold(0.0, f64::max);
         let mut sound_per_m = 0.0;
@@ -166,7 +162,7 @@ impl Component {
             let per_m = (1.0 - JUMP_SHARE)
                 * (foot.weight / nearest_weight)
                 * gaussian(foot.along_m - expected_m, before + white_m2);
-            let part = self.measured(&GPS, foot.along_m, white_m2);
+            let part = self.with_fix(foot.along_m, noise);
             weighed.push(Self { weight: self.weight * per_m, ..part });
             sound_per_m += per_m;
         }
@@ -180,13 +176,32 @@ impl Component {
         Taken::Jump { per_m }
     }
 
+    /// Whether a fix may be that of a receiver that has not jumped.
+    pub(crate) fn expects_fix(&self, fix_m: f64, noise: &Noise) -> bool {
+        let (expected_m, gate_m) = self.fix_within_m(noise);
+        (fix_m - expected_m).abs() <= gate_m
+    }
+
+    /// Where along the route a fix is expected, and how far from there it may be, metres.
+    fn fix_within_m(&self, noise: &Noise) -> (f64, f64) {
+        let (expected_m, before) = self.predicted(&GPS);
+        (expected_m, GATE_SIGMAS * (before + noise.gps_white_m.powi(2)).sqrt())
+    }
+
+    /// The same after a fix of a receiver that has not jumped.
+    #[must_use]
+    pub(crate) fn with_fix(&self, fix_m: f64, noise: &Noise) -> Self {
+        self.measured(&GPS, fix_m, noise.gps_white_m.powi(2))
+    }
+
     /// The receiver jumped to `fix_m`: back to where a sound one may be, or to an error that it keeps.
-    fn after_jump(&self, fix_m: f64, noise: &Noise) -> Self {
+    #[must_use]
+    pub(crate) fn after_jump(&self, fix_m: f64, noise: &Noise) -> Self {
         let (route_m, variance) = self.predicted(&PROGRESS);
         let (slow_m, white_m2) = (noise.gps_slow_m, noise.gps_white_m.powi(2));
         let apart_m = fix_m - route_m;
         let is_sound = apart_m.abs() <= GATE_SIGMAS * (variance + slow_m * slow_m + white_m2).sqrt();
         let (level_m, sigma_m) = if is_sound { (0.0, slow_m) } else { (apart_m, noise.gps_gate_m) };
-        self.with_gps_error(level_m, sigma_m).measured(&GPS, fix_m, white_m2)
+        self.with_gps_error(level_m, sigma_m).with_fix(fix_m, noise)
     }
 }

@@ -16,7 +16,7 @@ const LEAST_SIGMA: f64 = 1e-3;
 
 /// Standard deviations and how long errors last, from the configuration.
 #[derive(Debug, Clone)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     pub(super) start_m: f64,
     pub(super) scale_sigma: f64,
     pub(super) gps_slow_m: f64,
@@ -34,6 +34,13 @@ impl Noise {
             gps_white_m: gps_m * GPS_WHITE_SHARE,
             gps_gate_m: config.gps_gate_m.max(LEAST_SIGMA),
         }
+    }
+
+    /// The same of a receiver of which nothing is known: its error may keep or change from fix to fix, and either part may be all of it.
+    pub(crate) fn of_any_receiver(config: &RouteProgressConfig) -> Self {
+        let noise = Self::new(config);
+        let gps_m = noise.gps_slow_m.hypot(noise.gps_white_m);
+        Self { gps_slow_m: gps_m, gps_white_m: gps_m, ..noise }
     }
 
     /// Share of the scale error that is left after this distance.

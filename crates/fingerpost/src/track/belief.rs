@@ -78,7 +78,7 @@ const LOST_SIGMA_FACTOR: f64 = 1.6;
 /// A motion less sure than this leaves the ground behind, metres: edges of the road are no longer where they are remembered.
 pub(super) const LEFT_BEHIND_M: f64 = 2.0;
 /// Seconds from frame to frame where no times are known: ten frames a second.
-const FRAME_S: f64 = 0.1;
+pub(super) const FRAME_S: f64 = 0.1;
 /// Standard deviation of a speed that is not the camera's, share of it: wheels wear and slip.
 const SPEED_SIGMA_SHARE: f64 = 0.03;
 /// Standard deviation of the speed of a vehicle that hardly moves, metres a second.

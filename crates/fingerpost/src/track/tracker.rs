@@ -13,7 +13,7 @@ use nalgebra::{Isometry2, Point2};
 
 use self::searching::edges_by_which_it_is_told;
 use super::alignment::Aligner;
-use super::belief::LEFT_BEHIND_M;
+use super::belief::{FRAME_S, LEFT_BEHIND_M};
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
@@ -147,6 +147,7 @@ impl Tracker {
             }
             filter.place(now.shown_from_road(filter.pose()));
         };
+        self.progress.elapse(moved.dt_s.unwrap_or(FRAME_S));
         if let Some(motion) = moved.motion {
             // Of a gap in the pictures the progress knows nothing better than that the vehicle stood.
             let sigma_m = Some(motion.covariance[(0, 0)].sqrt()).filter(|sigma_m| *sigma_m < LEFT_BEHIND_M);
