@@ -65,7 +65,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs
-    /// to the first frame. Or a receiver as it speaks: a serial device, as /dev/ttyUSB0, whose speed `stty` sets, or a gpsd, as
+    /// to the first frame, unless its times are those of 1970-01-01, which count from the first frame. Or a receiver as it speaks: a serial device, as /dev/ttyUSB0, whose speed `stty` sets, or a gpsd, as
     /// gpsd://127.0.0.1:2947; each position then belongs to the frame at hand. Of a file, positions of times more than 12 hours from the
     /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "roads")]
