@@ -12,6 +12,7 @@ mod campaign;
 mod can;
 mod can_signals;
 mod centreline_record;
+mod convert;
 mod demo;
 mod driver;
 mod evaluate;
@@ -82,6 +83,8 @@ enum Command {
     Evaluate(evaluate::EvaluateCommand),
     Mark(mark::MarkArgs),
     Locate(locate::LocateArgs),
+    #[command(subcommand)]
+    Convert(convert::ConvertCommand),
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),
         Command::Locate(args) => locate::locate(&args),
+        Command::Convert(command) => convert::convert(&command),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),

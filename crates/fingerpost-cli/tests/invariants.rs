@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 12] = [
+const PURE: [&str; 13] = [
     "fingerpost",
+    "fingerpost-bag",
     "fingerpost-control",
     "fingerpost-eval",
     "fingerpost-format",
