@@ -9,7 +9,7 @@ use clap::Args;
 use fingerpost::{Config, Sensors};
 use fingerpost_io::RunFolder;
 use fingerpost_map::{OsmData, RoadGraph, read_route};
-use fingerpost_sim::{SimConfig, SimFrame, Simulator};
+use fingerpost_sim::{SimConfig, SimFrame, Simulator, TOWN_OSM, TOWN_ROUTE};
 use rayon::prelude::*;
 
 use crate::arguments::PictureSize;
@@ -33,12 +33,6 @@ pub(crate) struct DemoArgs {
     json: bool,
 }
 
-/// Mauren in Liechtenstein. Map data © OpenStreetMap contributors, ODbL 1.0; see the file beside it.
-pub(crate) const TOWN_OSM: &[u8] =
-    include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town.osm"));
-/// A kilometre over junctions, side roads and bends of it.
-const TOWN_ROUTE: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town_route.geojson"));
 /// Picture size of a small dashcam.
 const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
 /// Rendered frames that may wait for the method: enough to even out slow ones.
