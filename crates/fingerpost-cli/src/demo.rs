@@ -9,6 +9,7 @@ use clap::Args;
 use fingerpost::{Config, Sensors};
 use fingerpost_io::RunFolder;
 use fingerpost_map::{OsmData, RoadGraph, read_route};
+use fingerpost_record::FrameTime;
 use fingerpost_sim::{SimConfig, SimFrame, Simulator, TOWN_OSM, TOWN_ROUTE};
 use rayon::prelude::*;
 
@@ -17,7 +18,6 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlap::{self, Overlap};
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
 

@@ -13,12 +13,12 @@ use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::{FrameTime, feature_identities, frame_record};
 use fingerpost_recording::{FrameRecorder, RecordedFrame};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::picture_scaling::PictureScaling;
-use crate::record::{FrameTime, feature_identities, frame_record};
 use crate::recorder::{Pictures, RecordingWish, Subject, Wishes};
 use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};

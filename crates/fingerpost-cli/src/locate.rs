@@ -18,13 +18,13 @@ use fingerpost_format::{
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
 use fingerpost_map::RoadGraph;
+use fingerpost_record::fix_status;
 use fingerpost_report::{LocatedDrive, LocatingInput, locating_html};
 
 use self::against_truth::Truth;
 use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
-use crate::fix_record::fix_status;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 

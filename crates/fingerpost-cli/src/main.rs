@@ -3,7 +3,6 @@
 //! One file a subcommand. Standard output carries data only where it is asked for (`--json`, `schema`); progress and
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
-mod advice_record;
 #[cfg(unix)]
 mod advise;
 mod arguments;
@@ -11,17 +10,14 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
-mod centreline_record;
 mod convert;
 mod demo;
 mod driver;
 mod evaluate;
-mod fix_record;
 mod frame_choice;
 mod gps;
 mod inputs;
 mod interrupt;
-mod lanes_record;
 mod licences;
 mod live_gps;
 mod locate;
@@ -33,7 +29,6 @@ mod output_path;
 mod overlap;
 mod papers;
 mod picture_scaling;
-mod record;
 mod recorder;
 mod road_detector;
 mod route;

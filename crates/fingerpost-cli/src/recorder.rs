@@ -13,6 +13,7 @@ use fingerpost_format::{
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::{FrameTime, broken_record};
 use fingerpost_recording::Recording;
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
@@ -22,7 +23,6 @@ use indicatif::ProgressBar;
 use crate::arguments::FrameRange;
 use crate::driver::{FrameResult, Seen};
 use crate::output;
-use crate::record::{FrameTime, broken_record};
 use crate::stage_clock::{FrameClock, StageTimes};
 use crate::version::VERSION;
 

@@ -14,6 +14,7 @@ use fingerpost_io::{
     read_camera, read_truth,
 };
 use fingerpost_map::{LatLon, Route};
+use fingerpost_record::FrameTime;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
@@ -25,7 +26,6 @@ use crate::interrupt::Interrupt;
 use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};

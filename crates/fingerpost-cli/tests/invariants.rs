@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 13] = [
+const PURE: [&str; 14] = [
     "fingerpost",
     "fingerpost-bag",
     "fingerpost-control",
@@ -16,6 +16,7 @@ const PURE: [&str; 13] = [
     "fingerpost-geometry",
     "fingerpost-locate",
     "fingerpost-map",
+    "fingerpost-record",
     "fingerpost-recording",
     "fingerpost-report",
     "fingerpost-search",

@@ -7,6 +7,7 @@ use fingerpost::{Config, Sensors};
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{FrameRecord, TrackState, TriedSettings, TuningPurpose, TuningTrial};
 use fingerpost_io::{FrameSource, SourceOptions, TuningFolder};
+use fingerpost_record::{FrameTime, broken_record};
 use indicatif::ProgressBar;
 
 use super::drives::TuneDrive;
@@ -17,7 +18,6 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::inputs;
 use crate::interrupt::Interrupt;
 use crate::output;
-use crate::record::{FrameTime, broken_record};
 use crate::recorder::{Pictures, RecordingWish, Wishes};
 use crate::side_by_side;
 

@@ -10,6 +10,7 @@ use fingerpost_eval::LoopWatch;
 use fingerpost_format::{JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, TruthRecord};
 use fingerpost_io::{FfmpegPrograms, JsonLinesFile, LOOP_FRAMES_FILE, PLAN_FILE, RunFolder, write_file};
 use fingerpost_map::{LatLon, write_route};
+use fingerpost_record::FrameTime;
 use fingerpost_report::{PlanView, plan_view_svg};
 use fingerpost_sim::{Actuation, Arrival, CameraChannel, DriveCommand, SteeredDrive, SteeredPlace};
 use indicatif::ProgressBar;
@@ -18,7 +19,6 @@ use super::LoopSetting;
 use super::fault::{Fault, gps};
 use crate::campaign::Plan;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, VideoWish, Wishes};
 use crate::{inputs, output};
 
