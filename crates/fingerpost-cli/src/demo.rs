@@ -60,6 +60,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video: None,
         recording: RecordingWish::Mcap,
+        live_port: None,
     };
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;

@@ -124,9 +124,23 @@ pub(crate) struct RunArgs {
     /// Do not write run.mcap, the recording of all that was seen for Foxglove and Rerun.
     #[arg(long)]
     no_recording: bool,
+    /// Let viewers connect while the drive is run, on the loopback address: Foxglove (Open connection, Foxglove WebSocket). They get the
+    /// messages of run.mcap.
+    #[arg(long, value_enum, value_name = "VIEWER")]
+    serve: Option<Viewer>,
+    /// Port that viewers connect to; 0 takes any that is free, which is then said.
+    #[arg(long, value_name = "PORT", default_value_t = 8765, requires = "serve")]
+    serve_port: u16,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
+}
+
+/// Who may connect while a drive is run.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Viewer {
+    /// Foxglove, by its WebSocket protocol.
+    Foxglove,
 }
 
 impl RunArgs {
@@ -179,6 +193,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
+        live_port: args.serve.map(|Viewer::Foxglove| args.serve_port),
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
