@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Licences of what is linked into the program, as THIRD_PARTY_NOTICES.txt; with --check, whether that file is up to date.
+"""Licences of what is linked into the program and into the Python package, as a THIRD_PARTY_NOTICES.txt each; with --check, whether
+these files are up to date.
 
     tools/notices.py [--check]
 
-Takes the crates that `cargo metadata` resolves for the program on Linux, with every feature that ships, and the licence files
+Takes the crates that `cargo metadata` resolves for them on Linux, with every feature that ships, and the licence files
 in their packages. A text that several crates share stands once. A crate without a licence file has its repository's in
 tools/licences/, or must offer Apache-2.0, whose text names nobody; any other ends the script with an error.
 """
@@ -15,8 +16,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-NOTICES = ROOT / "THIRD_PARTY_NOTICES.txt"
-PROGRAM = "fingerpost-cli"
+# Workspaces, and what of them is passed on.
+PASSED_ON = [(ROOT, "fingerpost-cli"), (ROOT / "python", "fingerpost-python")]
 PLATFORM = "x86_64-unknown-linux-gnu"
 LICENCE_FILE = re.compile(r"(?i)^(un)?licen[cs]e|^copying|^copyright|^notice")
 HEAD = """Fingerpost is licensed under MIT OR Apache-2.0. The program holds the works below; each is under the licence that follows it.
@@ -28,13 +29,13 @@ The Rust standard library: (c) the Rust Project contributors, MIT OR Apache-2.0;
 """
 
 
-def linked_packages():
-    """Packages that the program links, without those of this workspace, by name and version."""
+def linked_packages(workspace, program):
+    """Packages that a program links, without those of this repository, by name and version."""
     command = ["cargo", "metadata", "--format-version", "1", "--locked", "--all-features", "--filter-platform", PLATFORM]
-    metadata = json.loads(subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout)
+    metadata = json.loads(subprocess.run(command, cwd=workspace, check=True, capture_output=True, text=True).stdout)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    waiting = [id for id, package in packages.items() if package["name"] == PROGRAM]
+    waiting = [id for id, package in packages.items() if package["name"] == program]
     linked = set()
     while waiting:
         id = waiting.pop()
@@ -47,8 +48,8 @@ def linked_packages():
                            if "custom-build" not in target["kind"] and set(target["kind"]) & {"lib", "proc-macro"})
             if is_normal and not is_macro:
                 waiting.append(dependency["pkg"])
-    own = set(metadata["workspace_members"])
-    return sorted((packages[id] for id in linked - own), key=lambda package: (package["name"], package["version"]))
+    foreign = (packages[id] for id in linked if packages[id]["source"] is not None)
+    return sorted(foreign, key=lambda package: (package["name"], package["version"]))
 
 
 def licence_texts(package):
@@ -67,9 +68,9 @@ def licence_texts(package):
     sys.exit(f"{package['name']} {package['version']} ({expression}) has no licence file; add its repository's as tools/licences/{package['name']}.txt")
 
 
-def notices():
+def notices(workspace, program):
     first_of, users = {}, {}
-    for package in linked_packages():
+    for package in linked_packages(workspace, program):
         for text in licence_texts(package):
             # The same licence is laid out in many ways.
             text = first_of.setdefault(" ".join(text.split()), text)
@@ -83,11 +84,14 @@ def notices():
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--check", action="store_true", help="change nothing; fail where the file is not up to date")
-    text = notices()
-    if not arguments.parse_args().check:
-        NOTICES.write_text(text, encoding="utf-8")
-    elif not NOTICES.exists() or NOTICES.read_text(encoding="utf-8") != text:
-        sys.exit(f"{NOTICES.name} is not that of Cargo.lock; run tools/notices.py and commit it")
+    check = arguments.parse_args().check
+    for workspace, program in PASSED_ON:
+        path = workspace / "THIRD_PARTY_NOTICES.txt"
+        text = notices(workspace, program)
+        if not check:
+            path.write_text(text, encoding="utf-8")
+        elif not path.exists() or path.read_text(encoding="utf-8") != text:
+            sys.exit(f"{path.relative_to(ROOT)} is not that of its Cargo.lock; run tools/notices.py and commit it")
 
 
 main()

@@ -6,17 +6,17 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost::fix::NearPlace;
-use fingerpost::vehicle_signals::{Sample, VehicleSamples};
+use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{AdviceRecord, FrameHeader, FrameRecord, TrackState, to_json_line};
 use fingerpost_io::{FedFrame, read_camera, standard_feed};
 use fingerpost_map::LatLon;
+use fingerpost_record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
-use crate::record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
 use crate::run::NEAR_SIGMA_M;
 use crate::stage_clock::{FrameClock, stage_name};
 use crate::{inputs, output};
@@ -126,7 +126,7 @@ impl Adviser {
         let dt_s = self.last_t_s.map(|(last_s, _)| time.t_s - last_s).filter(|dt_s| *dt_s >= 0.0);
         let sensors = Sensors {
             gps: header.lat_lon_deg.map(|[lat_deg, lon_deg]| LatLon { lat_deg, lon_deg }),
-            signals: signals(header),
+            signals: VehicleSamples::of_now(header.speed_mps, header.yaw_rate_rps),
             dt_s,
         };
         let mut clock = FrameClock::start();
@@ -171,15 +171,4 @@ impl Adviser {
         let record = broken_record(time, self.last.as_ref(), TrackState::Searching, cause);
         FrameRecord { advice: Some(advice), ..record }
     }
-}
-
-/// What a frame's line says of the vehicle.
-fn signals(header: &FrameHeader) -> Option<VehicleSamples> {
-    let sample = |value: f64| Sample { value, age_s: 0.0 };
-    let samples = VehicleSamples {
-        speed_mps: header.speed_mps.map(sample),
-        yaw_rate_rps: header.yaw_rate_rps.map(sample),
-        turn_signal: None,
-    };
-    (samples != VehicleSamples::default()).then_some(samples)
 }

@@ -9,7 +9,8 @@ use clap::Args;
 use fingerpost::{Config, Sensors};
 use fingerpost_io::RunFolder;
 use fingerpost_map::{OsmData, RoadGraph, read_route};
-use fingerpost_sim::{SimConfig, SimFrame, Simulator};
+use fingerpost_record::FrameTime;
+use fingerpost_sim::{SimConfig, SimFrame, Simulator, TOWN_OSM, TOWN_ROUTE};
 use rayon::prelude::*;
 
 use crate::arguments::PictureSize;
@@ -17,7 +18,6 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlap::{self, Overlap};
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
 
@@ -33,12 +33,6 @@ pub(crate) struct DemoArgs {
     json: bool,
 }
 
-/// Mauren in Liechtenstein. Map data © OpenStreetMap contributors, ODbL 1.0; see the file beside it.
-pub(crate) const TOWN_OSM: &[u8] =
-    include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town.osm"));
-/// A kilometre over junctions, side roads and bends of it.
-const TOWN_ROUTE: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../fingerpost-sim/assets/town_route.geojson"));
 /// Picture size of a small dashcam.
 const SIZE: PictureSize = PictureSize { width: 640, height: 480 };
 /// Rendered frames that may wait for the method: enough to even out slow ones.
@@ -66,6 +60,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video: None,
         recording: RecordingWish::Mcap,
+        live_port: None,
     };
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;

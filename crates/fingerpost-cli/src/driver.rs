@@ -13,13 +13,13 @@ use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::{FrameTime, feature_identities, frame_record};
 use fingerpost_recording::{FrameRecorder, RecordedFrame};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::picture_scaling::PictureScaling;
-use crate::record::{FrameTime, feature_identities, frame_record};
-use crate::recorder::{Pictures, RecordingWish, Subject, Wishes};
+use crate::recorder::{Pictures, Subject, Wishes};
 use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};
 use crate::version::WRITTEN_BY;
@@ -113,7 +113,7 @@ impl Driver {
             key_frames: KeyFrameChoice::new(frames),
             pictures: wishes.pictures.clone(),
             video: wishes.video.is_some(),
-            frame_recorder: (wishes.recording == RecordingWish::Mcap).then(FrameRecorder::default),
+            frame_recorder: wishes.messages().then(FrameRecorder::default),
             frames_used: 0,
             last_t_s: None,
             advised: (Advice::default(), State::default()),

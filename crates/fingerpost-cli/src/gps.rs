@@ -16,6 +16,20 @@ const NEAR_S: f64 = 1.0;
 /// receiver that has just been switched on says 1980 or a day a thousand weeks ago.
 const DRIVE_S: f64 = 43_200.0;
 
+/// Seconds of the day with which the clock of a track begins that counts from the first frame, as `convert` writes it: no receiver
+/// says 1970, and a drive ends within a day.
+const DRIVE_CLOCK_S: std::ops::Range<f64> = 0.0..86_400.0;
+
+/// What the times of a track count from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Clock {
+    /// Its first position, which belongs to the first frame.
+    #[default]
+    Own,
+    /// The first frame.
+    Drive,
+}
+
 /// Positions for frames: of a track, or of a receiver that is listened to.
 #[derive(Debug)]
 pub(crate) enum GpsFeed {
@@ -49,9 +63,10 @@ impl GpsFeed {
     }
 }
 
-/// The positions of a track by the time since its first.
+/// The positions of a track by time.
 #[derive(Debug, Default)]
 pub(crate) struct GpsTrack {
+    clock: Clock,
     positions: Vec<(f64, LatLon)>,
     next: usize,
 }
@@ -91,16 +106,22 @@ impl GpsTrack {
         let first_other = timed.iter().position(|(t_s, _)| !of_drive(*t_s));
         let others = timed.iter().filter(|(t_s, _)| !of_drive(*t_s)).count();
         let mut positions: Vec<(f64, LatLon)> = timed.into_iter().filter(|(t_s, _)| of_drive(*t_s)).collect();
-        // The first one in the file belongs to the first frame, whatever clock it has.
-        let first_s = positions.first().map_or(0.0, |(t_s, _)| *t_s);
+        // The first one in the file belongs to the first frame, whatever clock it has, unless that is the drive's own.
+        let clock = if DRIVE_CLOCK_S.contains(&middle_s) { Clock::Drive } else { Clock::Own };
+        let first_s = positions.first().filter(|_| clock == Clock::Own).map_or(0.0, |(t_s, _)| *t_s);
         positions.iter_mut().for_each(|(t_s, _)| *t_s -= first_s);
         positions.sort_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s));
-        (Self { positions, next: 0 }, first_other.map(|first| (first, others)))
+        (Self { clock, positions, next: 0 }, first_other.map(|first| (first, others)))
     }
 
     /// All positions, in the order of their times.
     pub(crate) fn positions(&self) -> impl Iterator<Item = LatLon> {
         self.positions.iter().map(|(_, at)| *at)
+    }
+
+    /// The position for a row of a motion log at `t_s` whose first row has `first_s`, as [`Self::at`].
+    pub(crate) fn at_row(&mut self, t_s: f64, first_s: f64) -> Option<LatLon> {
+        self.at(if self.clock == Clock::Drive { t_s } else { t_s - first_s })
     }
 
     /// The position taken nearest to `t_s`, seconds since the first frame, if it is not another frame's already. Frames
@@ -125,7 +146,7 @@ mod tests {
 
     fn track(times_s: &[f64]) -> GpsTrack {
         let position = |&t_s: &f64| (t_s, LatLon::new(48.0 + 0.001 * t_s, 8.0).unwrap());
-        GpsTrack { positions: times_s.iter().map(position).collect(), next: 0 }
+        GpsTrack { positions: times_s.iter().map(position).collect(), ..GpsTrack::default() }
     }
 
     #[test]
@@ -156,6 +177,17 @@ mod tests {
             assert_eq!(times_s, (0..60).map(f64::from).collect::<Vec<_>>());
         }
         assert_eq!(GpsTrack::of(drive).1, None);
+    }
+
+    #[test]
+    fn times_of_the_drive_itself_stay() {
+        let at = LatLon::new(48.0, 8.0).unwrap();
+        let times_s = |since_s: f64| {
+            let (track, _) = GpsTrack::of([0.7, 1.7, 2.7].map(|t_s| (since_s + t_s, at)).to_vec());
+            track.positions.iter().map(|(t_s, _)| (10.0 * t_s).round()).collect::<Vec<_>>()
+        };
+        assert_eq!(times_s(0.0), [7.0, 17.0, 27.0]);
+        assert_eq!(times_s(1.7e9), [0.0, 10.0, 20.0]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use clap::Args;
 use crate::output;
 
 /// `tools/notices.py` makes it of the licence files of all crates that are linked.
-const NOTICES: &str = include_str!("../../../THIRD_PARTY_NOTICES.txt");
+const NOTICES: &str = include_str!("../THIRD_PARTY_NOTICES.txt");
 
 /// Print the licences of all that the program holds: other people's libraries and map data.
 #[derive(Debug, Args)]

@@ -18,13 +18,13 @@ use fingerpost_format::{
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
 use fingerpost_map::RoadGraph;
+use fingerpost_record::fix_status;
 use fingerpost_report::{LocatedDrive, LocatingInput, locating_html};
 
 use self::against_truth::Truth;
 use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
-use crate::fix_record::fix_status;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 
@@ -41,7 +41,8 @@ pub(crate) struct LocateArgs {
     /// Motion log, CSV with a header: t_s,speed_mps,yaw_rate_rps (seconds, metres a second, radians a second to the left).
     #[arg(long, value_name = "FILE")]
     motion: PathBuf,
-    /// GPS positions with times (GPX, NMEA or gpsd's reports), the first one at the motion log's first row. They are believed as far
+    /// GPS positions with times (GPX, NMEA or gpsd's reports), the first one at the motion log's first row, unless the times are those of
+    /// 1970-01-01, which are the log's own. They are believed as far
     /// as they agree with the roads driven: errors that keep for minutes, jumps and drifts are expected.
     #[arg(long, value_name = "FILE")]
     gps: Option<PathBuf>,
@@ -107,7 +108,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         };
         let unseen_s = faults.watch(row);
         // What GPS says in a row is part of the fix of the next.
-        let at = gps.as_mut().and_then(|gps| gps.at(row.t_s - rows[0].t_s));
+        let at = gps.as_mut().and_then(|gps| gps.at_row(row.t_s, rows[0].t_s));
         let evidence = at.and_then(|at| locator.gps(graph.plane().map_from_wgs84(at)));
         tally.row_ms.push(started.elapsed().as_secs_f64() * 1e3);
         let line = line(&graph, &fix, unseen_s, evidence);

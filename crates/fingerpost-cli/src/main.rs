@@ -3,7 +3,6 @@
 //! One file a subcommand. Standard output carries data only where it is asked for (`--json`, `schema`); progress and
 //! messages go to standard error. Exit codes: 0 done, 1 the input or the run failed, 2 wrong arguments.
 
-mod advice_record;
 #[cfg(unix)]
 mod advise;
 mod arguments;
@@ -11,16 +10,14 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
-mod centreline_record;
+mod convert;
 mod demo;
 mod driver;
 mod evaluate;
-mod fix_record;
 mod frame_choice;
 mod gps;
 mod inputs;
 mod interrupt;
-mod lanes_record;
 mod licences;
 mod live_gps;
 mod locate;
@@ -32,7 +29,6 @@ mod output_path;
 mod overlap;
 mod papers;
 mod picture_scaling;
-mod record;
 mod recorder;
 mod road_detector;
 mod route;
@@ -82,6 +78,8 @@ enum Command {
     Evaluate(evaluate::EvaluateCommand),
     Mark(mark::MarkArgs),
     Locate(locate::LocateArgs),
+    #[command(subcommand)]
+    Convert(convert::ConvertCommand),
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
@@ -107,6 +105,7 @@ fn main() -> ExitCode {
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),
         Command::Locate(args) => locate::locate(&args),
+        Command::Convert(command) => convert::convert(&command),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),

@@ -3,11 +3,9 @@
 use anyhow::{Context, Result, bail};
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::{Camera, PictureScale, Pixel};
+use fingerpost_record::{PIXEL_DIGITS, rounded};
 use fingerpost_vision::picture::RgbImage;
 use fingerpost_vision::shrinking::Shrinker;
-
-use crate::lanes_record::PIXEL_DIGITS;
-use crate::record::rounded;
 
 /// Makes a camera's pictures smaller.
 pub(crate) struct PictureScaling {
@@ -148,9 +146,9 @@ mod tests {
     fn places_in_records_are_those_of_the_input() {
         let scaling = PictureScaling::to_width(&camera(), 160).unwrap().unwrap();
         let lanes = LanesRecord { left_px: vec![[0.0, 10.0]], ..LanesRecord::default() };
-        let time = crate::record::FrameTime { frame: 0, t_s: 0.0 };
+        let time = fingerpost_record::FrameTime { frame: 0, t_s: 0.0 };
         let at_first = fingerpost_format::TrackState::NoRoute;
-        let record = crate::record::broken_record(time, None, at_first, String::new());
+        let record = fingerpost_record::broken_record(time, None, at_first, String::new());
         let mut record = FrameRecord { lanes: Some(lanes), ..record };
         scaling.in_input_pixels(&mut record);
         assert_eq!(record.lanes.unwrap().left_px, [[1.5, 41.5]]);

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -12,8 +13,10 @@ use fingerpost_format::{
     TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
+use fingerpost_live::LiveView;
 use fingerpost_map::{RoadGraph, Route};
-use fingerpost_recording::Recording;
+use fingerpost_record::{FrameTime, broken_record};
+use fingerpost_recording::{MessageEncoder, RecordedFrame, Recording};
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };
@@ -22,7 +25,6 @@ use indicatif::ProgressBar;
 use crate::arguments::FrameRange;
 use crate::driver::{FrameResult, Seen};
 use crate::output;
-use crate::record::{FrameTime, broken_record};
 use crate::stage_clock::{FrameClock, StageTimes};
 use crate::version::VERSION;
 
@@ -67,6 +69,15 @@ pub(crate) struct Wishes {
     pub(crate) video: Option<VideoWish>,
     /// Whether all that was seen is recorded for viewers.
     pub(crate) recording: RecordingWish,
+    /// The port that viewers connect to while it runs, where they may.
+    pub(crate) live_port: Option<u16>,
+}
+
+impl Wishes {
+    /// Whether anybody wants a frame as messages.
+    pub(crate) fn messages(&self) -> bool {
+        self.live_port.is_some() || self.recording == RecordingWish::Mcap
+    }
 }
 
 /// Whether `run.mcap` is written.
@@ -116,6 +127,9 @@ pub(crate) struct Recorder {
     wishes: Wishes,
     video: Option<VideoWriter>,
     recording: Option<Recording<File>>,
+    live: Option<LiveView>,
+    /// Makes what both of them send.
+    encoder: MessageEncoder,
     key_frames: KeyFrames,
     timeline: Timeline,
     outcomes: FeatureOutcomes,
@@ -154,6 +168,7 @@ impl Recorder {
             }
             RecordingWish::None => None,
         };
+        let live = wishes.live_port.map(|port| begin_live(port, subject.route.as_ref())).transpose()?;
         Ok(Self {
             folder,
             outcomes: FeatureOutcomes::new(&subject.features),
@@ -161,6 +176,8 @@ impl Recorder {
             wishes,
             video,
             recording,
+            live,
+            encoder: MessageEncoder::default(),
             key_frames: KeyFrames::default(),
             timeline: Timeline::default(),
             mount_faults: Vec::new(),
@@ -217,11 +234,7 @@ impl Recorder {
         let mut clock = FrameClock::start();
         let Seen { record, key_frame, annotated, recorded } = seen;
         self.keep(record)?;
-        if let (Some(recording), Some(frame), Some(record)) = (&mut self.recording, recorded, &self.last) {
-            recording
-                .write(frame, record)
-                .with_context(|| self.folder.recording_path().display().to_string())?;
-        }
+        self.send_to_viewers(recorded)?;
         if let Some(key_frame) = key_frame {
             self.key_frames.add(key_frame)?;
         }
@@ -245,10 +258,24 @@ impl Recorder {
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
         let record = broken_record(time, self.last.as_ref(), at_first, error);
         self.keep(record)?;
-        if let (Some(recording), Some(record)) = (&mut self.recording, &self.last) {
-            recording
-                .write_record(record)
-                .with_context(|| self.folder.recording_path().display().to_string())?;
+        self.send_to_viewers(None)
+    }
+
+    /// Sends the newest record, with what else was seen in its frame, to the recording and to the viewers that are connected.
+    fn send_to_viewers(&mut self, frame: Option<RecordedFrame>) -> Result<()> {
+        let viewers = self.live.as_ref().filter(|live| live.has_viewers());
+        let wanted = self.recording.is_some() || viewers.is_some();
+        let Some(record) = self.last.as_ref().filter(|_| wanted) else { return Ok(()) };
+        let messages = match frame {
+            Some(frame) => self.encoder.frame(frame, record),
+            None => self.encoder.record(record),
+        };
+        let messages = Arc::new(messages.with_context(|| format!("frame {}", record.frame))?);
+        if let Some(recording) = &mut self.recording {
+            recording.write(&messages).with_context(|| self.folder.recording_path().display().to_string())?;
+        }
+        if let Some(live) = viewers {
+            live.send(&messages);
         }
         Ok(())
     }
@@ -285,6 +312,7 @@ impl Recorder {
         self.bar.finish_and_clear();
         let video = self.video.take().map_or(Ok(()), VideoWriter::finish);
         let recording = self.recording.take().map_or(Ok(()), |recording| recording.finish().map(drop));
+        drop(self.live.take());
         let compared = truth.filter(|_| self.frames > 0).map(|truth| self.compare(truth)).transpose();
         let of_truth = compared.as_ref().ok().and_then(Option::as_ref);
         let summary = Summary {
@@ -338,6 +366,13 @@ impl Recorder {
         let evaluation = evaluate_junctions(&records, truth, &ids)?;
         Ok((evaluation.summary, Timeline::of(&records, Some(truth))))
     }
+}
+
+/// Serves a drive along `route`, and says where.
+fn begin_live(port: u16, route: Option<&Route>) -> Result<LiveView> {
+    let live = LiveView::begin(&format!("fingerpost {VERSION}"), port, route)?;
+    output::message(&format!("viewers may connect to {}", live.address()));
+    Ok(live)
 }
 
 /// What a comparison with truth and its page read of a record: a long run has many at once then.

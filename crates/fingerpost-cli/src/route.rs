@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost_map::{ArmRole, FeatureOptions, LatLon, Route, match_track, plan, write_route};
+use fingerpost_record::kind_name;
 use serde::Serialize;
 
 use crate::arguments::{InputLimit, Place};
-use crate::record::kind_name;
 use crate::{inputs, output, output_path};
 
 /// Plan a route on an OpenStreetMap map, or match a GPS track to it, and write it with its junctions, side roads and

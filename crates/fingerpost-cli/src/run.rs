@@ -14,6 +14,7 @@ use fingerpost_io::{
     read_camera, read_truth,
 };
 use fingerpost_map::{LatLon, Route};
+use fingerpost_record::FrameTime;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
@@ -25,7 +26,6 @@ use crate::interrupt::Interrupt;
 use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
@@ -65,7 +65,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// GPS positions with times: a GPX track, or a receiver's log, of NMEA sentences or of gpsd (gpspipe -w); its first position belongs
-    /// to the first frame. Or a receiver as it speaks: a serial device, as /dev/ttyUSB0, whose speed `stty` sets, or a gpsd, as
+    /// to the first frame, unless its times are those of 1970-01-01, which count from the first frame. Or a receiver as it speaks: a serial device, as /dev/ttyUSB0, whose speed `stty` sets, or a gpsd, as
     /// gpsd://127.0.0.1:2947; each position then belongs to the frame at hand. Of a file, positions of times more than 12 hours from the
     /// rest are passed over and named.
     #[arg(long, value_name = "FILE", requires = "roads")]
@@ -124,9 +124,23 @@ pub(crate) struct RunArgs {
     /// Do not write run.mcap, the recording of all that was seen for Foxglove and Rerun.
     #[arg(long)]
     no_recording: bool,
+    /// Let viewers connect while the drive is run, on the loopback address: Foxglove (Open connection, Foxglove WebSocket). They get the
+    /// messages of run.mcap.
+    #[arg(long, value_enum, value_name = "VIEWER")]
+    serve: Option<Viewer>,
+    /// Port that viewers connect to; 0 takes any that is free, which is then said.
+    #[arg(long, value_name = "PORT", default_value_t = 8765, requires = "serve")]
+    serve_port: u16,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
+}
+
+/// Who may connect while a drive is run.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Viewer {
+    /// Foxglove, by its WebSocket protocol.
+    Foxglove,
 }
 
 impl RunArgs {
@@ -179,6 +193,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
+        live_port: args.serve.map(|Viewer::Foxglove| args.serve_port),
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     fn route() -> Route {
-        read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap()
+        read_route(fingerpost_sim::TOWN_ROUTE).unwrap()
     }
 
     #[test]

@@ -7,14 +7,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 12] = [
+const PURE: [&str; 14] = [
     "fingerpost",
+    "fingerpost-bag",
     "fingerpost-control",
     "fingerpost-eval",
     "fingerpost-format",
     "fingerpost-geometry",
     "fingerpost-locate",
     "fingerpost-map",
+    "fingerpost-record",
     "fingerpost-recording",
     "fingerpost-report",
     "fingerpost-search",

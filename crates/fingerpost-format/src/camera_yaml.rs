@@ -10,7 +10,7 @@
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
 use yaml_rust2::{Event, Yaml, YamlLoader, parser::Parser, yaml::Hash};
 
-use crate::{CameraFileError, camera_file::MountTable};
+use crate::{CameraFileError, camera_file::MountTable, camera_info};
 
 /// Names of the camera matrix, ROS's first.
 const MATRIX_KEYS: &[&str] = &["camera_matrix", "Camera_Matrix", "cameraMatrix", "K"];
@@ -27,8 +27,6 @@ const SIZE_KEYS: &[&str] = &["imageSize", "image_size"];
 const MOST_BYTES: usize = 1 << 20;
 /// Lists and mappings within each other: a matrix by rows has three.
 const MOST_DEPTH: usize = 16;
-/// Most Brown-Conrady coefficients that are used; OpenCV's thin-prism and tilt terms come behind them.
-const MOST_COEFFICIENTS: usize = 8;
 
 /// The camera of a ROS `camera_info` or OpenCV `FileStorage` YAML.
 ///
@@ -124,26 +122,7 @@ fn distortion(root: &Hash) -> Result<Distortion, CameraFileError> {
         None if is_fisheye => "equidistant",
         None => "plumb_bob",
     };
-    match model {
-        "plumb_bob" | "rational_polynomial" if coefficients.is_empty() => Ok(Distortion::None),
-        "plumb_bob" | "rational_polynomial" => Ok(Distortion::brown_conrady(used(&coefficients))?),
-        "equidistant" | "fisheye" => Ok(Distortion::kannala_brandt(&coefficients)?),
-        "none" => Ok(Distortion::None),
-        other => Err(CameraFileError::UnknownDistortion {
-            model: other.to_owned(),
-            known: "\"plumb_bob\", \"rational_polynomial\", \"equidistant\" or \"none\"",
-        }),
-    }
-}
-
-/// The coefficients without a tail of zeros behind those that are used.
-fn used(coefficients: &[f64]) -> &[f64] {
-    match coefficients.split_at_checked(MOST_COEFFICIENTS) {
-        Some((used, unused)) if unused.iter().all(|coefficient| coefficient.abs() < f64::MIN_POSITIVE) => {
-            used
-        }
-        _ => coefficients,
-    }
+    camera_info::distortion(model, &coefficients)
 }
 
 fn own_mount(root: &Hash) -> Result<Option<Mount>, CameraFileError> {

@@ -6,6 +6,7 @@
 
 mod advice;
 mod camera_file;
+mod camera_info;
 mod camera_yaml;
 mod campaign;
 mod centreline;
@@ -13,6 +14,7 @@ mod closed_loop;
 mod columns;
 mod frame_header;
 mod frame_record;
+mod kitti;
 mod lanes;
 mod lines;
 mod location;
@@ -27,6 +29,7 @@ mod tusimple;
 
 pub use advice::{AdviceRecord, FiredRuleRecord};
 pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
+pub use camera_info::{CameraInfo, PictureKind};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
@@ -38,6 +41,7 @@ pub use frame_record::{
     FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
     MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
+pub use kitti::{KittiError, KittiOxts, KittiTime, kitti_oxts, kitti_projection, kitti_timestamps};
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
@@ -48,10 +52,12 @@ pub use location::{
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,
 };
-pub use motion_log::{MotionLog, MotionLogRow, PoseLogRow, parse_motion_log, parse_pose_log};
+pub use motion_log::{
+    MotionLog, MotionLogRow, PoseLogRow, motion_log_text, parse_motion_log, parse_pose_log, pose_log_text,
+};
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
-pub use track_files::{TrackPoint, track_geojson, track_gpx, track_kitti, track_tum};
+pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum};
 pub use truth::TruthRecord;
 pub use tuning::{
     TriedSettings, TuningFront, TuningObjective, TuningPoint, TuningPurpose, TuningScores, TuningTrial,

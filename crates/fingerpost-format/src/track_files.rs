@@ -62,19 +62,27 @@ pub fn track_geojson(points: &[TrackPoint]) -> String {
 
 /// A GPX 1.1 track, a segment for each time without interruption. Its times are the points', counted from 1970-01-01 00:00 UTC.
 pub fn track_gpx(points: &[TrackPoint]) -> String {
+    let segments = parts(points, |_, _| false);
+    gpx(segments.map(|part| part.iter().map(|point| (point.t_s, point.lat_lon))))
+}
+
+/// GPS positions of a drive, latitude and longitude in degrees, with their times since its first frame, seconds, as a GPX 1.1 track
+/// whose times are counted from 1970-01-01 00:00 UTC.
+pub fn gps_gpx(positions: &[(f64, [f64; 2])]) -> String {
+    gpx([positions.iter().copied()])
+}
+
+fn gpx<P: Iterator<Item = (f64, [f64; 2])>>(segments: impl IntoIterator<Item = P>) -> String {
     let mut gpx = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"fingerpost\" \
          xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk>\n",
     );
-    for part in parts(points, |_, _| false) {
+    for segment in segments {
         gpx.push_str("<trkseg>\n");
-        for TrackPoint { t_s, lat_lon: [lat, lon], .. } in part {
+        for (t_s, [lat, lon]) in segment {
             // Writing to a String does not fail.
-            let _ = writeln!(
-                gpx,
-                "<trkpt lat=\"{lat:.7}\" lon=\"{lon:.7}\"><time>{}</time></trkpt>",
-                clock(*t_s)
-            );
+            let _ =
+                writeln!(gpx, "<trkpt lat=\"{lat:.7}\" lon=\"{lon:.7}\"><time>{}</time></trkpt>", clock(t_s));
         }
         gpx.push_str("</trkseg>\n");
     }
@@ -100,6 +108,16 @@ fn clock(t_s: f64) -> String {
     let year = years + 400 * era + i64::from(month <= 2);
     let (hour, minute, second) = (of_day_s / 3600, of_day_s / 60 % 60, of_day_s % 60);
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}.{ms:03}Z")
+}
+
+/// Days of a date since 1970-01-01, by the same source.
+pub(crate) const fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
+    let year = if month <= 2 { year - 1 } else { year };
+    let era = year.div_euclid(400);
+    let of_era = year - 400 * era;
+    let months = if month > 2 { month - 3 } else { month + 9 };
+    let of_year = (153 * months + 2) / 5 + day - 1;
+    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
 }
 
 /// A pose a line as the RGB-D benchmark of TU Munich has it: time, place and quaternion, in the plane with x east, y north, z up.
@@ -215,6 +233,18 @@ mod tests {
             (-0.5, "1969-12-31T23:59:59.500Z"),
         ] {
             assert_eq!(clock(t_s), expected);
+        }
+    }
+
+    #[test]
+    fn dates_are_days_of_the_calendar() {
+        for (date, midnight) in [
+            ((1970, 1, 1), "1970-01-01T00:00:00.000Z"),
+            ((2000, 2, 29), "2000-02-29T00:00:00.000Z"),
+            ((2011, 9, 26), "2011-09-26T00:00:00.000Z"),
+        ] {
+            let (year, month, day) = date;
+            assert_eq!(clock((days_since_1970(year, month, day) * DAY_S) as f64), midnight);
         }
     }
 }

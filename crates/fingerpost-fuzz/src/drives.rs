@@ -2,8 +2,8 @@
 
 use fingerpost_format::{
     FrameRecord, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml, camera_to_toml,
-    from_json_lines, marks_from_json, marks_to_json, parse_motion_log, parse_pose_log, parse_times,
-    to_json_line,
+    from_json_lines, kitti_oxts, kitti_projection, kitti_timestamps, marks_from_json, marks_to_json,
+    parse_motion_log, parse_pose_log, parse_times, to_json_line,
 };
 use fingerpost_geometry::{Camera, Mount, Pixel};
 use serde::{Serialize, de::DeserializeOwned};
@@ -159,4 +159,26 @@ pub(crate) fn marks_seeds() -> Vec<Vec<u8>> {
 
 fn seeds(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
+/// Numbers of an accepted file are finite, and its times can be told apart.
+pub(crate) fn kitti(bytes: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(bytes) else { return false };
+    let oxts = kitti_oxts(text).ok();
+    if let Some(oxts) = oxts {
+        assert!(oxts.heading_rad.is_finite() && oxts.speed_mps.is_finite() && oxts.yaw_rate_rps.is_finite());
+    }
+    let times = kitti_timestamps(text).ok().filter(|times| !times.is_empty());
+    for time in times.iter().flatten() {
+        assert!(times.iter().flatten().all(|other| time.since_s(*other).is_finite()));
+    }
+    oxts.is_some() || times.is_some() || (0..4).any(|camera| kitti_projection(text, camera).is_ok())
+}
+
+pub(crate) fn kitti_seeds() -> Vec<Vec<u8>> {
+    seeds(&[
+        "49.0 8.4 112.8 0.02 0.01 -1.2 0.5 8.1 8.2 0.1 0 1 0 9.8 1 0 9.8 0 0 0.1 0 0 0.1 0.05 0.01 4 11 6 6 6\n",
+        "2011-09-26 13:02:25.964389445\n2011-09-26 13:02:26.074343000\n",
+        "P2: 7.188560e+02 0 6.071928e+02 4.5e+01 0 7.188560e+02 1.852157e+02 -1.1e-01 0 0 1 3.7e-03\n",
+    ])
 }

@@ -11,6 +11,7 @@ mod drives;
 mod maps;
 mod mutator;
 mod pictures;
+mod recordings;
 mod vehicles;
 
 pub use mutator::Mutator;
@@ -47,6 +48,9 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "can_log", body: vehicles::can_log, seeds: vehicles::can_log_seeds },
     Parser { name: "can_log_gzip", body: vehicles::can_log_gzip, seeds: vehicles::can_log_seeds },
     Parser { name: "can_database", body: vehicles::can_database, seeds: vehicles::can_database_seeds },
+    Parser { name: "bag", body: recordings::bag, seeds: recordings::bag_seeds },
+    Parser { name: "bag_message", body: recordings::message, seeds: recordings::message_seeds },
+    Parser { name: "kitti", body: drives::kitti, seeds: drives::kitti_seeds },
     Parser { name: "config", body: config::config, seeds: config::config_seeds },
     Parser { name: "fuzzy_rules", body: config::fuzzy_rules, seeds: config::fuzzy_rules_seeds },
     Parser { name: "fed_frames", body: vehicles::fed_frames, seeds: vehicles::fed_frames_seeds },

@@ -19,6 +19,14 @@ pub(crate) const TRUTH_FILE: &str = "truth.jsonl";
 pub const CROSSINGS_FILE: &str = "crossings.jsonl";
 /// Names of the vehicle's bus as a drive holds it: the log, its database, and the settings that name its signals.
 pub(crate) const BUS_FILES: [&str; 3] = ["can.log", "car.dbc", "can.toml"];
+/// A drive's camera.
+pub(crate) const CAMERA_FILE: &str = "camera.toml";
+/// A drive's GPS positions.
+pub(crate) const GPS_FILE: &str = "gps.gpx";
+/// A drive's speed and yaw rate.
+pub(crate) const MOTION_FILE: &str = "motion.csv";
+/// A drive's true poses.
+pub(crate) const POSES_FILE: &str = "poses.csv";
 /// Folder of the heights of a drive's ground.
 pub(crate) const HEIGHTS_FOLDER: &str = "heights";
 /// Folder of the road-surface masks of a drive.
@@ -68,6 +76,8 @@ pub enum FolderKind {
     CampaignRun,
     /// A simulated drive.
     Drive,
+    /// A drive made of another's recording.
+    ConvertedDrive,
     /// A campaign, with the folders of its runs.
     Campaign,
     /// Closed-loop drives, with the folders of their runs.
@@ -91,6 +101,7 @@ impl fmt::Display for FolderKind {
             Self::Run => "a run",
             Self::CampaignRun => "a run of a campaign",
             Self::Drive => "a simulated drive",
+            Self::ConvertedDrive => "a converted drive",
             Self::Campaign => "a campaign",
             Self::ClosedLoop => "closed-loop drives",
             Self::Tuning => "a search of settings",
@@ -129,6 +140,7 @@ impl FolderKind {
                 "car.dbc",
                 "can.toml",
             ],
+            Self::ConvertedDrive => &[TIMES_FILE, CAMERA_FILE, GPS_FILE, MOTION_FILE, POSES_FILE],
             Self::Campaign => &["campaign.json"],
             Self::ClosedLoop => &[SETUP_FILE, CLOSED_LOOP_LINES_FILE, CLOSED_LOOP_FILE, "report.html"],
             Self::Tuning => &[SETUP_FILE, TRIALS_FILE, FRONT_FILE, "report.html"],
@@ -153,6 +165,7 @@ impl FolderKind {
             Self::Drive => {
                 &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
             }
+            Self::ConvertedDrive => &[(FRAMES_FOLDER, is_number)],
             Self::Campaign | Self::ClosedLoop | Self::Tuning | Self::Location => &[],
             Self::Papers => &[(PLOTS_FOLDER, is_plot)],
             Self::Marks => &[(MARKED_FRAMES_FOLDER, is_number)],
@@ -180,7 +193,13 @@ impl FolderKind {
         match self {
             Self::Campaign | Self::ClosedLoop => remove_campaign_runs(path)?,
             Self::Tuning => remove_numbered_configs(path)?,
-            Self::Run | Self::CampaignRun | Self::Drive | Self::Papers | Self::Marks | Self::Location => {}
+            Self::Run
+            | Self::CampaignRun
+            | Self::Drive
+            | Self::ConvertedDrive
+            | Self::Papers
+            | Self::Marks
+            | Self::Location => {}
         }
         Ok(())
     }
@@ -228,7 +247,7 @@ fn remove_pictures(folder: &Path, is_ours: IsPicture) -> Result<(), FileError> {
         let path = entry.map_err(FileError::reading(folder))?.path();
         let is_picture = path
             .extension()
-            .is_some_and(|ending| ["png", "jpg", "ppm", "svg"].iter().any(|known| ending == *known));
+            .is_some_and(|ending| ["png", "jpg", "jpeg", "ppm", "svg"].iter().any(|known| ending == *known));
         if is_picture && path.file_stem().and_then(|stem| stem.to_str()).is_some_and(is_ours) {
             remove_if_there(&path)?;
         } else {

@@ -3,9 +3,11 @@
 //! Frames come in through [`FrameSource`], calibrations through [`read_camera`], results go out through [`RunFolder`],
 //! [`DriveFolder`] and [`VideoWriter`]. [`CanDatabase`] and [`SignalLog`] give the vehicle's own signals. Every error names the file, the cause and what to do next. Nothing is printed.
 
+mod bag_files;
 mod camera;
 mod can;
 mod closed_loop_folder;
+mod converted_drive;
 mod decoders;
 mod drive_folder;
 mod ffmpeg;
@@ -33,6 +35,7 @@ mod video_writer;
 mod waiting;
 mod whole_file;
 
+pub use bag_files::{BagFilesError, bag_files, open_bag};
 pub use camera::{CameraReadError, read_camera};
 pub use can::{
     CanDatabase, CanDatabaseError, CanFrame, CanId, CanLogError, CanLogFrames, LogFrame, SignalLayout,
@@ -41,6 +44,7 @@ pub use can::{
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};
 pub use closed_loop_folder::{ClosedLoopFolder, ClosedLoopFolderError};
+pub use converted_drive::{ConvertedDrive, ConvertedDriveError, ConvertedLogs, PictureEnding};
 pub use drive_folder::{BusTexts, DriveFolder, DriveFolderError, FrameFormat, TruthFileError, read_truth};
 pub use ffmpeg::{FfmpegPrograms, VideoError};
 pub use file::{FileError, create_folder, read_bytes, read_bytes_within, read_text, read_text_within};
@@ -61,7 +65,7 @@ pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
     write_grey_png, write_jpeg, write_png, write_ppm,
 };
-pub use picture_folder::{PictureFolderError, picture_paths};
+pub use picture_folder::{PictureFolderError, picture_paths, text_files};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use sampling::Sampling;
 pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};

@@ -95,15 +95,27 @@ pub fn picture_paths(folder: &Path) -> Result<Vec<PathBuf>, PictureFolderError> 
 
 /// The picture files of one folder, in natural order of their names.
 pub(crate) fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    files_ending_in(folder, &PICTURE_ENDINGS)
+}
+
+/// The text files (.txt) of one folder, in natural order of their names.
+///
+/// # Errors
+/// [`FileError::Read`] when the folder cannot be read.
+pub fn text_files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
+    files_ending_in(folder, &["txt"])
+}
+
+fn files_ending_in(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, FileError> {
     let entries = fs::read_dir(folder).map_err(FileError::reading(folder))?;
     let mut named = Vec::new();
     for entry in entries {
         let path = entry.map_err(FileError::reading(folder))?.path();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_picture = ending.is_some_and(|ending| PICTURE_ENDINGS.contains(&ending.as_str()));
-        // Hidden files that end like pictures are what file managers leave behind.
-        if is_picture && !name.starts_with('.') {
+        let is_wanted = ending.is_some_and(|ending| endings.contains(&ending.as_str()));
+        // Hidden files that end like these are what file managers leave behind.
+        if is_wanted && !name.starts_with('.') {
             named.push((name, path));
         }
     }
@@ -122,7 +134,7 @@ fn read_times(path: &Path, pictures: usize) -> Result<Vec<f64>, PictureFolderErr
 }
 
 /// Orders names as people do: runs of digits by their value, all else by its characters.
-fn natural_order(a: &str, b: &str) -> Ordering {
+pub(crate) fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut rest_a, mut rest_b) = (a, b);
     loop {
         let (digits_a, digits_b) = (leading_digits(rest_a), leading_digits(rest_b));

@@ -61,6 +61,7 @@ fn is_result(kind: FolderKind, name: &str) -> bool {
             &["config.toml", "frames.jsonl", "report.html", "truth.jsonl", "pictures/frame_000001.png"]
         }
         FolderKind::Drive => &["truth.jsonl", "camera.toml", "frames/000001.jpg", "road_masks/000001.png"],
+        FolderKind::ConvertedDrive => &["times.txt", "camera.toml", "gps.gpx", "frames/000001.jpg"],
         FolderKind::Campaign => &["campaign.json"],
         FolderKind::ClosedLoop => &["report.html"],
         FolderKind::Tuning => &["report.html", "07.toml"],

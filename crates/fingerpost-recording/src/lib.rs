@@ -1,8 +1,8 @@
 //! Recordings: a run as MCAP messages in Foxglove's published schemas, for the viewers that people already have.
 //!
-//! [`FrameRecorder`] turns a frame with its evidence into messages while the evidence is there, and [`Recording`] writes them,
-//! later and elsewhere if need be, to whatever takes bytes. What compresses slowly (the pictures) is compressed on the writing
-//! side. Times are those of the drive, from zero, so that the same run gives the same bytes.
+//! [`FrameRecorder`] turns a frame with its evidence into messages while the evidence is there, [`MessageEncoder`] makes bytes of
+//! them, later and elsewhere if need be, because pictures compress slowly, and [`Recording`] writes these to whatever takes
+//! bytes. Times are those of the drive, from zero, so that the same run gives the same bytes.
 //!
 //! | topic | schema | frame |
 //! |---|---|---|
@@ -30,6 +30,7 @@ mod annotations;
 mod channel;
 mod colour;
 mod entities;
+mod frame_messages;
 mod frame_recorder;
 mod ground;
 mod log;
@@ -39,5 +40,6 @@ mod recording;
 mod transforms;
 
 pub use channel::Channel;
+pub use frame_messages::{FrameMessages, MessageEncoder, route_message};
 pub use frame_recorder::{FrameRecorder, RecordedFrame};
 pub use recording::{Recording, RecordingError};

@@ -7,26 +7,19 @@
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-use bytes::Bytes;
-use fingerpost_format::FrameRecord;
-use fingerpost_map::{Route, RouteFileError, write_route};
-use fingerpost_vision::picture::RgbImage;
-use foxglove::messages::{CompressedImage, GeoJson};
-use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use fingerpost_map::{Route, RouteFileError};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 use thiserror::Error;
 
 use crate::channel::Channel;
-use crate::frame_recorder::{RecordedFrame, encoded, nanoseconds, timestamp};
-use crate::log::ChangeLog;
+use crate::frame_messages::{FrameMessages, route_message};
+use crate::frame_recorder::nanoseconds;
 
 /// Most of the drive that one chunk holds, seconds.
 const CHUNK_S: f64 = 0.5;
 /// Bytes from which a chunk is written before that.
 const CHUNK_BYTES: u64 = 4 << 20;
-/// Quality of pictures: no block is seen at twice their size.
-const JPEG_QUALITY: u8 = 85;
 
 /// A recording that cannot go on; what was written before stays readable.
 #[derive(Debug, Error)]
@@ -80,11 +73,8 @@ impl From<mcap::McapError> for RecordingError {
 pub struct Recording<W: Write + Seek> {
     writer: Writer<W>,
     ids: BTreeMap<Channel, u16>,
-    changes: ChangeLog,
     /// Time of the first frame in the chunk at hand, seconds.
     chunk_since_s: Option<f64>,
-    /// Memory that pictures are compressed in.
-    jpeg: Vec<u8>,
 }
 
 impl<W: Write + Seek> std::fmt::Debug for Recording<W> {
@@ -113,51 +103,22 @@ impl<W: Write + Seek> Recording<W> {
             let id = writer.add_channel(schema_id, channel.topic(), channel.encoding(), &BTreeMap::new())?;
             ids.insert(channel, id);
         }
-        let mut recording =
-            Self { writer, ids, changes: ChangeLog::default(), chunk_since_s: None, jpeg: Vec::new() };
+        let mut recording = Self { writer, ids, chunk_since_s: None };
         if let Some(route) = route {
-            let geojson = GeoJson { geojson: write_route(route)? };
-            recording.add(Channel::Route, 0, 0.0, &bytes_of(Channel::Route, &geojson)?)?;
+            recording.add(Channel::Route, 0, 0.0, &route_message(route)?)?;
         }
         Ok(recording)
     }
 
-    /// Adds a frame that was used, with its record.
+    /// Adds a frame's messages.
     ///
     /// # Errors
-    /// [`RecordingError`] when it cannot be written; the frames before stay readable.
-    pub fn write(&mut self, frame: RecordedFrame, record: &FrameRecord) -> Result<(), RecordingError> {
-        let (index, t_s) = (record.frame, frame.t_s);
-        for (channel, frame_id, picture) in frame.pictures {
-            let data = self.compressed(&picture)?;
-            let message = CompressedImage {
-                timestamp: Some(timestamp(t_s)),
-                frame_id: frame_id.to_owned(),
-                data,
-                format: "jpeg".to_owned(),
-            };
-            self.add(channel, index, t_s, &bytes_of(channel, &message)?)?;
+    /// [`RecordingError`] when they cannot be written; the frames before stay readable.
+    pub fn write(&mut self, frame: &FrameMessages) -> Result<(), RecordingError> {
+        for (channel, data) in &frame.messages {
+            self.add(*channel, frame.frame, frame.t_s, data)?;
         }
-        for (channel, bytes) in &frame.messages {
-            self.add(*channel, index, t_s, bytes)?;
-        }
-        self.write_record(record)
-    }
-
-    /// Adds the record alone: of a frame that could not be used.
-    ///
-    /// # Errors
-    /// [`RecordingError`] when it cannot be written; the frames before stay readable.
-    pub fn write_record(&mut self, record: &FrameRecord) -> Result<(), RecordingError> {
-        let (index, t_s) = (record.frame, record.t_s);
-        let line = serde_json::to_vec(record).map_err(|cause| RecordingError::Message {
-            topic: Channel::Record.topic(),
-            cause: cause.to_string(),
-        })?;
-        self.add(Channel::Record, index, t_s, &line)?;
-        for entry in self.changes.of(timestamp(t_s), record) {
-            self.add(Channel::Log, index, t_s, &bytes_of(Channel::Log, &entry)?)?;
-        }
+        let t_s = frame.t_s;
         let since_s = *self.chunk_since_s.get_or_insert(t_s);
         // Also where times step back.
         if !(t_s - since_s).abs().lt(&CHUNK_S) {
@@ -176,13 +137,6 @@ impl<W: Write + Seek> Recording<W> {
         Ok(self.writer.into_inner())
     }
 
-    /// A picture as JPEG, in memory of its size.
-    fn compressed(&mut self, picture: &RgbImage) -> Result<Bytes, RecordingError> {
-        self.jpeg.clear();
-        jpeg(picture, &mut self.jpeg)?;
-        Ok(Bytes::copy_from_slice(&self.jpeg))
-    }
-
     fn add(&mut self, channel: Channel, frame: u64, t_s: f64, data: &[u8]) -> Result<(), RecordingError> {
         let Some(&channel_id) = self.ids.get(&channel) else { return Ok(()) };
         let time = nanoseconds(t_s);
@@ -190,20 +144,6 @@ impl<W: Write + Seek> Recording<W> {
         let header = MessageHeader { channel_id, sequence: frame as u32, log_time: time, publish_time: time };
         Ok(self.writer.write_to_known_channel(&header, data)?)
     }
-}
-
-fn bytes_of<M: foxglove::Encode>(channel: Channel, message: &M) -> Result<Vec<u8>, RecordingError> {
-    encoded(message)
-        .map_err(|cause| RecordingError::Message { topic: channel.topic(), cause: cause.to_string() })
-}
-
-fn jpeg(picture: &RgbImage, bytes: &mut Vec<u8>) -> Result<(), RecordingError> {
-    let (width, height) = picture.size();
-    let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
-    let mut encoder = Encoder::new(bytes, JPEG_QUALITY);
-    encoder.set_sampling_factor(SamplingFactor::R_4_2_0);
-    let done = encoder.encode(picture.as_slice(), side(width), side(height), ColorType::Rgb);
-    done.map_err(|cause| RecordingError::Picture { width, height, cause })
 }
 
 #[cfg(test)]

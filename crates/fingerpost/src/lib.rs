@@ -10,7 +10,7 @@
 //! use fingerpost::geometry::{Camera, Distortion, Intrinsics, Mount};
 //! use fingerpost::{Config, Pipeline, Sensors, map};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let route_text = include_str!("../../fingerpost-sim/assets/town_route.geojson");
+//! # let route_text = fingerpost_sim::TOWN_ROUTE;
 //! # let frames = [fingerpost::vision::picture::RgbImage::new(640, 480)];
 //! let lens = Intrinsics { fx: 560.0, fy: 560.0, cx: 319.5, cy: 239.5 };
 //! let camera = Camera::calibrated(640, 480, lens, Distortion::None, Mount::level(1.4))?;

@@ -54,6 +54,19 @@ pub struct VehicleSamples {
     pub turn_signal: Option<Sample<TurnSignal>>,
 }
 
+impl VehicleSamples {
+    /// Speed and yaw rate that were measured at this moment, where one of them was.
+    pub fn of_now(speed_mps: Option<f64>, yaw_rate_rps: Option<f64>) -> Option<Self> {
+        let sample = |value: f64| Sample { value, age_s: 0.0 };
+        let samples = Self {
+            speed_mps: speed_mps.map(sample),
+            yaw_rate_rps: yaw_rate_rps.map(sample),
+            turn_signal: None,
+        };
+        (samples != Self::default()).then_some(samples)
+    }
+}
+
 /// Where the driver says to go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum TurnSignal {

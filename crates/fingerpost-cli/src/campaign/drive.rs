@@ -8,12 +8,12 @@ use fingerpost_eval::{DriveClaims, evaluate_junctions, feature_summaries, first_
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
 use fingerpost_io::{JsonLinesFile, RunFolder, write_file};
 use fingerpost_map::{Route, write_route};
+use fingerpost_record::{FrameTime, broken_record};
 use indicatif::ProgressBar;
 
 use super::{Plan, Setting};
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
 use crate::output;
-use crate::record::{FrameTime, broken_record};
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 
 /// Every so many frames of a drive with a report one is written with all that was seen in it: one a second.
@@ -77,6 +77,7 @@ impl Run {
             pictures,
             video: None,
             recording: RecordingWish::None,
+            live_port: None,
         };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
         let folder = setting.args.out.join(name);

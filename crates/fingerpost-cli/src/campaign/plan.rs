@@ -7,12 +7,11 @@ use fingerpost::Config;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{OsmData, RoadGraph, Route};
 use fingerpost_sim::{
-    Conditions, DrivingHabits, MapFault, RandomRouteOptions, SimConfig, Simulator, World, WorldOptions,
-    misled_route, random_drive, random_route,
+    Conditions, DrivingHabits, MapFault, RandomRouteOptions, SimConfig, Simulator, TOWN_OSM, World,
+    WorldOptions, misled_route, random_drive, random_route,
 };
 
 use crate::arguments::{InputLimit, PictureSize};
-use crate::demo::TOWN_OSM;
 use crate::inputs;
 use crate::simulate::{Lens, corners, default_camera, known_vehicle};
 

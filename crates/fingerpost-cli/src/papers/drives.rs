@@ -6,15 +6,14 @@ use fingerpost::vehicle::Traffic;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{OsmData, RoadGraph, Route};
 use fingerpost_sim::{
-    Conditions, RandomRouteOptions, SimConfig, Simulator, TrafficSide, random_drive, random_route,
+    Conditions, RandomRouteOptions, SimConfig, Simulator, TOWN_OSM, TrafficSide, random_drive, random_route,
 };
 
 use crate::arguments::PictureSize;
-use crate::demo::TOWN_OSM;
 use crate::simulate::{Lens, default_camera};
 
 /// The papers' own settings.
-const PAPERS_TOML: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../papers.toml"));
+const PAPERS_TOML: &str = include_str!("../../papers.toml");
 
 /// Pictures of the widest kind that the papers tested (paper 2, 2, 1.2), in the shape of theirs and of most cameras.
 pub(super) const SIZE: PictureSize = PictureSize { width: 512, height: 384 };

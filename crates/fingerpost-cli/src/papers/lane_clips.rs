@@ -6,13 +6,13 @@
 use anyhow::Result;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_eval::{LaneMeasure, evaluate_lanes};
+use fingerpost_record::{FrameTime, frame_record};
 use fingerpost_sim::{
     Conditions, DrivingManner, DrivingPlan, RoadCourse, SimConfig, Simulator, windscreen_camera,
 };
 
 use super::runs::Measured;
 use crate::interrupt::Interrupt;
-use crate::record::{FrameTime, frame_record};
 
 /// Six samples as in the paper, which chose them by marking, time of day, contrast, shadow and glare: the simulator's days that
 /// come nearest.

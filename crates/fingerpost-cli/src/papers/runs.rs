@@ -7,6 +7,7 @@ use fingerpost::pipeline::Parts;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::{FeatureIdentity, RoadLabels, RoadScores, evaluate_junctions, stage_time};
 use fingerpost_format::{FrameRecord, TrackState, TruthRecord};
+use fingerpost_record::{FrameTime, broken_record, feature_identities, frame_record};
 use fingerpost_sim::{SimFrame, Simulator};
 use nalgebra::{Isometry2, Point2, Vector2};
 
@@ -15,7 +16,6 @@ use super::drives::{Planned, RENDERED_FPS};
 use super::masks::MaskReading;
 use super::sparse_flow::SparseFlow;
 use crate::picture_scaling::PictureScaling;
-use crate::record::{FrameTime, broken_record, feature_identities, frame_record};
 use crate::stage_clock::{FrameClock, stage_name};
 
 /// What was measured, by name.

@@ -4,11 +4,10 @@ use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::OsmData;
-use fingerpost_sim::{BUS_SETTINGS, TrafficSide, World, WorldOptions};
+use fingerpost_sim::{BUS_SETTINGS, TOWN_OSM, TrafficSide, World, WorldOptions};
 use serde::Serialize;
 
 use super::{Plan, SimulateArgs};
-use crate::demo::TOWN_OSM;
 use crate::{inputs, output};
 
 /// Whether there is one.

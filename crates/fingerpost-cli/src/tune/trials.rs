@@ -7,6 +7,7 @@ use fingerpost::{Config, Sensors};
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{FrameRecord, TrackState, TriedSettings, TuningPurpose, TuningTrial};
 use fingerpost_io::{FrameSource, SourceOptions, TuningFolder};
+use fingerpost_record::{FrameTime, broken_record};
 use indicatif::ProgressBar;
 
 use super::drives::TuneDrive;
@@ -17,7 +18,6 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::inputs;
 use crate::interrupt::Interrupt;
 use crate::output;
-use crate::record::{FrameTime, broken_record};
 use crate::recorder::{Pictures, RecordingWish, Wishes};
 use crate::side_by_side;
 
@@ -123,6 +123,7 @@ impl Bench<'_> {
             pictures: Pictures::None,
             video: None,
             recording: RecordingWish::None,
+            live_port: None,
         };
         let mut driver = match Driver::new(setting, &wishes, source.length()) {
             Ok(driver) => driver,

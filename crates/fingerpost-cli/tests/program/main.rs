@@ -15,6 +15,7 @@ mod centreline;
 mod chessboard;
 mod claims;
 mod closed_loop;
+mod converting;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;

@@ -6,6 +6,7 @@ use mcap::MessageStream;
 use mcap::read::Options;
 
 use super::*;
+use crate::MessageEncoder;
 
 /// Bytes as a disk has them when the program is killed.
 #[derive(Debug, Clone, Default)]
@@ -50,9 +51,10 @@ fn last_record_s(bytes: &[u8]) -> Option<f64> {
 fn a_recording_that_breaks_off_reads_back_to_within_a_second() {
     let disk = Disk::default();
     let mut recording = Recording::create(disk.clone(), "test", None).unwrap();
+    let mut encoder = MessageEncoder::default();
     for frame in 0..200 {
         let t_s = frame as f64 / 10.0;
-        recording.write_record(&record(frame, t_s)).unwrap();
+        recording.write(&encoder.record(&record(frame, t_s)).unwrap()).unwrap();
         let bytes = disk.0.lock().unwrap().clone();
         let kept_s = last_record_s(&bytes).unwrap_or(-0.1);
         assert!(t_s - kept_s <= 0.6, "at {t_s} s only {kept_s} s are kept");
@@ -76,8 +78,9 @@ fn a_recording_that_breaks_off_reads_back_to_within_a_second() {
 fn the_same_frames_give_the_same_bytes() {
     let made = || {
         let mut recording = Recording::create(Disk::default(), "test", None).unwrap();
+        let mut encoder = MessageEncoder::default();
         for frame in 0..30 {
-            recording.write_record(&record(frame, frame as f64 / 7.0)).unwrap();
+            recording.write(&encoder.record(&record(frame, frame as f64 / 7.0)).unwrap()).unwrap();
         }
         let disk = recording.finish().unwrap();
         disk.0.lock().unwrap().clone()
@@ -88,8 +91,9 @@ fn the_same_frames_give_the_same_bytes() {
 #[test]
 fn times_that_step_back_or_are_none_are_recorded() {
     let mut recording = Recording::create(Disk::default(), "test", None).unwrap();
+    let mut encoder = MessageEncoder::default();
     for (frame, t_s) in [(0, 5.0), (1, 0.0), (2, -3.0), (3, 1e12), (4, 0.1)] {
-        recording.write_record(&record(frame, t_s)).unwrap();
+        recording.write(&encoder.record(&record(frame, t_s)).unwrap()).unwrap();
     }
     let disk = recording.finish().unwrap();
     let bytes = disk.0.lock().unwrap().clone();
@@ -116,7 +120,9 @@ fn a_full_disk_is_an_error_and_no_panic() {
         }
     }
     let mut recording = Recording::create(Full(0), "test", None).unwrap();
-    let failure = (0..100_000).find_map(|frame| recording.write_record(&record(frame, frame as f64)).err());
+    let mut encoder = MessageEncoder::default();
+    let failure = (0..100_000)
+        .find_map(|frame| recording.write(&encoder.record(&record(frame, frame as f64)).unwrap()).err());
     let message = failure.unwrap().to_string();
     assert!(message.contains("no space left"), "{message}");
 }

@@ -10,6 +10,7 @@ use fingerpost_eval::LoopWatch;
 use fingerpost_format::{JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, TruthRecord};
 use fingerpost_io::{FfmpegPrograms, JsonLinesFile, LOOP_FRAMES_FILE, PLAN_FILE, RunFolder, write_file};
 use fingerpost_map::{LatLon, write_route};
+use fingerpost_record::FrameTime;
 use fingerpost_report::{PlanView, plan_view_svg};
 use fingerpost_sim::{Actuation, Arrival, CameraChannel, DriveCommand, SteeredDrive, SteeredPlace};
 use indicatif::ProgressBar;
@@ -18,7 +19,6 @@ use super::LoopSetting;
 use super::fault::{Fault, gps};
 use crate::campaign::Plan;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
-use crate::record::FrameTime;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, VideoWish, Wishes};
 use crate::{inputs, output};
 
@@ -164,7 +164,7 @@ impl Run {
         let programs = FfmpegPrograms { stop: Some(setting.interrupt.shared_flag()), ..inputs::ffmpeg() };
         let video = setting.args.video.then_some(VideoWish { fps: plan.fps, programs });
         let title = format!("Fingerpost closed loop: {name}");
-        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None };
+        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None, live_port: None };
         let driver = Driver::new(run_setting, &wishes, None)?;
         let folder = setting.args.out.join(name);
         let recorder = reports.then(|| {

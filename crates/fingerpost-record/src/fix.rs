@@ -5,7 +5,7 @@ use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{FixRecord, FixStatus, MeasurementRecord};
 use fingerpost_locate::{GpsEvidence, SightingEvidence, Status, Verdict};
 
-use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
+use crate::frame::{ANGLE_DIGITS, DIGITS, rounded};
 
 /// Digits behind the point of degrees of place: a centimetre.
 const PLACE_DIGITS: i32 = 7;
@@ -65,7 +65,7 @@ fn gps_record(gps: &GpsEvidence) -> MeasurementRecord {
 }
 
 /// What a fix is worth as the files have it.
-pub(crate) const fn fix_status(status: Status) -> FixStatus {
+pub const fn fix_status(status: Status) -> FixStatus {
     match status {
         Status::Converged => FixStatus::Converged,
         Status::Ambiguous => FixStatus::Ambiguous,

@@ -18,30 +18,30 @@ use fingerpost_format::{
 };
 use fingerpost_map::FeatureKind;
 
-use crate::advice_record::advice_record;
-use crate::centreline_record::{centreline_record, no_centreline_name};
-use crate::fix_record::fix_record;
-use crate::lanes_record::lanes_record;
+use crate::advice::advice_record;
+use crate::centreline::{centreline_record, no_centreline_name};
+use crate::fix::fix_record;
+use crate::lanes::lanes_record;
 
 /// Digits behind the point of metres (a tenth of a millimetre), probabilities and curvatures in the files: finer than
 /// anything the method resolves.
-pub(crate) const DIGITS: i32 = 4;
+pub const DIGITS: i32 = 4;
 /// Digits of angles in radians: 10 micrometres at 10 m.
-pub(crate) const ANGLE_DIGITS: i32 = 6;
+pub const ANGLE_DIGITS: i32 = 6;
 /// Digits of seconds.
 const TIME_DIGITS: i32 = 6;
 
 /// A frame's place in the input.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FrameTime {
+pub struct FrameTime {
     /// Index, from zero.
-    pub(crate) frame: u64,
+    pub frame: u64,
     /// Seconds since the first frame.
-    pub(crate) t_s: f64,
+    pub t_s: f64,
 }
 
 /// What the features of a route are called in the files.
-pub(crate) fn feature_identities(stops: &[RouteStop]) -> Vec<FeatureIdentity> {
+pub fn feature_identities(stops: &[RouteStop]) -> Vec<FeatureIdentity> {
     stops
         .iter()
         .map(|stop| FeatureIdentity {
@@ -53,7 +53,7 @@ pub(crate) fn feature_identities(stops: &[RouteStop]) -> Vec<FeatureIdentity> {
 }
 
 /// Name of a kind of feature in the files.
-pub(crate) const fn kind_name(kind: FeatureKind) -> &'static str {
+pub const fn kind_name(kind: FeatureKind) -> &'static str {
     match kind {
         FeatureKind::Junction => "junction",
         FeatureKind::SideRoad => "side_road",
@@ -62,7 +62,7 @@ pub(crate) const fn kind_name(kind: FeatureKind) -> &'static str {
 }
 
 /// The record of a frame that was processed.
-pub(crate) fn frame_record(
+pub fn frame_record(
     time: FrameTime,
     output: &FrameOutput,
     evidence: &FrameEvidence<'_>,
@@ -102,7 +102,7 @@ pub(crate) fn frame_record(
 }
 
 /// The record of a frame that could not be used: the state of the one before, or `at_first`, and what was wrong.
-pub(crate) fn broken_record(
+pub fn broken_record(
     time: FrameTime,
     before: Option<&FrameRecord>,
     at_first: TrackState,
@@ -311,7 +311,7 @@ fn motion_record(motion: &Motion) -> MotionRecord {
 }
 
 /// A number to so many digits behind the point.
-pub(crate) fn rounded(value: f64, digits: i32) -> f64 {
+pub fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);
     // Adding zero turns a negative zero into a plain one.
     (value * scale).round() / scale + 0.0

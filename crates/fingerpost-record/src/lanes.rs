@@ -4,10 +4,10 @@ use fingerpost::lanes::departure::DepartureOutput;
 use fingerpost::lanes::{Lane, LaneEdge, Marking, MarkingColour, MarkingKind, Side};
 use fingerpost_format::{DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingRecord};
 
-use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
+use crate::frame::{ANGLE_DIGITS, DIGITS, rounded};
 
 /// Digits behind the point of pixels.
-pub(crate) const PIXEL_DIGITS: i32 = 2;
+pub const PIXEL_DIGITS: i32 = 2;
 /// Digits of curvatures, 1/m: 1 cm at 100 m ahead.
 const CURVATURE_DIGITS: i32 = 6;
 

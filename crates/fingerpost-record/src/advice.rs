@@ -3,7 +3,7 @@
 use fingerpost::advice::{Advice, Stop};
 use fingerpost_format::{AdviceRecord, FiredRuleRecord};
 
-use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
+use crate::frame::{ANGLE_DIGITS, DIGITS, rounded};
 
 pub(crate) fn advice_record(advice: &Advice) -> AdviceRecord {
     let rules = advice

@@ -3,7 +3,7 @@
 use fingerpost::centreline::{Centreline, CentrelineEvidence, NoCentreline, Steer, SteerBy};
 use fingerpost_format::{CentrelineRecord, WaysRecord};
 
-use crate::record::{ANGLE_DIGITS, DIGITS, rounded};
+use crate::frame::{ANGLE_DIGITS, DIGITS, rounded};
 
 pub(crate) fn centreline_record(found: &Centreline, evidence: &CentrelineEvidence) -> CentrelineRecord {
     let ways = evidence.ways.map(|ways| {

@@ -1,0 +1,228 @@
+//! Which topic serves for what.
+
+use thiserror::Error;
+
+use crate::schema::{Role, Schema};
+use crate::survey::Topic;
+
+/// Topics by name, where they are asked for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Wanted {
+    /// Of the camera's pictures.
+    pub image: Option<String>,
+    /// Of its calibration.
+    pub camera_info: Option<String>,
+    /// Of GPS positions.
+    pub gps: Option<String>,
+    /// Of speed and yaw rate.
+    pub twist: Option<String>,
+    /// Of an inertial unit's yaw rate.
+    pub imu: Option<String>,
+}
+
+/// A recording in which a topic cannot be chosen.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum ChoiceError {
+    /// There are no pictures.
+    #[error("it has no topic of pictures ({kinds}); it has {found}")]
+    NoPictures {
+        /// What would be one.
+        kinds: String,
+        /// What there is.
+        found: String,
+    },
+    /// Several would do.
+    #[error("it has {count} topics of {what}: {found}; choose one with {option}")]
+    Several {
+        /// How many.
+        count: usize,
+        /// What they give.
+        what: &'static str,
+        /// The topics.
+        found: String,
+        /// The option that chooses.
+        option: &'static str,
+    },
+    /// A topic that is asked for is not there.
+    #[error("it has no topic {topic:?} of {what}; it has {found}")]
+    NotThere {
+        /// The topic.
+        topic: String,
+        /// What it should give.
+        what: &'static str,
+        /// What there is of that, or else all.
+        found: String,
+    },
+    /// Its messages are encoded in another manner.
+    #[error(
+        "topic {topic} holds {schema} in encoding {encoding:?}, which is read in {read:?} alone; record or convert it as such"
+    )]
+    Encoding {
+        /// The topic.
+        topic: String,
+        /// Name of the schema.
+        schema: &'static str,
+        /// The encoding found.
+        encoding: String,
+        /// The encoding that is read.
+        read: &'static str,
+    },
+}
+
+/// The topics that are used, each with its schema.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Choice {
+    used: Vec<(Role, String, Schema)>,
+}
+
+impl Choice {
+    /// Of what there is, what is asked for or is the only one; pictures there must be.
+    ///
+    /// # Errors
+    /// [`ChoiceError`] when there are no pictures, several topics would do, or one that is asked for is not there or not readable.
+    pub fn of(topics: &[Topic], wanted: &Wanted) -> Result<Self, ChoiceError> {
+        let named = [
+            (Role::Pictures, &wanted.image),
+            (Role::Calibration, &wanted.camera_info),
+            (Role::Gps, &wanted.gps),
+            (Role::Twist, &wanted.twist),
+            (Role::Imu, &wanted.imu),
+        ];
+        let mut used = Vec::new();
+        for (role, name) in named {
+            let chosen = topic_of(topics, role, name.as_deref())?;
+            let Some((topic, schema)) = chosen else { continue };
+            if topic.encoding != schema.encoding() {
+                return Err(ChoiceError::Encoding {
+                    topic: topic.name.clone(),
+                    schema: schema.name(),
+                    encoding: topic.encoding.clone(),
+                    read: schema.encoding(),
+                });
+            }
+            used.push((role, topic.name.clone(), schema));
+        }
+        Ok(Self { used })
+    }
+
+    /// Schema and role of a topic that is used.
+    pub fn schema_of(&self, topic: &str) -> Option<Schema> {
+        self.used.iter().find(|(_, name, _)| name == topic).map(|(_, _, schema)| *schema)
+    }
+
+    /// The topic that serves for a role.
+    pub fn topic(&self, role: Role) -> Option<&str> {
+        self.used.iter().find(|(of, ..)| *of == role).map(|(_, name, _)| name.as_str())
+    }
+}
+
+fn topic_of<'a>(
+    topics: &'a [Topic],
+    role: Role,
+    name: Option<&str>,
+) -> Result<Option<(&'a Topic, Schema)>, ChoiceError> {
+    let candidates: Vec<(&Topic, Schema)> = topics
+        .iter()
+        .filter_map(|topic| Some((topic, topic.known_schema()?)))
+        .filter(|(_, schema)| schema.role() == role)
+        .collect();
+    let found = || listed(candidates.iter().map(|(topic, _)| *topic));
+    if let Some(name) = name {
+        let chosen = candidates.iter().find(|(topic, _)| topic.name == name).copied();
+        return chosen.map(Some).ok_or_else(|| ChoiceError::NotThere {
+            topic: name.to_owned(),
+            what: what(role),
+            found: if candidates.is_empty() { listed(topics) } else { found() },
+        });
+    }
+    match candidates[..] {
+        [only] => Ok(Some(only)),
+        [] if role == Role::Pictures => {
+            let kinds = Schema::ALL.into_iter().filter(|schema| schema.role() == role);
+            let kinds: Vec<&str> = kinds.map(Schema::name).collect();
+            Err(ChoiceError::NoPictures { kinds: kinds.join(", "), found: listed(topics) })
+        }
+        [] => Ok(None),
+        _ => Err(ChoiceError::Several {
+            count: candidates.len(),
+            what: what(role),
+            found: found(),
+            option: option(role),
+        }),
+    }
+}
+
+const fn what(role: Role) -> &'static str {
+    match role {
+        Role::Pictures => "pictures",
+        Role::Calibration => "calibrations",
+        Role::Gps => "GPS positions",
+        Role::Twist => "speed and yaw rate",
+        Role::Imu => "inertial units",
+    }
+}
+
+const fn option(role: Role) -> &'static str {
+    match role {
+        Role::Pictures => "--image-topic",
+        Role::Calibration => "--camera-info-topic",
+        Role::Gps => "--gps-topic",
+        Role::Twist => "--twist-topic",
+        Role::Imu => "--imu-topic",
+    }
+}
+
+/// Topics with their schemas and numbers of messages.
+fn listed<'a>(topics: impl IntoIterator<Item = &'a Topic>) -> String {
+    let named: Vec<String> = topics
+        .into_iter()
+        .map(|Topic { name, schema, messages, .. }| format!("{name} ({messages} of {schema})"))
+        .collect();
+    if named.is_empty() { "no messages at all".to_owned() } else { named.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn topic(name: &str, schema: &str) -> Topic {
+        let encoding = if schema.starts_with("foxglove") { "protobuf" } else { "cdr" };
+        Topic { name: name.to_owned(), schema: schema.to_owned(), encoding: encoding.to_owned(), messages: 3 }
+    }
+
+    #[test]
+    fn the_only_topic_of_a_kind_is_taken_and_several_are_named() {
+        let front = topic("/front/image_raw", "sensor_msgs/msg/Image");
+        let rear = topic("/rear/compressed", "sensor_msgs/msg/CompressedImage");
+        let gps = topic("/fix", "sensor_msgs/msg/NavSatFix");
+        let choice = Choice::of(&[front.clone(), gps.clone()], &Wanted::default()).expect("one of each");
+        assert_eq!(choice.topic(Role::Pictures), Some("/front/image_raw"));
+        assert_eq!(choice.schema_of("/fix"), Some(Schema::RosNavSatFix));
+        assert_eq!(choice.topic(Role::Imu), None);
+
+        let both = [front, rear, gps];
+        let error = Choice::of(&both, &Wanted::default()).unwrap_err().to_string();
+        assert!(error.contains("/front/image_raw") && error.contains("/rear/compressed"), "{error}");
+        assert!(error.contains("--image-topic") && !error.contains("/fix"), "{error}");
+        let wanted = Wanted { image: Some("/rear/compressed".to_owned()), ..Wanted::default() };
+        let choice = Choice::of(&both, &wanted).expect("chosen");
+        assert_eq!(choice.schema_of("/rear/compressed"), Some(Schema::RosCompressedImage));
+        let wanted = Wanted { image: Some("/left".to_owned()), ..Wanted::default() };
+        let error = Choice::of(&both, &wanted).unwrap_err().to_string();
+        assert!(error.contains("\"/left\"") && error.contains("/rear/compressed"), "{error}");
+    }
+
+    #[test]
+    fn no_pictures_and_unread_encodings_are_named() {
+        let error = Choice::of(&[topic("/chatter", "std_msgs/msg/String")], &Wanted::default()).unwrap_err();
+        assert!(error.to_string().contains("/chatter (3 of std_msgs/msg/String)"), "{error}");
+        let error = Choice::of(&[], &Wanted::default()).unwrap_err();
+        assert!(error.to_string().contains("no messages at all"), "{error}");
+        let json = Topic { encoding: "json".to_owned(), ..topic("/camera", "foxglove.CompressedImage") };
+        let error = Choice::of(&[json], &Wanted::default()).unwrap_err();
+        assert!(
+            error.to_string().contains("\"json\"") && error.to_string().contains("\"protobuf\""),
+            "{error}"
+        );
+    }
+}

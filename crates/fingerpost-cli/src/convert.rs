@@ -1,0 +1,27 @@
+//! `fingerpost convert`: others' recordings as drives.
+
+mod kitti;
+mod messages;
+mod mount;
+mod recorded_drive;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+/// Make a drive folder of another's recording: frames/ with times.txt, camera.toml, and where they were recorded gps.gpx for
+/// `run --gps`, motion.csv for `locate --motion` and poses.csv for `locate --truth`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ConvertCommand {
+    Mcap(messages::McapArgs),
+    Bag(messages::BagArgs),
+    Kitti(kitti::KittiArgs),
+}
+
+/// Converts.
+pub(crate) fn convert(command: &ConvertCommand) -> Result<()> {
+    match command {
+        ConvertCommand::Mcap(args) => messages::mcap(args),
+        ConvertCommand::Bag(args) => messages::bag(args),
+        ConvertCommand::Kitti(args) => kitti::kitti(args),
+    }
+}

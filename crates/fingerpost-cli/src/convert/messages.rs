@@ -1,0 +1,187 @@
+//! MCAP recordings and ROS 2 bags.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use fingerpost_bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
+use fingerpost_format::{CameraInfo, PictureKind};
+use fingerpost_io::{FolderKind, bag_files, open_bag};
+
+use super::mount::{KnownCamera, MountArgs};
+use super::recorded_drive::RecordedDrive;
+use crate::interrupt::Interrupt;
+use crate::{output, output_path};
+
+/// From an MCAP recording: Foxglove's messages in protobuf, as run.mcap holds them, or ROS 2's in CDR. Topics of pictures
+/// (raw, JPEG or PNG), calibration, GPS, twist or odometry, and an inertial unit; the only one of its kind is taken. A recording that
+/// breaks off is converted as far as it goes.
+#[derive(Debug, Args)]
+pub(crate) struct McapArgs {
+    /// The recording.
+    #[arg(value_name = "FILE")]
+    input: PathBuf,
+    #[command(flatten)]
+    recording: RecordingArgs,
+}
+
+/// From a ROS 2 bag with MCAP storage: sensor_msgs Image or CompressedImage, CameraInfo, NavSatFix and Imu, geometry_msgs Twist,
+/// TwistStamped or TwistWithCovarianceStamped, nav_msgs Odometry, in CDR; the only topic of its kind is taken.
+#[derive(Debug, Args)]
+pub(crate) struct BagArgs {
+    /// The bag's folder, or one of its files.
+    #[arg(value_name = "BAG")]
+    input: PathBuf,
+    #[command(flatten)]
+    recording: RecordingArgs,
+}
+
+#[derive(Debug, Args)]
+struct RecordingArgs {
+    #[command(flatten)]
+    mount: MountArgs,
+    /// Topic of the camera's pictures, where there are several.
+    #[arg(long, value_name = "TOPIC")]
+    image_topic: Option<String>,
+    /// Topic of the camera's calibration, where there are several.
+    #[arg(long, value_name = "TOPIC", conflicts_with = "camera")]
+    camera_info_topic: Option<String>,
+    /// Topic of GPS positions, where there are several.
+    #[arg(long, value_name = "TOPIC")]
+    gps_topic: Option<String>,
+    /// Topic of the vehicle's twist or odometry, where there are several; speed along x, yaw rate about z (REP 103).
+    #[arg(long, value_name = "TOPIC")]
+    twist_topic: Option<String>,
+    /// Topic of the inertial unit, where there are several; its yaw rate goes before the twist's.
+    #[arg(long, value_name = "TOPIC")]
+    imu_topic: Option<String>,
+    /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens.
+    #[arg(long, conflicts_with = "camera")]
+    rectified: bool,
+    /// Folder to write: a new or empty one, or one of an earlier `convert`, which is replaced.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Print what was converted on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Converts a recording.
+pub(crate) fn mcap(args: &McapArgs) -> Result<()> {
+    convert(&args.input, std::slice::from_ref(&args.input), &args.recording)
+}
+
+/// Converts a bag.
+pub(crate) fn bag(args: &BagArgs) -> Result<()> {
+    convert(&args.input, &bag_files(&args.input)?, &args.recording)
+}
+
+fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> {
+    let inputs = args.mount.inputs().chain(files).map(PathBuf::as_path);
+    output_path::check_folder(&args.out, FolderKind::ConvertedDrive, inputs)?;
+    let known = args.mount.known()?;
+    let streams = files.iter().map(|path| open_bag(path)).collect::<Result<Vec<_>, _>>()?;
+    let Survey { topics, cut_short } = survey(streams);
+    let of_input = || input.display().to_string();
+    if let (true, Some(RecordsError::Damaged { .. } | RecordsError::Read(_))) =
+        (topics.is_empty(), &cut_short)
+    {
+        return Err(cut_short.map_or_else(|| anyhow::anyhow!("nothing to read"), Into::into))
+            .with_context(of_input);
+    }
+    let choice = Choice::of(&topics, &wanted(args)).with_context(of_input)?;
+    let camera = match known {
+        KnownCamera::Whole(camera) => *camera,
+        KnownCamera::Mount(mount) => {
+            let pictures = if args.rectified { PictureKind::Rectified } else { PictureKind::AsTaken };
+            let info = calibration(files, &choice).with_context(of_input)?;
+            info.camera(pictures, mount).with_context(of_input)?
+        }
+    };
+    let interrupt = Interrupt::listen()?;
+    let drive = read(files, &choice, RecordedDrive::new(&args.out, camera), &interrupt)?;
+    let converted = drive.finish(input)?;
+    if let Some(cause) = &cut_short {
+        output::message(&format!("{}: {cause}; what came before is converted", input.display()));
+    }
+    if interrupt.wanted() {
+        bail!("interrupted after {} frames; they are in {}", converted.frames, args.out.display());
+    }
+    let what = [
+        (Role::Pictures, format!("{} frames", converted.frames)),
+        (Role::Gps, format!("{} GPS positions", converted.gps_positions)),
+        (Role::Twist, format!("{} rows of motion", converted.motion_rows)),
+    ];
+    let said: Vec<String> = what
+        .into_iter()
+        .filter_map(|(role, what)| Some(format!("{what} from {}", choice.topic(role)?)))
+        .collect();
+    output::message(&format!("{} in {}", said.join(", "), args.out.display()));
+    if args.json { output::print_json(&converted) } else { Ok(()) }
+}
+
+fn wanted(args: &RecordingArgs) -> Wanted {
+    Wanted {
+        image: args.image_topic.clone(),
+        camera_info: args.camera_info_topic.clone(),
+        gps: args.gps_topic.clone(),
+        twist: args.twist_topic.clone(),
+        imu: args.imu_topic.clone(),
+    }
+}
+
+/// The first calibration of the topic that gives it.
+fn calibration(files: &[PathBuf], choice: &Choice) -> Result<CameraInfo> {
+    let Some(topic) = choice.topic(Role::Calibration) else {
+        bail!(
+            "it has no calibration of the camera (sensor_msgs/msg/CameraInfo or foxglove.CameraCalibration); give one with --camera"
+        );
+    };
+    for file in files {
+        for record in Records::new(open_bag(file)?).map_while(Result::ok) {
+            let schema = choice.schema_of(&record.topic).filter(|_| *record.topic == *topic);
+            let Some(schema) = schema else { continue };
+            if let Content::Calibration(info) =
+                decode(schema, &record.data).with_context(|| topic.to_owned())?.content
+            {
+                return Ok(info);
+            }
+        }
+    }
+    bail!("its calibration cannot be read any more; was the file changed meanwhile?")
+}
+
+/// Reads on until the recording ends or breaks off.
+fn read(
+    files: &[PathBuf],
+    choice: &Choice,
+    mut drive: RecordedDrive,
+    interrupt: &Interrupt,
+) -> Result<RecordedDrive> {
+    for file in files {
+        // Why a file breaks off is known from the survey.
+        for record in Records::new(open_bag(file)?).map_while(Result::ok) {
+            if interrupt.wanted() {
+                return Ok(drive);
+            }
+            let Some(schema) = choice.schema_of(&record.topic) else { continue };
+            let message = match decode(schema, &record.data) {
+                Ok(message) => message,
+                Err(cause) => {
+                    drive.pass_over(format!("{}: {cause}", record.topic));
+                    continue;
+                }
+            };
+            // What does not say when it was so has the time at which it was recorded.
+            let at_ns = message.stamp_ns.unwrap_or(record.log_ns);
+            match message.content {
+                Content::Picture(picture) => drive.add_picture(at_ns, &picture)?,
+                Content::Gps(Some(position)) => drive.add_gps(at_ns, position),
+                Content::Twist(twist) => drive.add_twist(at_ns, twist),
+                Content::YawRate(Some(yaw_rate_rps)) => drive.add_yaw_rate(at_ns, yaw_rate_rps),
+                Content::Calibration(_) | Content::Gps(None) | Content::YawRate(None) => {}
+            }
+        }
+    }
+    Ok(drive)
+}

@@ -1,0 +1,123 @@
+//! A frame's messages as bytes, for a file, for viewers that are connected, or for both.
+
+use bytes::Bytes;
+use fingerpost_format::FrameRecord;
+use fingerpost_map::{Route, write_route};
+use fingerpost_vision::picture::RgbImage;
+use foxglove::messages::{CompressedImage, GeoJson};
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+
+use crate::channel::Channel;
+use crate::frame_recorder::{RecordedFrame, encoded, nanoseconds, timestamp};
+use crate::log::ChangeLog;
+use crate::recording::RecordingError;
+
+/// Quality of pictures: no block is seen at twice their size.
+const JPEG_QUALITY: u8 = 85;
+
+/// The messages of a frame in the order in which they are sent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameMessages {
+    /// The frame's number.
+    pub frame: u64,
+    /// Seconds since the first frame.
+    pub t_s: f64,
+    /// The messages.
+    pub messages: Vec<(Channel, Vec<u8>)>,
+}
+
+impl FrameMessages {
+    /// The time of the messages, nanoseconds since the first frame.
+    pub fn time_ns(&self) -> u64 {
+        nanoseconds(self.t_s)
+    }
+}
+
+/// Makes messages of frames: compresses their pictures and notices what has changed.
+#[derive(Debug, Default)]
+pub struct MessageEncoder {
+    changes: ChangeLog,
+    /// Memory that pictures are compressed in.
+    jpeg: Vec<u8>,
+}
+
+impl MessageEncoder {
+    /// The messages of a frame that was used, with its record.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when a picture or message cannot be encoded.
+    pub fn frame(
+        &mut self,
+        frame: RecordedFrame,
+        record: &FrameRecord,
+    ) -> Result<FrameMessages, RecordingError> {
+        let mut messages = Vec::with_capacity(Channel::ALL.len());
+        for (channel, frame_id, picture) in frame.pictures {
+            let message = CompressedImage {
+                timestamp: Some(timestamp(frame.t_s)),
+                frame_id: frame_id.to_owned(),
+                data: self.compressed(&picture)?,
+                format: "jpeg".to_owned(),
+            };
+            messages.push((channel, bytes_of(channel, &message)?));
+        }
+        messages.extend(frame.messages);
+        self.add_record(&mut messages, record)?;
+        Ok(FrameMessages { frame: record.frame, t_s: frame.t_s, messages })
+    }
+
+    /// The record alone: of a frame that could not be used.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when it cannot be encoded.
+    pub fn record(&mut self, record: &FrameRecord) -> Result<FrameMessages, RecordingError> {
+        let mut messages = Vec::new();
+        self.add_record(&mut messages, record)?;
+        Ok(FrameMessages { frame: record.frame, t_s: record.t_s, messages })
+    }
+
+    fn add_record(
+        &mut self,
+        messages: &mut Vec<(Channel, Vec<u8>)>,
+        record: &FrameRecord,
+    ) -> Result<(), RecordingError> {
+        let line = serde_json::to_vec(record).map_err(|cause| RecordingError::Message {
+            topic: Channel::Record.topic(),
+            cause: cause.to_string(),
+        })?;
+        messages.push((Channel::Record, line));
+        for entry in self.changes.of(timestamp(record.t_s), record) {
+            messages.push((Channel::Log, bytes_of(Channel::Log, &entry)?));
+        }
+        Ok(())
+    }
+
+    /// A picture as JPEG, in memory of its size.
+    fn compressed(&mut self, picture: &RgbImage) -> Result<Bytes, RecordingError> {
+        self.jpeg.clear();
+        jpeg(picture, &mut self.jpeg)?;
+        Ok(Bytes::copy_from_slice(&self.jpeg))
+    }
+}
+
+/// The message of [`Channel::Route`].
+///
+/// # Errors
+/// [`RecordingError`] when the route has no GeoJSON form.
+pub fn route_message(route: &Route) -> Result<Vec<u8>, RecordingError> {
+    bytes_of(Channel::Route, &GeoJson { geojson: write_route(route)? })
+}
+
+fn bytes_of<M: foxglove::Encode>(channel: Channel, message: &M) -> Result<Vec<u8>, RecordingError> {
+    encoded(message)
+        .map_err(|cause| RecordingError::Message { topic: channel.topic(), cause: cause.to_string() })
+}
+
+fn jpeg(picture: &RgbImage, bytes: &mut Vec<u8>) -> Result<(), RecordingError> {
+    let (width, height) = picture.size();
+    let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
+    let mut encoder = Encoder::new(bytes, JPEG_QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::R_4_2_0);
+    let done = encoder.encode(picture.as_slice(), side(width), side(height), ColorType::Rgb);
+    done.map_err(|cause| RecordingError::Picture { width, height, cause })
+}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the wheel for Python into FOLDER, installs it in a clean environment, and holds it against the program: the tests of
+# python/tests, the example, the time of a frame.
+#
+#     tools/wheel.sh FOLDER FINGERPOST
+#
+# FINGERPOST is the program. Needs Python 3.10 or later with venv, and the Python index.
+set -euo pipefail
+mkdir -p "$1"
+out=$(realpath "$1")
+FINGERPOST=$(realpath "$2")
+export FINGERPOST
+cd "$(dirname "$0")/.."
+root=$PWD
+export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$root/target}"
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+python3 -m venv "$work/build"
+"$work/build/bin/pip" install --quiet maturin==1.16.0
+"$work/build/bin/maturin" build --quiet --release --locked --manifest-path python/Cargo.toml --interpreter python3 --out "$out"
+
+python3 -m venv "$work/clean"
+"$work/clean/bin/pip" install --quiet pytest==9.2.0 "$out"/fingerpost-*.whl
+# Away from the sources, so that the package that was installed is the one that is tried.
+cd "$work"
+clean/bin/python -m pytest --quiet -p no:cacheprovider "$root/python/tests"
+sed -n '/^```python$/,/^```$/{/^```/d;p}' "$root/python/README.md" >readme.py
+clean/bin/python readme.py | tail -n 1
+clean/bin/python "$root/python/examples/simulated_drive.py"
+clean/bin/python "$root/python/examples/time_of_a_frame.py" "$FINGERPOST"
