@@ -39,7 +39,7 @@ use crate::{output, output_path, side_by_side};
 /// with plots and a verdict for each claim. Ended in the middle, the same call goes on with it.
 #[derive(Debug, Args)]
 pub(crate) struct PapersArgs {
-    /// Drives of each kind of roads and clips of each sample, 1 to 1000; with one nothing can be told.
+    /// Drives of each kind of roads and clips of each sample, 1 to 1000; with one nothing can be decided.
     #[arg(long, value_name = "N", default_value_t = DRIVES, value_parser = clap::value_parser!(u64).range(1..=1000))]
     drives: u64,
     /// Seed of the first drive of each kind; the others count up from it.

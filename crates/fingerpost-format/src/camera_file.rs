@@ -9,7 +9,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum CameraFileError {
     /// The text is no TOML or YAML, or a key is missing, misspelt or of the wrong type.
-    #[error("the calibration cannot be read: {cause}; see `camera.toml` in the README for every key")]
+    #[error("the calibration cannot be read: {cause}; the book has every key, under \"camera.toml\"")]
     Parse {
         /// What the parser says.
         cause: String,

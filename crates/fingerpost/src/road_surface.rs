@@ -48,7 +48,7 @@ use crate::motion::Motion;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadSurfaceConfig {
-    /// How the road is told from what is beside it.
+    /// How the road is distinguished from what is beside it.
     pub detector: RoadMethod,
     /// The picture in which "backprojection" and "bank" look for road, alone or remembered (paper 1, figure 4); the others
     /// choose theirs.

@@ -33,7 +33,7 @@ pub(crate) struct ChessboardArgs {
     /// Inner corners of the board along either side, where four squares meet: one less than its squares; 3 to 64.
     #[arg(long, value_name = "COLUMNSxROWS")]
     corners: Corners,
-    /// Side of a square, metres, 0.001 to 1: with it the boards' distances are told; the lens does not depend on it.
+    /// Side of a square, metres, 0.001 to 1: with it the boards' distances are known; the lens does not depend on it.
     #[arg(long, value_name = "S", value_parser = number(0.001, 1.0, "side of a square", "metres"))]
     square_m: Option<f64>,
     /// Height of the camera above the road, metres, 0.05 to 20, for the mount that is written; roughly is enough where

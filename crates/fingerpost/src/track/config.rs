@@ -16,7 +16,7 @@ pub struct TrackConfig {
     /// P(F) from which a feature counts as seen.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub detect_threshold: f64,
-    /// P(F) that is enough where the arms that tell the feature stand out from their verges; at most
+    /// P(F) that is enough where the arms that distinguish the feature stand out from their verges; at most
     /// `detect_threshold`.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub detect_threshold_at_verge: f64,
