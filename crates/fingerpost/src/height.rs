@@ -91,8 +91,8 @@ pub struct HeightPair {
     pub residual_m: f64,
 }
 
-/// Travel of the pairs, metres, in turns: the short one for what is near, the long one for what is far.
-const TRAVELS_M: [f64; 2] = [2.8, 4.8];
+/// Travel between the views of a pair, metres: a kerb of 10 cm is displaced by four cells.
+const TRAVEL_M: f64 = 2.8;
 /// A pair that turned by more is not compared, radians: the shift along the way is one of rows no more.
 const MOST_TURN_RAD: f64 = 0.5;
 /// Blocks without which the plane is not known.
@@ -118,7 +118,6 @@ pub struct HeightStage {
     map: HeightMap,
     driven_m: f64,
     last_look_m: Option<f64>,
-    looks: usize,
     height: GroundHeight,
     evidence: HeightEvidence,
     squares: RaisedSquares,
@@ -176,23 +175,18 @@ impl HeightStage {
         (self.now.turn, self.now.driven_m) = (turn, self.driven_m);
         coarse::<{ CELL_PX.0 }>(grey, view.validity().plane(), CELL_PX.1, &mut self.now.grey);
         self.sweep.look_at(raster, view.viewpoint(), &self.now);
-        let travels_m = [0, 1].map(|turn| TRAVELS_M[(self.looks + turn) % TRAVELS_M.len()]);
-        let has = |travel_m: &f64| self.views.at(self.driven_m, *travel_m).is_some();
-        if let Some(travel_m) = travels_m.into_iter().find(has) {
-            self.compare(raster, view, travel_m);
-        }
-        self.looks += 1;
+        self.compare(raster, view);
         let odometry_from_vehicle = self.now.odometry_from_vehicle;
         self.views.keep(&mut self.now);
         self.now.odometry_from_vehicle = odometry_from_vehicle;
     }
 
-    /// Compares the view at hand with one from so far back.
-    fn compare(&mut self, raster: Raster, view: &GroundView, travel_m: f64) {
+    /// Compares the view at hand with one from some way back.
+    fn compare(&mut self, raster: Raster, view: &GroundView) {
         let viewpoint = view.viewpoint();
-        let Some(older) = self.views.at(self.driven_m, travel_m) else { return };
+        let Some(older) = self.views.at(self.driven_m, TRAVEL_M) else { return };
         let mut laid = LaidOver::new(raster, viewpoint, &self.now, older);
-        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * travel_m {
+        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * TRAVEL_M {
             return;
         }
         self.sweep.fit_plane(raster, viewpoint, &mut laid, older);

@@ -9,21 +9,14 @@
 use nalgebra::SVector;
 
 use super::MOST_LOG_ODDS;
-use super::height_map::{Below, HEIGHTS, height_m, likelihoods};
+use super::height_map::{Below, HEIGHTS, likelihoods};
 
 /// Heights of kerbs, in steps: 5 to 17.5 cm.
 const RISES: std::ops::RangeInclusive<usize> = 2..=7;
-/// Kerbs up and down in a metre across: a country road has none, and a street one on either side.
-const UP_A_METRE: f32 = 0.01;
-const DOWN_A_METRE: f32 = 0.01;
+/// Kerbs in a metre across: a country road has none, and a street one on either side.
+const KERBS_A_METRE: f32 = 0.01;
 /// Probability that a metre of ground gets a step of height higher, and as much lower: roads fall by 1 to 3 % to either side.
 const DRIFT_A_METRE: f32 = 0.2;
-/// Share of that within the vehicle's way, where the road's plane is fitted: kerbs are not driven over.
-const WAY_SHARE: f32 = 0.02;
-/// Probability that the ground ahead of the vehicle is beyond a kerb.
-const STARTS_RAISED: f32 = 0.001;
-/// Standard deviation of the ground ahead against the plane fitted to it, metres.
-const START_SIGMA_M: f64 = 0.06;
 /// Cross-sections that are followed at once, a lane each: all of a chain's sums are then of whole lanes.
 pub(super) const LANES: usize = 8;
 pub(super) type Lanes = SVector<f32, LANES>;
@@ -35,7 +28,6 @@ type Belief = [ByHeight; 2];
 #[derive(Debug)]
 pub(super) struct CrossSections {
     likelihoods: [f32; 256],
-    start: Belief,
     forward: Vec<Belief>,
     seen: Vec<ByHeight>,
     log_odds: Vec<Lanes>,
@@ -43,36 +35,22 @@ pub(super) struct CrossSections {
 
 impl Default for CrossSections {
     fn default() -> Self {
-        let mut start = [[Lanes::zeros(); HEIGHTS]; 2];
-        for (index, lanes) in start[0].iter_mut().enumerate() {
-            *lanes = Lanes::repeat((-0.5 * (height_m(index) / START_SIGMA_M).powi(2)).exp() as f32);
-        }
-        let [level, raised] = &mut start;
-        risen(level, 1.0, raised);
-        scale(level, &Lanes::repeat(1.0 - STARTS_RAISED));
-        scale(raised, &Lanes::repeat(STARTS_RAISED));
-        Self {
-            likelihoods: likelihoods(),
-            start,
-            forward: Vec::new(),
-            seen: Vec::new(),
-            log_odds: Vec::new(),
-        }
+        Self { likelihoods: likelihoods(), forward: Vec::new(), seen: Vec::new(), log_odds: Vec::new() }
     }
 }
 
 impl CrossSections {
-    /// Log-odds that each of `places` places has been climbed to since the first, against what would be thought without looking, in
-    /// so many cross-sections as there are lanes; `heights` are those of a place and lane. Places lie `step_m` apart, and so many of
-    /// them `in_way` of the vehicle.
+    /// Log-odds that each of `places` places lies beyond a kerb, against what would be thought without looking, in as many
+    /// cross-sections as there are lanes; `heights` are those of a place and lane. Places lie `step_m` apart, and the road begins
+    /// as far before the first.
     pub(super) fn log_odds(
         &mut self,
         places: usize,
         heights: impl Fn(usize, usize) -> Below,
-        (step_m, in_way): (f64, usize),
+        step_m: f64,
     ) -> &[Lanes] {
-        let step_to = |place: usize| Step::over(step_m as f32, if place < in_way { WAY_SHARE } else { 1.0 });
-        let Self { likelihoods, start, forward, seen, log_odds } = self;
+        let step = Step::over(step_m as f32);
+        let Self { likelihoods, forward, seen, log_odds } = self;
         seen.clear();
         for place in 0..places {
             let mut by_height = [Lanes::zeros(); HEIGHTS];
@@ -86,11 +64,9 @@ impl CrossSections {
         log_odds.clear();
         log_odds.resize(places, Lanes::zeros());
         forward.clear();
-        let mut belief = *start;
-        for (place, seen) in seen.iter().enumerate() {
-            if place > 0 {
-                belief = step_to(place).onwards(&belief);
-            }
+        let mut belief = [[Lanes::repeat(1.0); HEIGHTS], [Lanes::zeros(); HEIGHTS]];
+        for seen in seen.iter() {
+            belief = step.onwards(&belief);
             weigh(&mut belief, seen);
             forward.push(belief);
         }
@@ -101,80 +77,68 @@ impl CrossSections {
             let odds = |raised: f32, level: f32| raised.max(f32::MIN_POSITIVE) / level.max(f32::MIN_POSITIVE);
             log_odds[place] = raised.zip_map(&level, |raised, level| odds(raised, level).ln());
             weigh(&mut backward, seen);
-            backward = step_to(place).backwards(&backward);
+            backward = step.backwards(&backward);
         }
-        let mut raised = STARTS_RAISED;
-        for (place, log_odds) in log_odds.iter_mut().enumerate() {
-            let unseen = (raised / (1.0 - raised)).ln();
+        let mut level = 1.0;
+        for log_odds in log_odds.iter_mut() {
+            level *= 1.0 - step.kerb;
+            let unseen = ((1.0 - level) / level).ln();
             log_odds.apply(|log_odds| *log_odds = (*log_odds - unseen).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS));
-            let step = step_to(place + 1);
-            raised = raised * (1.0 - step.down) + (1.0 - raised) * step.up;
         }
         log_odds
     }
 }
 
-/// The chain's step from a place to the next one outwards.
+/// The chain's step from a place to the next one outwards: probabilities of a kerb, and of a step of height up and as much down.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    up: f32,
-    down: f32,
+    kerb: f32,
     drift: f32,
 }
 
 impl Step {
-    fn over(step_m: f32, kerbs_share: f32) -> Self {
-        let kerbs = kerbs_share * step_m;
-        Self { up: UP_A_METRE * kerbs, down: DOWN_A_METRE * kerbs, drift: DRIFT_A_METRE * step_m }
+    fn over(step_m: f32) -> Self {
+        Self { kerb: KERBS_A_METRE * step_m, drift: DRIFT_A_METRE * step_m }
     }
 
     fn onwards(self, [level, raised]: &Belief) -> Belief {
-        let mut next = [self.drifted(level, 1.0 - self.up), self.drifted(raised, 1.0 - self.down)];
-        fallen(raised, self.down, &mut next[0]);
-        risen(level, self.up, &mut next[1]);
+        let mut next = [self.drifted(level, 1.0 - self.kerb), self.drifted(raised, 1.0)];
+        for (index, level) in level.iter().enumerate() {
+            let each = level * self.each_rise();
+            beyond_kerb(index).for_each(|beyond| next[1][beyond] += each);
+        }
         next
     }
 
     fn backwards(self, [level, raised]: &Belief) -> Belief {
-        let mut before = [self.drifted(level, 1.0 - self.up), self.drifted(raised, 1.0 - self.down)];
-        fallen(raised, self.up, &mut before[0]);
-        risen(level, self.down, &mut before[1]);
+        let mut before = [self.drifted(level, 1.0 - self.kerb), self.drifted(raised, 1.0)];
+        for (index, before) in before[0].iter_mut().enumerate() {
+            beyond_kerb(index).for_each(|beyond| *before += raised[beyond] * self.each_rise());
+        }
         before
     }
 
-    /// `share` of what goes on level: heights go one up, one down or stay.
+    fn each_rise(self) -> f32 {
+        self.kerb / RISES.count() as f32
+    }
+
+    /// `share` of what meets no kerb: heights go one up, one down or stay.
     fn drifted(self, from: &ByHeight, share: f32) -> ByHeight {
         let (stays, goes) = (share * (1.0 - 2.0 * self.drift), share * self.drift);
         let mut to = *from;
         scale(&mut to, &Lanes::repeat(stays));
-        for (to, from) in to[1..].iter_mut().zip(from) {
-            *to += from * goes;
-        }
-        for (to, from) in to.iter_mut().zip(&from[1..]) {
-            *to += from * goes;
+        for (index, from) in from.iter().enumerate() {
+            let goes = from * goes;
+            to[index.saturating_sub(1)] += goes;
+            to[(index + 1).min(HEIGHTS - 1)] += goes;
         }
         to
     }
 }
 
-/// Adds `share` of what stands a kerb higher.
-fn risen(from: &ByHeight, share: f32, to: &mut ByHeight) {
-    let share = share / RISES.count() as f32;
-    for rise in RISES {
-        for (to, from) in to[rise..].iter_mut().zip(from) {
-            *to += from * share;
-        }
-    }
-}
-
-/// Adds `share` of what stands a kerb lower.
-fn fallen(from: &ByHeight, share: f32, to: &mut ByHeight) {
-    let share = share / RISES.count() as f32;
-    for rise in RISES {
-        for (to, from) in to.iter_mut().zip(&from[rise..]) {
-            *to += from * share;
-        }
-    }
+/// Heights that a kerb at a height leads to; the highest stands for all above it.
+fn beyond_kerb(index: usize) -> impl Iterator<Item = usize> {
+    RISES.map(move |rise| (index + rise).min(HEIGHTS - 1))
 }
 
 fn scale(values: &mut ByHeight, by: &Lanes) {
@@ -206,7 +170,7 @@ fn weigh(belief: &mut Belief, seen: &ByHeight) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::height_map::HEIGHT_STEP_M;
+    use super::super::height_map::{HEIGHT_STEP_M, height_m};
     use super::*;
 
     /// A place where heights agree the less the farther they are from `at_m`.
@@ -223,7 +187,7 @@ mod tests {
             at_m.map_or([0; HEIGHTS], seen)
         };
         let mut sections = CrossSections::default();
-        let lanes = sections.log_odds(40, heights, (0.2, 5));
+        let lanes = sections.log_odds(40, heights, 0.2);
         assert!(lanes.iter().all(|lanes| lanes[2].abs() < 0.05), "lanes do not mix");
         lanes.iter().map(|lanes| lanes[3]).collect()
     }

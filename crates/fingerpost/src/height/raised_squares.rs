@@ -71,7 +71,6 @@ impl RaisedSquares {
         let first = ((squares.grid.far_m() - reach_m) / (squares.side_m() * SECTION_ROWS as f64)).max(0.0);
         let Self { chains, by_section, .. } = self;
         by_section.reset(size.0, sections, 0.0);
-        let spaced = (squares.side_m(), 2 * other);
         for first in (first as usize..sections).step_by(LANES) {
             let heights = |column: usize, lane: usize| {
                 let row = (first + lane).min(sections - 1) * SECTION_ROWS;
@@ -82,8 +81,8 @@ impl RaisedSquares {
             let rightwards = |place: usize| (axis - other + place).min(size.0 - 1);
             let outwards: [&dyn Fn(usize) -> usize; 2] = [&leftwards, &rightwards];
             for column_of in outwards {
-                let log_odds =
-                    chains.log_odds(reach + other, |place, lane| heights(column_of(place), lane), spaced);
+                let heights = |place: usize, lane: usize| heights(column_of(place), lane);
+                let log_odds = chains.log_odds(reach + other, heights, squares.side_m());
                 for (place, lanes) in log_odds.iter().enumerate().skip(other) {
                     for (lane, &log_odds) in lanes.iter().enumerate().take(sections - first) {
                         by_section.row_mut(first + lane)[column_of(place)] = log_odds;
