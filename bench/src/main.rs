@@ -4,7 +4,7 @@
 mod candidates;
 mod footage;
 mod growth;
-
+mod height;
 mod kernels;
 mod lanes;
 mod machine;
@@ -78,6 +78,9 @@ fn main() -> Result<()> {
     }
     if timed("motion") {
         sections.push(motion::motion(&mut opencv, effort)?);
+    }
+    if timed("height") {
+        sections.push(height::height(effort)?);
     }
     if timed("candidates") {
         sections.push(candidates::candidates(effort, &footage)?);

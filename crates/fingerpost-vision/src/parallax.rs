@@ -30,11 +30,11 @@ pub trait Registration {
     fn along_row(&self, row: usize) -> [[f32; 2]; 3];
 }
 
-/// The mean grey of squares of `across` columns and `down` rows of `grey`, in [`GREY_STEPS`], or [`UNSEEN`] where `seen` is 0
-/// anywhere in one; rests at the right and lower edge are left out. `coarse` keeps its memory.
-pub fn coarse(grey: &Plane<u8>, seen: &Plane<u8>, (across, down): (usize, usize), coarse: &mut Plane<i16>) {
-    let (across, down) = (across.max(1), down.max(1));
-    let size = (grey.width() / across, grey.height() / down);
+/// The mean grey of squares of `ACROSS` columns and `down` rows of `grey`, up to 128 pixels, in [`GREY_STEPS`], or [`UNSEEN`] where
+/// `seen` is 0 anywhere in one; rests at the right and lower edge are left out. `coarse` keeps its memory.
+pub fn coarse<const ACROSS: usize>(grey: &Plane<u8>, seen: &Plane<u8>, down: usize, coarse: &mut Plane<i16>) {
+    let down = down.max(1);
+    let size = (grey.width() / ACROSS.max(1), grey.height() / down);
     if coarse.size() != size {
         coarse.reset(size.0, size.1, UNSEEN);
     }
@@ -42,17 +42,36 @@ pub fn coarse(grey: &Plane<u8>, seen: &Plane<u8>, (across, down): (usize, usize)
         coarse.as_mut_slice().fill(UNSEEN);
         return;
     }
-    let pixels = (across * down) as i32;
+    let path = CodePath::fastest();
     for row in 0..size.1 {
         let out = coarse.row_mut(row);
-        for (column, out) in out.iter_mut().enumerate() {
-            let (mut sum, mut all) = (0, true);
-            for line in row * down..(row + 1) * down {
-                let columns = column * across..(column + 1) * across;
-                sum += grey.row(line)[columns.clone()].iter().map(|&value| i32::from(value)).sum::<i32>();
-                all &= seen.row(line)[columns].iter().all(|&seen| seen != 0);
+        out.fill(0);
+        for line in row * down..(row + 1) * down {
+            add_squares::<ACROSS>(path, grey.row(line), seen.row(line), out);
+        }
+        to_steps(path, (ACROSS * down) as f32, out);
+    }
+}
+
+simd_kernel! {
+    fn add_squares<const ACROSS: usize>(grey: &[u8], seen: &[u8], sums: &mut [i16]) {
+        let (grey, seen) = (grey.as_chunks::<ACROSS>().0, seen.as_chunks::<ACROSS>().0);
+        for ((grey, seen), sum) in grey.iter().zip(seen).zip(sums) {
+            let (mut added, mut all) = (0, true);
+            for (grey, seen) in grey.iter().zip(seen) {
+                added += i16::from(*grey);
+                all &= *seen != 0;
             }
-            *out = if all { (GREY_STEPS * sum / pixels) as i16 } else { UNSEEN };
+            *sum = if all && *sum >= 0 { *sum + added } else { UNSEEN };
+        }
+    }
+}
+
+simd_kernel! {
+    fn to_steps(pixels: f32, sums: &mut [i16]) {
+        let steps = GREY_STEPS as f32 / pixels;
+        for sum in sums {
+            *sum = if *sum >= 0 { (f32::from(*sum) * steps) as i16 } else { UNSEEN };
         }
     }
 }

@@ -15,20 +15,21 @@ mod height_map;
 mod joining;
 mod laid_over;
 mod past_views;
+mod raised_squares;
 mod road_plane;
 mod sweep;
+mod texture_noise;
 
-use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::parallax::coarse;
 use fingerpost_vision::picture::Plane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use self::cross_section::CrossSection;
 use self::height_map::HeightMap;
 pub(crate) use self::joining::Joining;
 use self::laid_over::{LaidOver, Raster};
 use self::past_views::{PastView, PastViews, SPACING_M};
+use self::raised_squares::{RaisedSquares, Squares};
 use self::sweep::Sweep;
 use crate::ground_view::{CameraTurn, GroundView};
 use crate::motion::Motion;
@@ -90,8 +91,8 @@ pub struct HeightPair {
     pub residual_m: f64,
 }
 
-/// Travel of the pairs, metres, in turns: the short one for what is near, the long one for what is far.
-const TRAVELS_M: [f64; 2] = [2.8, 4.8];
+/// Travel between the views of a pair, metres: a kerb of 10 cm is displaced by four cells.
+const TRAVEL_M: f64 = 2.8;
 /// A pair that turned by more is not compared, radians: the shift along the way is one of rows no more.
 const MOST_TURN_RAD: f64 = 0.5;
 /// Blocks without which the plane is not known.
@@ -104,11 +105,6 @@ const LEFT_BEHIND_M: f64 = 1.0;
 const UNIT: f64 = 256.0;
 /// Largest log-odds of a square.
 const MOST_LOG_ODDS: f32 = 8.0;
-/// The vehicle's way to either side of its axis, metres. It fixes the height that the rest of a row is compared with: a chain begins
-/// at its other side.
-const WAY_M: f64 = 1.0;
-/// Rows of squares from one cross-section to the next.
-const SECTION_ROWS: usize = 2;
 /// Farther to the side nothing is looked at, metres.
 const ASIDE_M: f64 = 8.0;
 
@@ -122,12 +118,9 @@ pub struct HeightStage {
     map: HeightMap,
     driven_m: f64,
     last_look_m: Option<f64>,
-    looks: usize,
     height: GroundHeight,
     evidence: HeightEvidence,
-    section: CrossSection,
-    by_section: Plane<f32>,
-    across: Vec<f32>,
+    squares: RaisedSquares,
 }
 
 impl HeightStage {
@@ -146,15 +139,18 @@ impl HeightStage {
         turn: CameraTurn,
     ) -> (&GroundHeight, &HeightEvidence) {
         self.evidence.pair = None;
-        let grid = view.grid();
-        self.height.side_px = ((self.config.cell_m / grid.metres_per_pixel()).round() as usize).max(1);
-        self.map.lie_under(grid, self.height.side_px as f64 * grid.metres_per_pixel());
+        let grid = *view.grid();
+        let side_px = ((self.config.cell_m / grid.metres_per_pixel()).round() as usize).max(1);
+        let squares = Squares { grid, side_px };
+        self.map.lie_under(&grid, side_px as f64 * grid.metres_per_pixel());
         self.carry(motion);
         if self.last_look_m.is_none_or(|last_m| self.driven_m - last_m >= SPACING_M) {
             self.last_look_m = Some(self.driven_m);
             self.look(view, grey, turn);
+            let reach_m = view.viewpoint().foot.x + sweep::REACH_M;
+            self.squares.look(&self.map, squares, self.now.odometry_from_vehicle, reach_m);
         }
-        self.read(grid);
+        self.squares.carried(squares, &self.now.odometry_from_vehicle, &mut self.height);
         (&self.height, &self.evidence)
     }
 
@@ -163,6 +159,7 @@ impl HeightStage {
         if motion.covariance[(0, 0)].max(0.0).sqrt() > LEFT_BEHIND_M {
             self.views.clear();
             self.map.forget();
+            self.squares.forget();
             return;
         }
         let step = &motion.previous_from_current;
@@ -176,25 +173,20 @@ impl HeightStage {
     fn look(&mut self, view: &GroundView, grey: &Plane<u8>, turn: CameraTurn) {
         let raster = Raster { grid: *view.grid(), cell_px: CELL_PX };
         (self.now.turn, self.now.driven_m) = (turn, self.driven_m);
-        coarse(grey, view.validity().plane(), CELL_PX, &mut self.now.grey);
-        self.sweep.look_at(raster, &self.now);
-        let travels_m = [0, 1].map(|turn| TRAVELS_M[(self.looks + turn) % TRAVELS_M.len()]);
-        let has = |travel_m: &f64| self.views.at(self.driven_m, *travel_m).is_some();
-        if let Some(travel_m) = travels_m.into_iter().find(has) {
-            self.compare(raster, view, travel_m);
-        }
-        self.looks += 1;
+        coarse::<{ CELL_PX.0 }>(grey, view.validity().plane(), CELL_PX.1, &mut self.now.grey);
+        self.sweep.look_at(raster, view.viewpoint(), &self.now);
+        self.compare(raster, view);
         let odometry_from_vehicle = self.now.odometry_from_vehicle;
         self.views.keep(&mut self.now);
         self.now.odometry_from_vehicle = odometry_from_vehicle;
     }
 
-    /// Compares the view at hand with one from so far back.
-    fn compare(&mut self, raster: Raster, view: &GroundView, travel_m: f64) {
+    /// Compares the view at hand with one from some way back.
+    fn compare(&mut self, raster: Raster, view: &GroundView) {
         let viewpoint = view.viewpoint();
-        let Some(older) = self.views.at(self.driven_m, travel_m) else { return };
+        let Some(older) = self.views.at(self.driven_m, TRAVEL_M) else { return };
         let mut laid = LaidOver::new(raster, viewpoint, &self.now, older);
-        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * travel_m {
+        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * TRAVEL_M {
             return;
         }
         self.sweep.fit_plane(raster, viewpoint, &mut laid, older);
@@ -207,54 +199,6 @@ impl HeightStage {
         let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
         self.map.add(&self.sweep, raster, region, viewpoint);
     }
-
-    /// Reads from the map which squares of the view are raised.
-    fn read(&mut self, grid: &GroundGrid) {
-        let Self { map, height, section, by_section, across, .. } = self;
-        let side = height.side_px;
-        let size = (grid.columns().div_ceil(side), grid.rows().div_ceil(side));
-        if height.raised.size() != size {
-            height.raised.reset(size.0, size.1, 0);
-        }
-        let place = |column: usize, row: usize| {
-            let middle = 0.5 * (side as f64 - 1.0);
-            let pixel =
-                GroundPixel { column: (column * side) as f64 + middle, row: (row * side) as f64 + middle };
-            grid.vehicle_from_ground(pixel)
-        };
-        let square_m = side as f64 * grid.metres_per_pixel();
-        let (axis, other) = (size.0 / 2, (WAY_M / square_m).round() as usize);
-        let reach = ((ASIDE_M / square_m).round() as usize).min(axis);
-        let sections = size.1 / SECTION_ROWS;
-        by_section.reset(size.0, sections, 0.0);
-        for index in 0..sections {
-            let row = index * SECTION_ROWS;
-            let heights = |column: usize| map.at(place(column, row));
-            let raised = by_section.row_mut(index);
-            let leftwards = (axis - reach..(axis + other).min(size.0)).rev();
-            section.log_odds(leftwards.map(heights), (square_m, 2 * other), across);
-            let left = raised[axis - reach..axis].iter_mut().rev();
-            left.zip(across.iter().skip(other)).for_each(|(out, &log_odds)| *out = log_odds);
-            let rightwards = axis.saturating_sub(other)..(axis + reach).min(size.0);
-            section.log_odds(rightwards.map(heights), (square_m, 2 * other), across);
-            raised[axis..]
-                .iter_mut()
-                .zip(across.iter().skip(other))
-                .for_each(|(out, &log_odds)| *out = log_odds);
-        }
-        for row in 0..size.1 {
-            let middle = (row / SECTION_ROWS).min(sections.saturating_sub(1));
-            let rows = middle.saturating_sub(1)..(middle + 2).min(sections);
-            for (column, out) in height.raised.row_mut(row).iter_mut().enumerate() {
-                let sum: f32 = rows.clone().map(|row| by_section.row(row)[column]).sum();
-                *out = units(sum / rows.len().max(1) as f32);
-            }
-        }
-    }
-}
-
-fn units(log_odds: f32) -> i16 {
-    (log_odds * UNIT as f32) as i16
 }
 
 impl GroundHeight {

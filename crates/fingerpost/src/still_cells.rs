@@ -99,9 +99,10 @@ impl<T: Copy + Default> StillCells<T> {
     }
 
     /// Where in the cells the nearest one to a place in cells is.
-    pub(crate) fn index(&self, place: [f64; 2]) -> usize {
+    #[inline]
+    pub(crate) fn index(&self, [x, y]: [f64; 2]) -> usize {
         let mask = self.cells.width() as i64 - 1;
-        let [column, row] = place.map(|cells| ((cells + 0.5).floor() as i64 & mask) as usize);
-        row * self.cells.width() + column
+        let line = |cells: f64| ((cells + 0.5).floor() as i64 & mask) as usize;
+        line(y) * self.cells.width() + line(x)
     }
 }

@@ -27,7 +27,7 @@ fn a_square_is_its_mean_and_unseen_where_any_of_it_is() {
     let grey = Plane::from_vec(5, 2, vec![10_u8, 20, 0, 0, 9, 30, 40, 0, 8, 9]).unwrap();
     let seen = Plane::from_vec(5, 2, vec![1_u8, 1, 1, 0, 1, 1, 1, 1, 1, 1]).unwrap();
     let mut out = Plane::default();
-    coarse(&grey, &seen, (2, 2), &mut out);
+    coarse::<2>(&grey, &seen, 2, &mut out);
     assert_eq!(out.as_slice(), &[25 * GREY_STEPS as i16, UNSEEN]);
 }
 

@@ -6,203 +6,190 @@
 //! on hidden Markov models", 1989, III-A) gives the probability of that for each place. What lies behind a kerb has been climbed to even
 //! where it shows nothing itself.
 
+use nalgebra::SVector;
+
 use super::MOST_LOG_ODDS;
-use super::height_map::{HEIGHTS, Heights, height_m, likelihoods};
+use super::height_map::{Below, HEIGHTS, likelihoods};
 
 /// Heights of kerbs, in steps: 5 to 17.5 cm.
 const RISES: std::ops::RangeInclusive<usize> = 2..=7;
-/// Kerbs up and down in a metre across: a country road has none, and a street one on either side.
-const UP_A_METRE: f32 = 0.01;
-const DOWN_A_METRE: f32 = 0.01;
+/// Kerbs in a metre across: a country road has none, and a street one on either side.
+const KERBS_A_METRE: f32 = 0.01;
 /// Probability that a metre of ground gets a step of height higher, and as much lower: roads fall by 1 to 3 % to either side.
 const DRIFT_A_METRE: f32 = 0.2;
-/// Share of that within the vehicle's way, where the road's plane is fitted: kerbs are not driven over.
-const WAY_SHARE: f32 = 0.02;
-/// Probability that the ground ahead of the vehicle is beyond a kerb.
-const STARTS_RAISED: f32 = 0.001;
-/// Standard deviation of the ground ahead against the plane fitted to it, metres.
-const START_SIGMA_M: f64 = 0.06;
-/// No place makes a height less likely than this against the likeliest: some of what is seen does not lie still.
-const LEAST_LIKELIHOOD: f32 = 1e-4;
-
+/// Cross-sections that are followed at once, a lane each: all of a chain's sums are then of whole lanes.
+pub(super) const LANES: usize = 8;
+pub(super) type Lanes = SVector<f32, LANES>;
+type ByHeight = [Lanes; HEIGHTS];
 /// What is believed of a place: level heights, then raised ones.
-type Belief = [[f32; HEIGHTS]; 2];
+type Belief = [ByHeight; 2];
 
-/// The chain, with its memory.
+/// The chains, with their memory.
 #[derive(Debug)]
-pub(super) struct CrossSection {
+pub(super) struct CrossSections {
     likelihoods: [f32; 256],
-    start: Belief,
     forward: Vec<Belief>,
-    seen: Vec<[f32; HEIGHTS]>,
+    seen: Vec<ByHeight>,
+    log_odds: Vec<Lanes>,
 }
 
-impl Default for CrossSection {
+impl Default for CrossSections {
     fn default() -> Self {
-        let of_start = |height_m: f64| (-0.5 * (height_m / START_SIGMA_M).powi(2)).exp() as f32;
-        let level: [f32; HEIGHTS] = std::array::from_fn(|index| of_start(height_m(index)));
-        let mut start = [level, [0.0; HEIGHTS]];
-        risen(&level, &mut start[1]);
-        for (belief, share) in start.iter_mut().zip([1.0 - STARTS_RAISED, STARTS_RAISED]) {
-            scale(belief, share);
-        }
-        Self { likelihoods: likelihoods(), start, forward: Vec::new(), seen: Vec::new() }
+        Self { likelihoods: likelihoods(), forward: Vec::new(), seen: Vec::new(), log_odds: Vec::new() }
     }
 }
 
-impl CrossSection {
-    /// Log-odds that each place has been climbed to since the first, against what would be thought without looking; places lie
-    /// `step_m` apart, and so many of them `in_way` of the vehicle.
+impl CrossSections {
+    /// Log-odds that each of `places` places lies beyond a kerb, against what would be thought without looking, in as many
+    /// cross-sections as there are lanes; `heights` are those of a place and lane. Places lie `step_m` apart, and the road begins
+    /// as far before the first.
     pub(super) fn log_odds(
         &mut self,
-        places: impl Iterator<Item = Heights>,
-        (step_m, in_way): (f64, usize),
-        log_odds: &mut Vec<f32>,
-    ) {
-        let step_to = |place: usize| Step::over(step_m as f32, if place < in_way { WAY_SHARE } else { 1.0 });
-        let Self { likelihoods, start, forward, seen } = self;
+        places: usize,
+        heights: impl Fn(usize, usize) -> Below,
+        step_m: f64,
+    ) -> &[Lanes] {
+        let step = Step::over(step_m as f32);
+        let Self { likelihoods, forward, seen, log_odds } = self;
         seen.clear();
-        seen.extend(places.map(|heights| {
-            let most = heights.into_iter().max().unwrap_or(0);
-            heights.map(|height| likelihoods[usize::from(most - height)].max(LEAST_LIKELIHOOD))
-        }));
-        log_odds.clear();
-        log_odds.resize(seen.len(), 0.0);
-        forward.clear();
-        forward.reserve(seen.len());
-        if seen.iter().flatten().all(|&likelihood| likelihood >= 1.0) {
-            return;
-        }
-        let mut belief = *start;
-        for (place, seen) in seen.iter().enumerate() {
-            if place > 0 {
-                belief = step_to(place).onwards(&belief);
+        for place in 0..places {
+            let mut by_height = [Lanes::zeros(); HEIGHTS];
+            for lane in 0..LANES {
+                for (lanes, below) in by_height.iter_mut().zip(heights(place, lane)) {
+                    lanes[lane] = likelihoods[usize::from(below)];
+                }
             }
+            seen.push(by_height);
+        }
+        log_odds.clear();
+        log_odds.resize(places, Lanes::zeros());
+        forward.clear();
+        let mut belief = [[Lanes::repeat(1.0); HEIGHTS], [Lanes::zeros(); HEIGHTS]];
+        for seen in seen.iter() {
+            belief = step.onwards(&belief);
             weigh(&mut belief, seen);
             forward.push(belief);
         }
-        let mut backward = [[1.0; HEIGHTS]; 2];
-        for place in (0..seen.len()).rev() {
-            let [level, raised] = [0, 1].map(|kind| {
-                forward[place][kind].iter().zip(&backward[kind]).map(|(a, b)| a * b).sum::<f32>()
-            });
-            log_odds[place] = (raised.max(f32::MIN_POSITIVE) / level.max(f32::MIN_POSITIVE)).ln();
-            weigh(&mut backward, &seen[place]);
-            backward = step_to(place).backwards(&backward);
+        let mut backward = [[Lanes::repeat(1.0); HEIGHTS]; 2];
+        for (place, (seen, forward)) in seen.iter().zip(forward.iter()).enumerate().rev() {
+            let [level, raised] = [&forward[0], &forward[1]];
+            let (level, raised) = (product(level, &backward[0]), product(raised, &backward[1]));
+            let odds = |raised: f32, level: f32| raised.max(f32::MIN_POSITIVE) / level.max(f32::MIN_POSITIVE);
+            log_odds[place] = raised.zip_map(&level, |raised, level| odds(raised, level).ln());
+            weigh(&mut backward, seen);
+            backward = step.backwards(&backward);
         }
-        let mut raised = STARTS_RAISED;
-        for (place, log_odds) in log_odds.iter_mut().enumerate() {
-            *log_odds = (*log_odds - (raised / (1.0 - raised)).ln()).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
-            let step = step_to(place + 1);
-            raised = raised * (1.0 - step.down) + (1.0 - raised) * step.up;
+        let mut level = 1.0;
+        for log_odds in log_odds.iter_mut() {
+            level *= 1.0 - step.kerb;
+            let unseen = ((1.0 - level) / level).ln();
+            log_odds.apply(|log_odds| *log_odds = (*log_odds - unseen).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS));
         }
+        log_odds
     }
 }
 
-/// The chain's step from a place to the next one outwards.
+/// The chain's step from a place to the next one outwards: probabilities of a kerb, and of a step of height up and as much down.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    up: f32,
-    down: f32,
+    kerb: f32,
     drift: f32,
 }
 
 impl Step {
-    fn over(step_m: f32, kerbs_share: f32) -> Self {
-        let kerbs = kerbs_share * step_m;
-        Self { up: UP_A_METRE * kerbs, down: DOWN_A_METRE * kerbs, drift: DRIFT_A_METRE * step_m }
+    fn over(step_m: f32) -> Self {
+        Self { kerb: KERBS_A_METRE * step_m, drift: DRIFT_A_METRE * step_m }
     }
 
     fn onwards(self, [level, raised]: &Belief) -> Belief {
-        let mut next = [[0.0; HEIGHTS]; 2];
-        fallen(raised, &mut next[0]);
-        scale(&mut next[0], self.down);
-        risen(level, &mut next[1]);
-        scale(&mut next[1], self.up);
-        self.drifted(level, 1.0 - self.up, &mut next[0]);
-        self.drifted(raised, 1.0 - self.down, &mut next[1]);
+        let mut next = [self.drifted(level, 1.0 - self.kerb), self.drifted(raised, 1.0)];
+        for (index, level) in level.iter().enumerate() {
+            let each = level * self.each_rise();
+            beyond_kerb(index).for_each(|beyond| next[1][beyond] += each);
+        }
         next
     }
 
     fn backwards(self, [level, raised]: &Belief) -> Belief {
-        let mut before = [[0.0; HEIGHTS]; 2];
-        fallen(raised, &mut before[0]);
-        scale(&mut before[0], self.up);
-        risen(level, &mut before[1]);
-        scale(&mut before[1], self.down);
-        self.drifted(level, 1.0 - self.up, &mut before[0]);
-        self.drifted(raised, 1.0 - self.down, &mut before[1]);
+        let mut before = [self.drifted(level, 1.0 - self.kerb), self.drifted(raised, 1.0)];
+        for (index, before) in before[0].iter_mut().enumerate() {
+            beyond_kerb(index).for_each(|beyond| *before += raised[beyond] * self.each_rise());
+        }
         before
     }
 
-    /// Adds `share` of what goes on level: heights go one up, one down or stay.
-    fn drifted(self, from: &[f32; HEIGHTS], share: f32, to: &mut [f32; HEIGHTS]) {
+    fn each_rise(self) -> f32 {
+        self.kerb / RISES.count() as f32
+    }
+
+    /// `share` of what meets no kerb: heights go one up, one down or stay.
+    fn drifted(self, from: &ByHeight, share: f32) -> ByHeight {
         let (stays, goes) = (share * (1.0 - 2.0 * self.drift), share * self.drift);
-        for (to, from) in to.iter_mut().zip(from) {
-            *to += stays * from;
+        let mut to = *from;
+        scale(&mut to, &Lanes::repeat(stays));
+        for (index, from) in from.iter().enumerate() {
+            let goes = from * goes;
+            to[index.saturating_sub(1)] += goes;
+            to[(index + 1).min(HEIGHTS - 1)] += goes;
         }
-        for (to, from) in to[1..].iter_mut().zip(from) {
-            *to += goes * from;
-        }
-        for (to, from) in to.iter_mut().zip(&from[1..]) {
-            *to += goes * from;
-        }
+        to
     }
 }
 
-/// Adds what stands a kerb higher.
-fn risen(from: &[f32; HEIGHTS], to: &mut [f32; HEIGHTS]) {
-    let share = 1.0 / RISES.count() as f32;
-    for rise in RISES {
-        for (to, from) in to[rise..].iter_mut().zip(from) {
-            *to += share * from;
-        }
+/// Heights that a kerb at a height leads to; the highest stands for all above it.
+fn beyond_kerb(index: usize) -> impl Iterator<Item = usize> {
+    RISES.map(move |rise| (index + rise).min(HEIGHTS - 1))
+}
+
+fn scale(values: &mut ByHeight, by: &Lanes) {
+    for lanes in values {
+        *lanes = lanes.component_mul(by);
     }
 }
 
-/// Adds what stands a kerb lower.
-fn fallen(from: &[f32; HEIGHTS], to: &mut [f32; HEIGHTS]) {
-    let share = 1.0 / RISES.count() as f32;
-    for rise in RISES {
-        for (to, from) in to.iter_mut().zip(&from[rise..]) {
-            *to += share * from;
-        }
+fn product(a: &ByHeight, b: &ByHeight) -> Lanes {
+    let mut sums = Lanes::zeros();
+    for (a, b) in a.iter().zip(b) {
+        sums += a.component_mul(b);
     }
-}
-
-fn scale(belief: &mut [f32; HEIGHTS], by: f32) {
-    belief.iter_mut().for_each(|value| *value *= by);
+    sums
 }
 
 /// Multiplies by what is seen, and to a sum of one.
-fn weigh(belief: &mut Belief, seen: &[f32; HEIGHTS]) {
-    let mut sum = 0.0;
-    for (value, seen) in belief.iter_mut().flat_map(|kind| kind.iter_mut().zip(seen)) {
-        *value *= seen;
-        sum += *value;
+fn weigh(belief: &mut Belief, seen: &ByHeight) {
+    let mut sums = Lanes::repeat(f32::MIN_POSITIVE);
+    for kind in belief.iter_mut() {
+        for (lanes, seen) in kind.iter_mut().zip(seen) {
+            *lanes = lanes.component_mul(seen);
+            sums += *lanes;
+        }
     }
-    let by = 1.0 / sum.max(f32::MIN_POSITIVE);
-    belief.iter_mut().for_each(|kind| scale(kind, by));
+    let by = sums.map(|sum| 1.0 / sum);
+    belief.iter_mut().for_each(|kind| scale(kind, &by));
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::height_map::HEIGHT_STEP_M;
+    use super::super::height_map::{HEIGHT_STEP_M, height_m};
     use super::*;
 
-    /// A place where heights agree up to how far they are from `height_m`.
-    fn seen(at_m: f64, sure: f64) -> Heights {
+    /// A place where heights agree the less the farther they are from `at_m`.
+    fn seen(at_m: f64) -> Below {
         std::array::from_fn(|index| {
             let off = (height_m(index) - at_m) / HEIGHT_STEP_M;
-            (sure * (-0.5 * off * off).exp()) as u8
+            (40.0 * (1.0 - (-0.5 * off * off).exp())) as u8
         })
     }
 
     fn odds(heights_m: impl Fn(f64) -> Option<f64>) -> Vec<f32> {
-        let places = (0..40).map(|i| heights_m(0.2 * f64::from(i)).map_or([0; HEIGHTS], |at| seen(at, 40.0)));
-        let mut log_odds = Vec::new();
-        CrossSection::default().log_odds(places, (0.2, 5), &mut log_odds);
-        log_odds
+        let heights = |place: usize, lane: usize| {
+            let at_m = heights_m(0.2 * place as f64).filter(|_| lane == 3);
+            at_m.map_or([0; HEIGHTS], seen)
+        };
+        let mut sections = CrossSections::default();
+        let lanes = sections.log_odds(40, heights, 0.2);
+        assert!(lanes.iter().all(|lanes| lanes[2].abs() < 0.05), "lanes do not mix");
+        lanes.iter().map(|lanes| lanes[3]).collect()
     }
 
     #[test]

@@ -11,8 +11,6 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use super::{GroundHeight, MOST_LOG_ODDS, UNIT};
 use crate::road_surface::RoadSurface;
 
-/// No colour is believed more than this against a height: one in twenty of what looks like road is none, as pavements do.
-const DOUBT: u8 = 13;
 /// A prior that says nothing, 256 standing for 1.
 const EVEN: u8 = 128;
 /// Squares whose worth of either kind is thought to have been seen before the first: two square metres.
@@ -86,7 +84,7 @@ impl Joining {
                 continue;
             }
             let values = probability.row_mut(row);
-            fuse(values, &self.prior, DOUBT, &mut self.fused)?;
+            fuse(values, &self.prior, 0, &mut self.fused)?;
             for run in validity.runs(row) {
                 let pixels = run.start..run.end;
                 let told = self.prior[pixels.clone()].iter().zip(&self.fused[pixels.clone()]);

@@ -5,10 +5,10 @@ use nalgebra::Isometry2;
 
 use crate::ground_view::CameraTurn;
 
-/// Travel between two views that are kept, metres: half of what the shortest pair needs to be told from its neighbours.
+/// Travel between two views that are kept, metres: half of what a pair needs to be told from its neighbours.
 pub(super) const SPACING_M: f64 = 0.4;
-/// Views that are kept: those of the longest travel that is looked back over, and two more.
-const KEPT: usize = 18;
+/// Views that are kept: those of a pair's travel, and two more.
+const KEPT: usize = 9;
 /// A view is taken for one of another travel up to this share of it: frames of a fast drive lie farther apart than views that are
 /// kept.
 const OFF_SHARE: f64 = 0.25;

@@ -1,32 +1,34 @@
 //! Two ground views looked at as if the ground lay at several heights.
 
-use fingerpost_vision::parallax::{Correlation, Detrending, GREY_STEPS, HalfWindow, Rows, UNSEEN, register};
+use fingerpost_vision::parallax::{Correlation, Detrending, HalfWindow, Rows, UNSEEN, register};
 use fingerpost_vision::picture::Plane;
 
+use super::ASIDE_M;
 use super::height_map::{HEIGHT_STEP_M, HEIGHTS, LOWEST_M, height_m};
 use super::laid_over::{LaidOver, Raster, Region};
 use super::past_views::PastView;
 use super::road_plane::{Displaced, PlaneFit};
+use super::texture_noise::TextureNoise;
 use crate::ground_view::Viewpoint;
 
 /// Half the sides of a window, metres: long, because kerbs run along the way, and narrow, so that they are sharp.
 const WINDOW_M: [f64; 2] = [0.1, 0.6];
 /// Half the length over which brightness is evened out along the way, metres.
 const TREND_M: f64 = 0.75;
-/// Mean square of a window's texture up to which it is the camera's noise, square greys.
-const NOISE_GREY2: f32 = 1.0;
 /// Farther than this ahead of the camera's foot a pixel is too long to show a kerb's parallax, metres.
-const REACH_M: f64 = 12.0;
+pub(super) const REACH_M: f64 = 12.0;
 /// Half the width of the strip ahead that is taken for road, metres: a vehicle's, and as much again.
 const STRIP_M: f64 = 1.5;
 /// Displacements of the strip that are looked at, metres either way.
 const STRIP_SEARCH_M: f64 = 0.4;
+/// Times that the strip is laid over anew and the plane fitted.
+const FIT_ROUNDS: usize = 2;
 /// Spacing of the blocks of the strip that displacements are taken from, metres.
 const BLOCKS_M: [f64; 2] = [0.4, 0.5];
 /// Correlation below which a block shows nothing.
 const LEAST_CORRELATION: f32 = 0.5;
-/// Rows of the sweep that are looked at: a cell of the map is two of them long.
-pub(super) const SWEPT_ROWS: Rows = Rows { first: 0, step: 2 };
+/// Rows of the sweep that are looked at: a cell of the map is as long as one.
+pub(super) const SWEPT_ROWS: Rows = Rows { first: 0, step: 4 };
 /// Most shifts of one sweep.
 const MOST_SHIFTS: usize = 32;
 
@@ -50,7 +52,13 @@ struct Shifts {
 /// The correlations of one sweep, and the memory for it.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
+    /// What is looked at of the newer view.
+    all: Region,
+    grey: Plane<i16>,
     newer: Detrended,
+    noise: TextureNoise,
+    /// By which correlation each place of the newer view is expected to agree, in 32nds.
+    expected: Plane<u8>,
     part: Detrended,
     older: Detrended,
     registered: Plane<i16>,
@@ -64,12 +72,37 @@ pub(super) struct Sweep {
     blocks: Vec<Displaced>,
 }
 
+/// Correlations between two of a sweep's shifts.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Correlations<'a> {
+    below: &'a [f32],
+    above: &'a [f32],
+    share: f32,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+}
+
+impl Correlations<'_> {
+    /// At a place of the region; none where nothing is seen.
+    #[inline]
+    pub(super) fn at(&self, column: usize, row: usize) -> Option<f32> {
+        if column >= self.columns || row >= self.rows {
+            return None;
+        }
+        let index = (row - row % SWEPT_ROWS.step) * self.columns + column;
+        let (below, above) = (*self.below.get(index)?, *self.above.get(index)?);
+        (below != 0.0 || above != 0.0).then_some(below + self.share * (above - below))
+    }
+}
+
 impl Sweep {
     /// Takes in the newer view of the pairs to come.
-    pub(super) fn look_at(&mut self, raster: Raster, newer: &PastView) {
+    pub(super) fn look_at(&mut self, raster: Raster, viewpoint: Viewpoint, newer: &PastView) {
+        self.all = region(raster, viewpoint, ASIDE_M);
+        copy(&newer.grey, self.all, &mut self.grey);
         let half = (TREND_M / raster.cell_m()[1]).round() as usize;
-        self.detrending.detrend(&newer.grey, half, &mut self.newer.values);
-        self.correlation.scales(&self.newer.values, window(raster), noise(), &mut self.newer.scales);
+        self.detrending.detrend(&self.grey, half, &mut self.newer.values);
+        self.correlation.scales(&self.newer.values, window(raster), 0.0, &mut self.newer.scales);
     }
 
     /// Fits the road's plane to the strip ahead.
@@ -81,10 +114,9 @@ impl Sweep {
         older: &PastView,
     ) {
         let strip = region(raster, viewpoint, STRIP_M);
-        self.part.values.reset(strip.columns, strip.rows, 0);
-        self.part.scales.reset(strip.columns, strip.rows, 0.0);
-        copy(&self.newer.values, strip, &mut self.part.values);
-        copy(&self.newer.scales, strip, &mut self.part.scales);
+        let part = Region { first_row: 0, first_column: strip.first_column - self.all.first_column, ..strip };
+        copy(&self.newer.values, part, &mut self.part.values);
+        copy(&self.newer.scales, part, &mut self.part.scales);
         let [across_m, down_m] = raster.cell_m();
         let most = (STRIP_SEARCH_M / down_m).round() as isize;
         let step = (most / 8).max(1);
@@ -92,7 +124,8 @@ impl Sweep {
             [(BLOCKS_M[0] / across_m).max(1.0) as usize, (BLOCKS_M[1] / down_m).max(1.0) as usize];
         let rows = Rows { first: step_down / 2, step: step_down };
         let shifts = || (-most..=most).step_by(step as usize);
-        for _ in 0..2 {
+        for _ in 0..FIT_ROUNDS {
+            self.noise = TextureNoise::default();
             self.lay(raster, laid, strip, older);
             let pair = (&self.part, &self.older);
             correlate(
@@ -109,6 +142,12 @@ impl Sweep {
                         raster.ahead_m((strip.first_row + row) as f64) - viewpoint.foot.x,
                         raster.left_m((strip.first_column + column) as f64),
                     ];
+                    let on_plane = self.of_strip.get((most / step) as usize);
+                    if let Some(r) = on_plane.and_then(|plane| plane.get(column, row)).filter(|&r| r != 0.0)
+                        && let Some(scale) = self.part.scales.get(column, row)
+                    {
+                        self.noise.add(scale, window(raster).cells() as f64, r);
+                    }
                     if let Some([by, sigma]) = peak(&self.of_strip, column, row, window(raster)) {
                         let by_m = (by * step as f64 - most as f64) * down_m;
                         self.blocks.push(Displaced { place, by_m, sigma_m: sigma * step as f64 * down_m });
@@ -119,7 +158,7 @@ impl Sweep {
         }
     }
 
-    /// Looks at all of the view at several heights.
+    /// Looks at all that is near at several heights.
     pub(super) fn sweep(
         &mut self,
         raster: Raster,
@@ -127,11 +166,8 @@ impl Sweep {
         laid: &mut LaidOver,
         older: &PastView,
     ) -> Region {
-        let all = region(raster, viewpoint, raster.grid.half_width_m());
-        self.part.values.reset(all.columns, all.rows, 0);
-        self.part.scales.reset(all.columns, all.rows, 0.0);
-        copy(&self.newer.values, all, &mut self.part.values);
-        copy(&self.newer.scales, all, &mut self.part.scales);
+        let all = self.all;
+        self.expect(window(raster));
         self.lay(raster, laid, all, older);
         let [across_m, down_m] = raster.cell_m();
         let way_m = laid.way.norm();
@@ -146,37 +182,60 @@ impl Sweep {
             let shift = shift as f64;
             [(along.x * shift / down_m).round() as isize, (along.y * shift / across_m).round() as isize]
         };
-        let pair = (&self.part, &self.older);
+        let pair = (&self.newer, &self.older);
         let shifts = (first..=last).map(cells);
         correlate(&mut self.correlation, pair, shifts, (window(raster), SWEPT_ROWS), &mut self.of_view);
         all
     }
 
-    /// Between which shifts of the last sweep places of this height agree: the lower one and the share of the next; none where it
-    /// was not looked at.
-    pub(super) fn shift_at(&self, height_m: f64) -> Option<(usize, f32)> {
+    /// The correlations of places of this height in the last sweep; none where it was not looked at.
+    pub(super) fn at_height(&self, height_m: f64) -> Option<Correlations<'_>> {
         let Shifts { first, last, step_m, way_m, camera_m } = self.shifts;
         let shift = way_m * height_m / (camera_m - height_m) / step_m;
         let below = (shift.floor() as isize).clamp(first, last - 1);
-        (first < last && shift - below as f64 <= 1.0)
-            .then(|| ((below - first) as usize, (shift - below as f64) as f32))
+        if first >= last || shift - below as f64 > 1.0 {
+            return None;
+        }
+        let index = (below - first) as usize;
+        let (below_plane, above_plane) = (self.of_view.get(index)?, self.of_view.get(index + 1)?);
+        let (columns, rows) = below_plane.size();
+        Some(Correlations {
+            below: below_plane.as_slice(),
+            above: above_plane.as_slice(),
+            share: (shift - below as f64) as f32,
+            columns,
+            rows,
+        })
     }
 
-    /// The correlation between two shifts at a place of the last sweep; none where nothing is seen.
-    pub(super) fn correlation(&self, shift: usize, share: f32, column: usize, row: usize) -> Option<f32> {
-        let row = row - row % SWEPT_ROWS.step;
-        let (below, above) = (self.of_view.get(shift)?, self.of_view.get(shift + 1)?);
-        let (below, above) = (below.get(column, row)?, above.get(column, row)?);
-        (below != 0.0 || above != 0.0).then_some(below + share * (above - below))
+    /// By which correlation a place of the region is expected to agree.
+    #[inline]
+    pub(super) fn expected(&self, column: usize, row: usize) -> usize {
+        usize::from(self.expected.get(column, row - row % SWEPT_ROWS.step).unwrap_or(0))
+    }
+
+    fn expect(&mut self, window: HalfWindow) {
+        let of_window = self.noise.expected(window.cells() as f64);
+        let Self { newer: Detrended { scales, .. }, expected, .. } = self;
+        if expected.size() != scales.size() {
+            expected.reset(scales.width(), scales.height(), 0);
+        }
+        for row in SWEPT_ROWS.of(scales.height()) {
+            for (expected, scale) in expected.row_mut(row).iter_mut().zip(scales.row(row)) {
+                *expected = of_window.of(*scale);
+            }
+        }
     }
 
     fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {
         laid.over(region);
-        self.registered.reset(region.columns, region.rows, UNSEEN);
+        if self.registered.size() != (region.columns, region.rows) {
+            self.registered.reset(region.columns, region.rows, UNSEEN);
+        }
         register(&older.grey, laid, &mut self.registered);
         let half = (TREND_M / raster.cell_m()[1]).round() as usize;
         self.detrending.detrend(&self.registered, half, &mut self.older.values);
-        self.correlation.scales(&self.older.values, window(raster), noise(), &mut self.older.scales);
+        self.correlation.scales(&self.older.values, window(raster), 0.0, &mut self.older.scales);
     }
 }
 
@@ -198,10 +257,6 @@ fn correlate(
     }
 }
 
-fn noise() -> f32 {
-    NOISE_GREY2 * (GREY_STEPS * GREY_STEPS) as f32
-}
-
 pub(super) fn window(raster: Raster) -> HalfWindow {
     let [across, down] = raster.cell_m();
     HalfWindow {
@@ -221,7 +276,10 @@ fn region(raster: Raster, viewpoint: Viewpoint, half_m: f64) -> Region {
     Region { first_row, first_column, rows: rows - first_row, columns: end.saturating_sub(first_column) }
 }
 
-fn copy<T: Copy>(from: &Plane<T>, region: Region, to: &mut Plane<T>) {
+fn copy<T: Copy + Default>(from: &Plane<T>, region: Region, to: &mut Plane<T>) {
+    if to.size() != (region.columns, region.rows) {
+        to.reset(region.columns, region.rows, T::default());
+    }
     for row in 0..region.rows {
         let columns = region.first_column..region.first_column + region.columns;
         to.row_mut(row).copy_from_slice(&from.row(region.first_row + row)[columns]);

@@ -43,10 +43,18 @@ fn shown(view: &GroundView, driven_m: f64, turn: CameraTurn) -> Plane<u8> {
             let shown = grid.vehicle_from_ground(GroundPixel { column: column as f64, row: row as f64 });
             let at = road_from_shown * shown.to_homogeneous();
             let at = Point2::new(at.x / at.z, at.y / at.z);
-            // What is raised is seen first.
+            // What is raised is seen first, then the kerb's face, which stands upright.
             let raised = foot + (at - foot) * (1.0 - KERB_M / height_m);
-            let is_raised = raised.y > KERB_LEFT_M || raised.y < -KERB_RIGHT_M;
-            let at = if is_raised { raised } else { at };
+            let kerb_m = if at.y > 0.0 { KERB_LEFT_M } else { -KERB_RIGHT_M };
+            let face_share = (kerb_m - foot.y) / (at.y - foot.y);
+            let at = if raised.y / kerb_m > 1.0 {
+                raised
+            } else if at.y / kerb_m > 1.0 {
+                let up_m = (1.0 - face_share) * height_m;
+                Point2::new(foot.x + (at.x - foot.x) * face_share, 10.0 * kerb_m + up_m)
+            } else {
+                at
+            };
             *value = texture(Point2::new(at.x + driven_m, at.y)) as u8;
         }
     }
