@@ -17,7 +17,7 @@ pub(super) struct MountArgs {
     /// Height of a level camera above the road, metres, 0.05 to 20; `calibrate mount` finds pitch and yaw then.
     #[arg(long, value_name = "H", value_parser = number(0.05, 20.0, "height", "metres"))]
     height_m: Option<f64>,
-    /// The camera's mount: a file with the table [mount] of a camera.toml.
+    /// The camera's mount: a file with the table "mount" of a camera.toml.
     #[arg(long, value_name = "FILE")]
     mount: Option<PathBuf>,
     /// The camera, in place of the recorded calibration: camera.toml, or the YAML of ROS camera_info or OpenCV.
