@@ -9,6 +9,9 @@ use crate::{PathPoint, Situation, at};
 /// Acceleration to the side that tyres hold on a wet road, m/s²: a friction of 0.4.
 const GRIP_MPS2: f64 = 4.0;
 
+/// No path is kept to less than this, metres: with no clearance at all a vehicle would stand before every bend.
+const LEAST_CLEARANCE_M: f64 = 0.05;
+
 /// How a vehicle moves when it is told something.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Moving {
@@ -99,7 +102,8 @@ impl VehicleLimits {
     /// where L is its length: the shift of the circle that every clothoid between a straight line and an arc has.
     pub fn turning_mps(&self, from_per_m: f64, to_per_m: f64) -> f64 {
         let time_s = (self.steer_rad(to_per_m) - self.steer_rad(from_per_m)).abs() / self.steering_rate_radps;
-        let length_m = (24.0 * self.clearance_m / (to_per_m - from_per_m).abs().max(1e-9)).sqrt();
+        let length_m =
+            (24.0 * self.clearance_m.max(LEAST_CLEARANCE_M) / (to_per_m - from_per_m).abs().max(1e-9)).sqrt();
         (length_m / time_s.max(1e-9)).min(self.speed_max_mps)
     }
 

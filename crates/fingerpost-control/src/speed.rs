@@ -208,6 +208,9 @@ mod tests {
         let time_s = (limits.steer_rad(0.12) - limits.steer_rad(-0.19)) / limits.steering_rate_radps;
         assert!(((there_mps * time_s).powi(2) * 0.31 / 24.0 - limits.clearance_m).abs() < 1e-9);
         assert!(plan.speed_mps > there_mps && plan.speed_mps < 4.5, "{plan:?}");
+        let touching = VehicleLimits { clearance_m: 0.0, ..limits };
+        assert!(touching.turning_mps(-0.19, 0.12) > 0.5, "without clearance it still drives");
+        assert!(touching.turning_mps(0.1, 0.1) >= limits.speed_max_mps, "a steady bend asks for no turning");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Where the road's middle beside the vehicle puts a feature, and so the driving line through it.
 //!
-//! A feature's place comes from its whole outline, metres ahead; how far beside the vehicle its approach or exit runs, the
+//! A feature's place comes from its whole outline, metres ahead; how far beside the vehicle its approach runs, the
 //! centreline measures where the vehicle is. That is one scalar measurement of the feature's pose, and a Kalman update
 //! (Bar-Shalom, Li, Kirubarajan: Estimation with Applications to Tracking and Navigation, 2001, section 5.2.3) joins both, each as sure as it
 //! is: the line then begins where the road does and bends where the feature is.
