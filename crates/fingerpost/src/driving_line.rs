@@ -14,6 +14,7 @@
 
 mod conic;
 mod corner;
+mod joining;
 mod mask_curve;
 
 use fingerpost_geometry::{GeometryError, Polyline};
@@ -25,6 +26,8 @@ use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
 pub use self::mask_curve::MaskCurve;
+
+pub(crate) use self::joining::driving_lines;
 
 use self::conic::Conic;
 use self::corner::Corner;
@@ -53,11 +56,20 @@ impl Default for DrivingLineConfig {
     }
 }
 
+impl DrivingLineConfig {
+    /// Points of approach before and of exit behind the curve.
+    fn lead_points(&self) -> usize {
+        (self.lead_m / self.step_m.max(0.05)).floor() as usize
+    }
+}
+
 /// The driving line through a feature, in the feature frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivingLine {
     /// The three control points: approach, corner, exit; metres.
     pub control: [Point2<f64>; 3],
+    /// How far before the node on the approach the curve begins, and behind it on the exit ends, metres.
+    pub setbacks_m: [f64; 2],
     /// The curve alone, sampled, metres.
     pub curve: Polyline,
     /// Approach, curve and exit, `step_m` apart, metres.
@@ -81,9 +93,24 @@ const MOST_WIDENED: usize = 8;
 /// Radius of the kerbs where none is known, metres: German residential streets join with 4 to 6 m (RASt 06, table 45).
 pub const ASSUMED_KERB_M: f64 = 4.0;
 
+/// What a feature's arms do not say of its corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CornerSetting {
+    /// Radius of the kerb between approach and exit, metres.
+    pub kerb_radius_m: f64,
+    /// Lengths of approach and exit that the curve may take, metres: farther away another turn of the route needs the road.
+    pub own_m: [f64; 2],
+}
+
+impl Default for CornerSetting {
+    /// A kerb of [`ASSUMED_KERB_M`], and no other turn near.
+    fn default() -> Self {
+        Self { kerb_radius_m: ASSUMED_KERB_M, own_m: [f64::INFINITY; 2] }
+    }
+}
+
 impl DrivingLine {
-    /// The driving line of `vehicle` through `feature` round kerbs of [`ASSUMED_KERB_M`]; none when the feature has no approach
-    /// or exit.
+    /// The driving line of `vehicle` through `feature` round a corner; none when the feature has no approach or exit.
     ///
     /// # Errors
     /// [`GeometryError`] when the arms leave no room for a curve.
@@ -91,26 +118,17 @@ impl DrivingLine {
         config: &DrivingLineConfig,
         vehicle: &VehicleConfig,
         feature: &FeatureModel,
-    ) -> Result<Option<Self>, GeometryError> {
-        Self::round_kerb(config, vehicle, feature, ASSUMED_KERB_M)
-    }
-
-    /// The same round a kerb of this radius between approach and exit, metres.
-    ///
-    /// # Errors
-    /// [`GeometryError`] when the arms leave no room for a curve.
-    pub fn round_kerb(
-        config: &DrivingLineConfig,
-        vehicle: &VehicleConfig,
-        feature: &FeatureModel,
-        kerb_radius_m: f64,
+        setting: &CornerSetting,
     ) -> Result<Option<Self>, GeometryError> {
         let (Some(approach), Some(exit)) = (feature.approach(), feature.exit()) else { return Ok(None) };
         let lane_m = |width_m: f64| vehicle.traffic.lane_left_m(width_m);
         let inbound = approach.course.reversed().offset(lane_m(approach.width_m))?;
         let outbound = exit.course.offset(lane_m(exit.width_m))?;
-        let mut corner = Corner::of(vehicle, feature.kind, [approach, exit], kerb_radius_m);
-        let mut setbacks_m = corner.setbacks_m(config, &inbound, &outbound);
+        let mut corner = Corner::of(vehicle, feature.kind, [approach, exit], setting.kerb_radius_m);
+        let longest_m = setting.own_m.map(|own_m| config.max_setback_m.min(own_m));
+        let shortest_m = longest_m.map(|longest_m| config.min_setback_m.min(longest_m));
+        let within_m = [shortest_m, longest_m];
+        let mut setbacks_m = corner.setbacks_m(within_m, &inbound, &outbound);
         let mut curve = corner.curve(&inbound, &outbound, setbacks_m);
         // Between arms that bend the curve is tighter somewhere than its arc.
         for _ in 0..MOST_WIDENED {
@@ -118,13 +136,14 @@ impl DrivingLine {
                 break;
             }
             corner.widen();
-            setbacks_m = corner.setbacks_m(config, &inbound, &outbound);
+            setbacks_m = corner.setbacks_m(within_m, &inbound, &outbound);
             curve = corner.curve(&inbound, &outbound, setbacks_m);
         }
         let sampled = sampled(&curve)?;
         let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setbacks_m);
         Ok(Some(Self {
             control: curve.control,
+            setbacks_m,
             curve: sampled,
             points,
             curvature_per_m,
@@ -164,7 +183,7 @@ fn hand_out(
     [before_m, behind_m]: [f64; 2],
 ) -> (Vec<Point2<f64>>, Vec<f64>) {
     let step = config.step_m.max(0.05);
-    let lead = (config.lead_m / step).floor() as usize;
+    let lead = config.lead_points();
     let led =
         |arm: &Polyline, along_m: f64, i: usize| bent(arm, along_m, CORNER_SPREAD_M.min(step * i as f64));
     let mut points: Vec<Point2<f64>> =

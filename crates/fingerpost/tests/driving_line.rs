@@ -3,7 +3,7 @@
 
 mod painted;
 
-use fingerpost::driving_line::{DrivingLine, DrivingLineConfig};
+use fingerpost::driving_line::{CornerSetting, DrivingLine, DrivingLineConfig};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};
@@ -20,7 +20,8 @@ fn line_round(exit: &[Place], vehicle: &VehicleConfig, width_m: f64, kerb_m: f64
     let junction = Junction { kind: FeatureKind::Junction, approach: SOUTH, exit, sides: &[], width_m };
     let (route, _) = route(&junction);
     let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
-    DrivingLine::round_kerb(&DrivingLineConfig::default(), vehicle, &model, kerb_m).unwrap().unwrap()
+    let corner = CornerSetting { kerb_radius_m: kerb_m, ..CornerSetting::default() };
+    DrivingLine::new(&DrivingLineConfig::default(), vehicle, &model, &corner).unwrap().unwrap()
 }
 
 fn centred(turning_radius_m: f64) -> VehicleConfig {
@@ -150,4 +151,26 @@ fn traffic_keeps_to_its_side() {
     // Turning right in right-hand traffic cuts the corner closer than turning left.
     let right = line(&[(0.0, 0.0), (60.0, 0.0)], &VehicleConfig::default());
     assert!((right.end().x + 1.5).abs() < 1e-3, "the exit's own side: south of its middle");
+}
+
+#[test]
+fn a_road_that_bends_beside_its_node_is_no_tight_corner() {
+    // A road of Vaduz at a side road: 6 m before the node it turns by 13 degrees.
+    let approach: &[Place] = &[(0.0, 0.0), (-6.0, -0.6), (-40.4, -12.2), (-81.1, -35.0)];
+    let junction = Junction {
+        kind: FeatureKind::SideRoad,
+        approach,
+        exit: &[(0.0, 0.0), (44.5, 4.1), (81.8, 7.1)],
+        sides: &[&[(0.0, 0.0), (10.4, -41.1)]],
+        width_m: 6.0,
+    };
+    let (route, _) = route(&junction);
+    let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
+    for traffic in [Traffic::Left, Traffic::Right, Traffic::Centre] {
+        let vehicle = VehicleConfig { traffic, ..VehicleConfig::default() };
+        let line =
+            DrivingLine::new(&DrivingLineConfig::default(), &vehicle, &model, &CornerSetting::default());
+        let line = line.unwrap().unwrap();
+        assert!(line.tightest_radius_m > 15.0, "{} m", line.tightest_radius_m);
+    }
 }

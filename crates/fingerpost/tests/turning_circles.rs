@@ -4,7 +4,7 @@
 
 mod painted;
 
-use fingerpost::driving_line::{DrivingLine, DrivingLineConfig};
+use fingerpost::driving_line::{CornerSetting, DrivingLine, DrivingLineConfig};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};
@@ -52,7 +52,8 @@ impl Case {
         let (route, _) = route(&junction);
         let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
         let config = DrivingLineConfig::default();
-        DrivingLine::round_kerb(&config, &self.vehicle, &model, KERB_M).unwrap().unwrap()
+        let corner = CornerSetting { kerb_radius_m: KERB_M, ..CornerSetting::default() };
+        DrivingLine::new(&config, &self.vehicle, &model, &corner).unwrap().unwrap()
     }
 
     /// Radius of the widest arc in the corner whose inner side, with the margin, touches the kerb, from the lanes' middles.

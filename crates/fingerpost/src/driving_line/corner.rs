@@ -4,7 +4,7 @@ use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Point2, Vector2};
 
-use super::{Conic, DrivingLineConfig};
+use super::Conic;
 use crate::feature_model::ArmModel;
 use crate::vehicle::VehicleConfig;
 
@@ -74,26 +74,29 @@ impl Corner {
         self.lane_radius_m = 1.05 * self.radius_m();
     }
 
-    /// How far before the end of the inbound and behind the start of the outbound line the curve begins and ends, metres.
+    /// How far before the end of the inbound and behind the start of the outbound line the curve begins and ends, each within the
+    /// shortest and the longest that it may be; metres.
     pub(super) fn setbacks_m(
         self,
-        config: &DrivingLineConfig,
+        [shortest_m, longest_m]: [[f64; 2]; 2],
         inbound: &Polyline,
         outbound: &Polyline,
     ) -> [f64; 2] {
-        let (least_m, most_m) = (config.min_setback_m, config.max_setback_m.max(config.min_setback_m));
-        let mut setbacks_m = [self.beyond_crossing_m.clamp(least_m, most_m); 2];
+        let within = |i: usize, m: f64| m.min(longest_m[i]).max(shortest_m[i]);
+        let mut setbacks_m = [0, 1].map(|i| within(i, self.beyond_crossing_m));
         for _ in 0..ROUNDS {
             let [start, end] = ends(inbound, outbound, setbacks_m);
             let Some(corner) = crossing(start, end) else { break };
             let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
-            let tangent_m = self.radius_m() * (0.5 * turn_rad).tan();
             let legs_m = [(corner - start.0).dot(&start.1), (end.0 - corner).dot(&end.1)];
+            // A road that bends beside its node has its corner there: both legs reach from it to the node at the least.
+            let to_node_m = (legs_m[0] - setbacks_m[0]).max(legs_m[1] - setbacks_m[1]);
+            let tangent_m = (self.radius_m() * (0.5 * turn_rad).tan()).max(to_node_m);
             let wanted_m = [0, 1].map(|i| setbacks_m[i] + tangent_m - legs_m[i]);
             // Both legs stay as long as each other, or the curve is no arc.
-            let short_m = [0, 1].map(|i| (wanted_m[i] - most_m).max(0.0));
+            let short_m = [0, 1].map(|i| (wanted_m[i] - longest_m[i]).max(0.0));
             let short_m = short_m[0].max(short_m[1]);
-            let long_m = [0, 1].map(|i| (least_m - wanted_m[i]).max(0.0));
+            let long_m = [0, 1].map(|i| (shortest_m[i] - wanted_m[i]).max(0.0));
             let long_m = if short_m > 0.0 { 0.0 } else { long_m[0].min(long_m[1]) };
             setbacks_m = wanted_m.map(|m| (m - short_m + long_m).max(0.0));
         }

@@ -6,7 +6,7 @@ use fingerpost_map::{Route, RouteFeature, TangentPlane};
 use super::TrackConfig;
 use super::alignment::ArmPieces;
 use super::belief::junction_shape::JunctionShape;
-use crate::driving_line::{DrivingLine, DrivingLineConfig, MaskCurve};
+use crate::driving_line::{DrivingLine, DrivingLineConfig, MaskCurve, driving_lines};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
 use crate::ground_view::Viewpoint;
@@ -70,17 +70,20 @@ pub(super) fn route_stops(
     };
     let map = TangentPlane::new(first.at);
     let line_in_map = Polyline::new(route.line.iter().map(|point| map.map_from_wgs84(point.at)))?;
+    let models: Result<Vec<_>, _> =
+        route.features.iter().map(|feature| FeatureModel::new(feature, &map)).collect();
+    let models = models?;
+    let kerb_radius_m = setting.track.alignment.kerb_radius_m;
+    let lines = driving_lines(setting.driving_line, setting.vehicle, kerb_radius_m, &models)?;
     let mut stops = Vec::new();
-    for (i, feature) in route.features.iter().enumerate() {
+    for (i, (model, line)) in models.into_iter().zip(lines).enumerate() {
+        let feature = &route.features[i];
         let own_m = |other: Option<&RouteFeature>| {
             let apart_m = other.map_or(f64::INFINITY, |other| (other.route_m - feature.route_m).abs());
             (apart_m - MOUTH_M).max(LEAST_OWN_M)
         };
         let before = i.checked_sub(1).and_then(|before| route.features.get(before));
         let reach_m = [own_m(before), own_m(route.features.get(i + 1))];
-        let model = FeatureModel::new(feature, &map)?;
-        let kerb_radius_m = setting.track.alignment.kerb_radius_m;
-        let line = DrivingLine::round_kerb(setting.driving_line, setting.vehicle, &model, kerb_radius_m)?;
         let mask_curve = MaskCurve::new(setting.masks, setting.vehicle, &model)?;
         let masks = MaskCache::new(
             setting.masks,
