@@ -174,3 +174,24 @@ fn a_road_that_bends_beside_its_node_is_no_tight_corner() {
         assert!(line.tightest_radius_m > 15.0, "{} m", line.tightest_radius_m);
     }
 }
+
+#[test]
+fn arms_that_bend_beside_the_node_have_an_arc_all_the_same() {
+    // A turn in Vaduz: the approach turns twice within 10 m of the node, the exit once after 11 m.
+    let junction = Junction {
+        kind: FeatureKind::Junction,
+        approach: &[(0.0, 0.0), (-1.0, 3.6), (-5.4, 8.5), (-11.3, 12.8), (-38.8, 31.9)],
+        exit: &[(0.0, 0.0), (10.9, -3.3), (9.6, -9.5), (14.1, -20.1), (28.0, -46.5)],
+        sides: &[&[(0.0, 0.0), (-16.3, -10.2), (-49.4, -29.0)]],
+        width_m: 5.5,
+    };
+    let (route, _) = route(&junction);
+    let model = FeatureModel::new(&route.features[0], &TangentPlane::new(route.line[0].at)).unwrap();
+    let config = DrivingLineConfig::default();
+    let line = DrivingLine::new(&config, &VehicleConfig::default(), &model, &CornerSetting::default());
+    let line = line.unwrap().unwrap();
+    assert!(line.within_turning_circle(), "{} m", line.tightest_radius_m);
+    let [start, corner, end] = line.control;
+    let legs_m = [(corner - start).norm(), (end - corner).norm()];
+    assert!((legs_m[0] - legs_m[1]).abs() < 0.3 && legs_m[0] < 6.0, "{legs_m:?}");
+}

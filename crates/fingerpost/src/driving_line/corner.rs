@@ -15,6 +15,8 @@ const MAP_CUT_M: f64 = 0.4;
 const STRAIGHT_RAD: f64 = 0.1;
 /// Sharper turns have no arc between two lanes of use, radians (170 degrees).
 const SHARPEST_RAD: f64 = 2.97;
+/// Distance between the ends that are tried where no arc was found at once, metres.
+const STEP_M: f64 = 0.25;
 /// Rounds in which the ends are moved until both are as far from the corner as the arc's tangents are long; on straight arms
 /// one is enough.
 const ROUNDS: usize = 4;
@@ -89,9 +91,7 @@ impl Corner {
             let Some(corner) = crossing(start, end) else { break };
             let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
             let legs_m = [(corner - start.0).dot(&start.1), (end.0 - corner).dot(&end.1)];
-            // A road that bends beside its node has its corner there: both legs reach from it to the node at the least.
-            let to_node_m = (legs_m[0] - setbacks_m[0]).max(legs_m[1] - setbacks_m[1]);
-            let tangent_m = (self.radius_m() * (0.5 * turn_rad).tan()).max(to_node_m);
+            let tangent_m = self.radius_m() * (0.5 * turn_rad).tan();
             let wanted_m = [0, 1].map(|i| setbacks_m[i] + tangent_m - legs_m[i]);
             // Both legs stay as long as each other, or the curve is no arc.
             let short_m = [0, 1].map(|i| (wanted_m[i] - longest_m[i]).max(0.0));
@@ -100,7 +100,33 @@ impl Corner {
             let long_m = if short_m > 0.0 { 0.0 } else { long_m[0].min(long_m[1]) };
             setbacks_m = wanted_m.map(|m| (m - short_m + long_m).max(0.0));
         }
-        setbacks_m
+        let [start, end] = ends(inbound, outbound, setbacks_m);
+        if legs_of(start, end).is_some_and(|legs_m| are_equal(legs_m, 2.0 * STEP_M)) {
+            return setbacks_m;
+        }
+        self.searched(longest_m, inbound, outbound).unwrap_or(setbacks_m)
+    }
+
+    /// The ends whose arc comes nearest to the radius that the curve ought to have, among all that make one. Arms that bend beside the
+    /// node have their corner where the lines along them cross, which may be far from it.
+    fn searched(self, longest_m: [f64; 2], inbound: &Polyline, outbound: &Polyline) -> Option<[f64; 2]> {
+        let steps = |longest_m: f64| (0..=(longest_m / STEP_M) as usize).map(|i| STEP_M * i as f64);
+        let mut best: Option<(f64, [f64; 2])> = None;
+        for before_m in steps(longest_m[0]) {
+            for behind_m in steps(longest_m[1]) {
+                let [start, end] = ends(inbound, outbound, [before_m, behind_m]);
+                let Some(legs_m) = legs_of(start, end).filter(|legs_m| are_equal(*legs_m, STEP_M)) else {
+                    continue;
+                };
+                let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
+                let radius_m = legs_m[0].min(legs_m[1]) / (0.5 * turn_rad).tan();
+                let off = (radius_m / self.radius_m()).ln().abs();
+                if best.is_none_or(|(least, _)| off < least) {
+                    best = Some((off, [before_m, behind_m]));
+                }
+            }
+        }
+        best.map(|(_, setbacks_m)| setbacks_m)
     }
 
     /// The curve with these ends: the papers' three points, as round as an arc.
@@ -109,6 +135,17 @@ impl Corner {
         curve.round_up_to(self.radius_m());
         curve
     }
+}
+
+/// Lengths of the tangents at both ends up to their crossing, metres; none where they do not cross between them.
+fn legs_of(start: End, end: End) -> Option<[f64; 2]> {
+    let corner = crossing(start, end)?;
+    Some([(corner - start.0).dot(&start.1), (end.0 - corner).dot(&end.1)])
+}
+
+/// Whether tangents are as long as each other to some metres, as those of an arc are.
+fn are_equal(legs_m: [f64; 2], within_m: f64) -> bool {
+    (legs_m[0] - legs_m[1]).abs() <= within_m
 }
 
 /// The papers' curve with its ends so far before the end of the inbound and behind the start of the outbound line, metres.
