@@ -226,7 +226,7 @@ impl AdviceStage {
         };
         seen_from(&previous_from_current, &self.path, &mut self.moved);
         std::mem::swap(&mut self.path, &mut self.moved);
-        led.drive_on(previous_from_current.translation.x.abs(), sigma);
+        led.drive_on(&previous_from_current, sigma);
     }
 
     /// Notices that the vehicle is not where the route leads, and that it is again.

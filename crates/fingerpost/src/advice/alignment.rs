@@ -11,7 +11,7 @@ use crate::centreline::{Centreline, CentrelineEvidence, SectionUse};
 use crate::feature_model::FeatureModel;
 
 /// An innovation of more standard deviations than this is of two different roads.
-const GATE_SIGMAS: f64 = 3.0;
+pub(super) const GATE_SIGMAS: f64 = 3.0;
 
 /// A feature's pose, by the tracker or with the road's middle.
 #[derive(Debug, Clone, Copy, PartialEq)]

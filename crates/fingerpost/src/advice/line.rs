@@ -1,10 +1,10 @@
 //! Which line leads: the driving line through the feature at hand, the road's middle, or the lane.
 
 use fingerpost_control::{ControllerName, PathPoint, arc, at, foot, lay};
-use nalgebra::Point2;
+use nalgebra::{Isometry2, Point2};
 
 use super::AdviceInput;
-use super::alignment::FeaturePlace;
+use super::alignment::{FeaturePlace, GATE_SIGMAS};
 use crate::Config;
 use crate::centreline::{Centreline, CentrelineEvidence, SteerBy, WayKind};
 use crate::feature_model::ArmModel;
@@ -52,8 +52,8 @@ pub enum RoadEnd {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Led {
     pub(super) kind: LineKind,
-    /// The feature through which it leads; none of other lines.
-    feature: Option<usize>,
+    /// The feature through which it leads, and its node, vehicle frame, metres; none of other lines.
+    feature: Option<(usize, Point2<f64>)>,
     /// Standard deviation of its place across itself, metres.
     pub(super) sigma_m: f64,
     /// How far the vehicle may be beside it, metres.
@@ -69,11 +69,18 @@ pub(super) struct Led {
 }
 
 impl Led {
-    /// After so many metres along it unseen, each of which makes it less sure by `sigma`, metres.
-    pub(super) fn drive_on(&mut self, way_m: f64, sigma: f64) {
+    /// After a motion of the vehicle along it unseen, each metre of which makes it less sure by `sigma`, metres.
+    pub(super) fn drive_on(&mut self, previous_from_current: &Isometry2<f64>, sigma: f64) {
+        let way_m = previous_from_current.translation.x.abs();
+        self.feature = self.feature.map(|(index, node)| (index, previous_from_current.inverse() * node));
         self.kept_m += way_m;
         self.seen_m -= way_m;
         self.sigma_m += sigma * way_m;
+    }
+
+    /// Whether the feature through which it leads lies behind the vehicle.
+    fn is_behind(&self) -> bool {
+        self.feature.is_some_and(|(_, node)| node.x < 0.0)
     }
 
     /// Whether this frame shows it.
@@ -143,8 +150,9 @@ impl LineFinder {
             .is_some_and(|(beside, last)| last.along_m - beside.on_path.along_m > self.aim_m);
         if let Some(led) = through.and_then(|through| self.driving_line(&through, input)) {
             // Where the feature is no longer seen well its place may jump: the line that lies where it was seen better is surer.
-            let is_surer = |kept: &&Led| kept.feature == led.feature && kept.sigma_m < led.sigma_m;
-            if leads_on && kept.is_some_and(|kept| is_surer(&kept)) {
+            let index = |led: &Led| led.feature.map(|(index, _)| index);
+            let same = kept.filter(|kept| leads_on && index(kept) == index(&led));
+            if same.is_some_and(|kept| kept.sigma_m < led.sigma_m || self.jumps(kept, path, &led)) {
                 return None;
             }
             std::mem::swap(path, &mut self.laid);
@@ -165,6 +173,18 @@ impl LineFinder {
             return None;
         }
         output.lane.as_ref().and_then(|lane| self.lane(lane, path))
+    }
+
+    /// Whether a feature's line of this frame is beside the one that is kept by more than both may be off, though the feature lies behind
+    /// the vehicle by what is kept: its arms are out of view then but for the exit, and what is taken for them is something else.
+    fn jumps(&self, kept: &Led, path: &[PathPoint], led: &Led) -> bool {
+        let most_m = GATE_SIGMAS * kept.sigma_m.hypot(led.sigma_m);
+        let apart_m = |place: Point2<f64>| {
+            let feet = foot(path, place).zip(foot(&self.laid, place));
+            feet.is_some_and(|(kept, fresh)| (kept.left_m - fresh.left_m).abs() > most_m)
+        };
+        kept.is_behind()
+            && (apart_m(Point2::origin()) || apart_m(at(path, self.aim_m).unwrap_or_default().place()))
     }
 
     fn room_m(&self, half_width_m: f64) -> f64 {
@@ -199,7 +219,8 @@ impl LineFinder {
         let width_m = stop.model.approach().map_or(0.0, |arm| arm.width_m);
         let to_edge_m = 0.5 * width_m - self.vehicle.traffic.lane_left_m(width_m).abs();
         let mut led = self.led(LineKind::DrivingLine, sigma_m, to_edge_m);
-        (led.feature, led.present) = (Some(index), present);
+        let node = place.vehicle_from_feature * Point2::origin();
+        (led.feature, led.present) = (Some((index, node)), present);
         if !line.within_turning_circle() {
             let begins = foot(path, place.vehicle_from_feature * line.start());
             led.seen_m = led.seen_m.min(begins.map_or(0.0, |begins| begins.on_path.along_m));
