@@ -157,3 +157,32 @@ fn a_vehicle_that_sees_nothing_more_stops_within_what_it_saw() {
     let went_m = vehicle.map_from_vehicle.translation.y - covered_at_m;
     assert!(vehicle.speed_mps < 0.01 && went_m < config.ground_view.far_m, "{went_m} m");
 }
+
+#[test]
+fn a_turn_of_the_route_is_come_to_slowly_where_nothing_shows_it() {
+    let config = config(ControllerName::Stanley);
+    // The road goes straight on; the route turns off it after 60 m.
+    let world = World::new(&[(&[(0.0, -200.0), (0.0, 200.0)], WIDTH_M)]);
+    let kind = FeatureKind::Junction;
+    let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
+    let (route, _) = route(&junction);
+    let mut vehicle = Vehicle::northward(0.0, -55.0, &config);
+    let mut pipeline = Pipeline::new(&config, &vehicle.camera, Some(&route), Some(5.0)).unwrap();
+    let (mut fastest_far, mut slowest_near, mut said) = (0.0_f64, f64::INFINITY, false);
+    for i in 0..120 {
+        let picture = world.picture(&vehicle.camera, &vehicle.map_from_vehicle);
+        let output = vehicle.frame(&mut pipeline, &picture, i == 0);
+        let to_node_m = -vehicle.map_from_vehicle.translation.y;
+        if to_node_m > 30.0 {
+            fastest_far = fastest_far.max(output.advice.speed_mps);
+        } else if (0.0..8.0).contains(&to_node_m) {
+            slowest_near = slowest_near.min(output.advice.speed_mps);
+        }
+        said |= output.advice.because.contains("slower for a turn of");
+        assert!(output.track.followed.is_none(), "there is nothing to follow");
+        vehicle.drive_on();
+    }
+    // Round the lane's arc of some 3 m at 2 m/s² the vehicle drives less than 3 m/s.
+    assert!(fastest_far > 6.0 && slowest_near < 3.5, "{fastest_far} m/s, then {slowest_near} m/s");
+    assert!(said);
+}
