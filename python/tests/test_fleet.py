@@ -62,7 +62,7 @@ def results(out):
 
 
 def wait_for(condition):
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + 600
     while not condition():
         assert time.monotonic() < deadline, "the fleet does not get on"
         time.sleep(0.1)
