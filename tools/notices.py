@@ -26,6 +26,8 @@ Map data in the program's demonstration: (c) OpenStreetMap contributors, Open Da
 https://www.openstreetmap.org/copyright. See crates/fingerpost-sim/assets/ATTRIBUTION.md.
 
 The Rust standard library: (c) the Rust Project contributors, MIT OR Apache-2.0; the Apache License is below.
+
+The static binary and the Debian package also hold musl's C library: (c) 2005-2020 Rich Felker, et al., MIT; the MIT License is below.
 """
 
 

@@ -11,6 +11,7 @@ repository. The first word after a fence says what a block is, the second one mo
     sh ci       too long to run here: every line must stand in .ci/run, which runs it
     toml        must parse; `toml NAME` is also written to the file NAME of the page's folder, for the blocks after it
     json        must parse
+    python NAME stands in python/examples/NAME, which CI runs
     console     needs the reader's own data, a display, a device or hours; not run
     text        output, formats, equations; not run
 
@@ -102,6 +103,9 @@ def check_block(info, text):
             run = " ".join((ROOT / ".ci/run").read_text(encoding="utf-8").split())
             missing = [line for line in text.splitlines() if " ".join(line.split("#")[0].split()) not in run]
             return f".ci/run does not run: {missing[0]}" if missing else None
+        case ["python", name]:
+            example = ROOT / "python/examples" / name
+            return None if example.is_file() and text in example.read_text(encoding="utf-8") else f"it does not stand in python/examples/{name}"
         case ["toml"] | ["toml", _]:
             try:
                 tomllib.loads(text)

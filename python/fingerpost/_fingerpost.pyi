@@ -239,3 +239,20 @@ def evaluate_lanes(
     records: Iterable[dict[str, Any]], truth: Iterable[dict[str, Any]], picture_px: tuple[int, int]
 ) -> dict[str, Any]:
     """How near the lane edges of a run are to those of the truth. Raises EvaluationError."""
+
+class Search:
+    """A search of settings by NSGA-II; ``fingerpost.fleet.tune`` does its trials.
+
+    Of ``keys`` each is a number of the settings with its range. Raises ConfigError.
+    """
+
+    def __init__(
+        self, keys: Sequence[tuple[str, float, float]], *, config: str | None = None, population: int = 10, seed: int = 1
+    ) -> None: ...
+    def ask(self) -> list[tuple[dict[str, float], str]]:
+        """The next generation, the same until it is told of: of each trial its values, and the whole configuration as TOML."""
+    def tell(self, objectives: Sequence[Sequence[float]]) -> None:
+        """What came of each trial of the generation; everything is to be small. Raises ConfigError."""
+
+def front(objectives: Sequence[Sequence[float]]) -> list[int]:
+    """Which points no other beats in everything, by their numbers."""

@@ -8,6 +8,7 @@ mod json;
 mod output;
 mod pipeline;
 mod roads;
+mod search;
 mod simulator;
 
 use pyo3::prelude::*;
@@ -29,6 +30,8 @@ mod _fingerpost {
     use super::pipeline::{Pipeline, config_schema};
     #[pymodule_export]
     use super::roads::{RoadMap, Route, demo_town};
+    #[pymodule_export]
+    use super::search::{Search, front};
     #[pymodule_export]
     use super::simulator::{SimulatedFrame, Simulator, conditions};
     use super::*;
