@@ -22,6 +22,7 @@ mod licences;
 mod live_gps;
 mod locate;
 mod mark;
+mod mount_args;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;
