@@ -2,7 +2,6 @@
 
 mod kitti;
 mod messages;
-mod mount;
 mod recorded_drive;
 
 use anyhow::Result;

@@ -89,7 +89,8 @@ pub(crate) struct Driver {
     scaling: Option<PictureScaling>,
     drawing: Setting,
     features: Vec<FeatureIdentity>,
-    key_frames: KeyFrameChoice,
+    /// None where no frame is drawn for the report.
+    key_frames: Option<KeyFrameChoice>,
     pictures: Pictures,
     video: bool,
     /// None where the run is not recorded.
@@ -110,7 +111,7 @@ impl Driver {
             scaling: None,
             features: feature_identities(pipeline.tracker().stops()),
             pipeline,
-            key_frames: KeyFrameChoice::new(frames),
+            key_frames: Some(KeyFrameChoice::new(frames)),
             pictures: wishes.pictures.clone(),
             video: wishes.video.is_some(),
             frame_recorder: wishes.messages().then(FrameRecorder::default),
@@ -125,6 +126,12 @@ impl Driver {
         Self { scaling, ..self }
     }
 
+    /// Draws no frame for the report: that takes as long as several frames.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn without_key_frames(self) -> Self {
+        Self { key_frames: None, ..self }
+    }
+
     /// Says in every frame where the vehicle is on a map, known to be near a place or anywhere.
     pub(crate) fn locating_on(mut self, graph: &RoadGraph, near: Option<NearPlace>) -> Self {
         self.pipeline.locate_on(graph, near);
@@ -132,7 +139,7 @@ impl Driver {
     }
 
     /// Width and height of the pictures that are taken, pixels.
-    fn input_px(&self) -> (usize, usize) {
+    pub(crate) fn input_px(&self) -> (usize, usize) {
         let camera = &self.drawing.camera;
         self.scaling.as_ref().map_or((camera.width(), camera.height()), PictureScaling::input_px)
     }
@@ -180,6 +187,17 @@ impl Driver {
         picture: &RgbImage,
         sensors: Sensors,
     ) -> Result<FrameResult> {
+        self.step_showing(time, picture, sensors, &mut |_| {})
+    }
+
+    /// The same; `at_once` is shown what the method makes of the frame, before anything else is made of that.
+    pub(crate) fn step_showing(
+        &mut self,
+        time: FrameTime,
+        picture: &RgbImage,
+        sensors: Sensors,
+        at_once: &mut dyn FnMut(&Scene<'_>),
+    ) -> Result<FrameResult> {
         if self.sequence == Sequence::Stills {
             self.begin_anew()?;
         }
@@ -205,15 +223,17 @@ impl Driver {
         self.last_t_s = Some(time.t_s);
         self.advised.0.clone_from(&output.advice);
         self.advised.1 = output.track.state;
+        let FrameTime { frame, t_s } = time;
+        let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
+        at_once(&scene);
         let stage_ms = clock.stage_ms;
         let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
         if let Some(scaling) = &self.scaling {
             scaling.in_input_pixels(&mut record);
         }
         let mut clock = FrameClock::start();
-        let FrameTime { frame, t_s } = time;
-        let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
-        let key_frame = self.key_frames.consider(frame, output, evidence.track);
+        let key_frames = self.key_frames.as_mut();
+        let key_frame = key_frames.and_then(|choice| choice.consider(frame, output, evidence.track));
         let key_frame = key_frame.map(|chosen| chosen.draw(&scene));
         let annotated = (self.video || self.pictures.want(frame)).then(|| compose(&scene));
         clock.finished("drawing");
@@ -237,22 +257,27 @@ impl Driver {
     /// A picture of another size than the calibration's: the first one shows a calibration of another camera, which no
     /// frame will fit; a later one is a broken frame.
     fn misfit(&self, time: FrameTime, picture: &RgbImage) -> Result<FrameResult> {
+        let cause = self.wrong_size(picture);
+        if self.frames_used == 0 {
+            return Err(cause.context(format!("frame {}", time.frame)));
+        }
+        Ok(pass_over(time, cause))
+    }
+
+    /// What is wrong with a picture whose size is not [`Driver::input_px`].
+    pub(crate) fn wrong_size(&self, picture: &RgbImage) -> anyhow::Error {
         let (width, height) = self.input_px();
         let exchanged = if (picture.height(), picture.width()) == (width, height) {
             "; width and height are exchanged"
         } else {
             ""
         };
-        let cause = anyhow!(
+        anyhow!(
             "the picture has {} x {} pixels and the calibration is for {width} x {height}{exchanged}; give the calibration of this \
              camera at this size",
             picture.width(),
             picture.height()
-        );
-        if self.frames_used == 0 {
-            return Err(cause.context(format!("frame {}", time.frame)));
-        }
-        Ok(pass_over(time, cause.as_ref()))
+        )
     }
 }
 
@@ -266,6 +291,6 @@ fn thresholds(config: &TrackConfig) -> Thresholds {
 }
 
 /// What comes of a frame that cannot be used.
-pub(crate) fn pass_over(time: FrameTime, cause: &dyn std::error::Error) -> FrameResult {
+pub(crate) fn pass_over(time: FrameTime, cause: impl std::fmt::Display) -> FrameResult {
     FrameResult { time, outcome: Err(cause.to_string()), stage_ms: BTreeMap::new() }
 }

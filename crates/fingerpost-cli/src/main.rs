@@ -22,6 +22,7 @@ mod licences;
 mod live_gps;
 mod locate;
 mod mark;
+mod mount_args;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;
@@ -31,6 +32,8 @@ mod papers;
 mod picture_scaling;
 mod recorder;
 mod road_detector;
+#[cfg(feature = "ros2")]
+mod ros2;
 mod route;
 mod run;
 mod schema;
@@ -68,6 +71,8 @@ enum Command {
     Run(run::RunArgs),
     #[cfg(unix)]
     Advise(advise::AdviseArgs),
+    #[cfg(feature = "ros2")]
+    Ros2(ros2::Ros2Args),
     Simulate(simulate::SimulateArgs),
     Campaign(campaign::CampaignArgs),
     Tune(tune::TuneArgs),
@@ -97,6 +102,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         #[cfg(unix)]
         Command::Advise(args) => advise::advise(&args),
+        #[cfg(feature = "ros2")]
+        Command::Ros2(args) => ros2::ros2(&args),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Campaign(args) => campaign::campaign(&args),
         Command::Tune(args) => tune::tune(&args),

@@ -26,7 +26,8 @@ const OVER_ROAD_M: f64 = 0.02;
 const CURVE_POINTS: usize = 21;
 
 /// The followed feature: its arms from the node outwards, and the node with its distance. Without one, what was there goes.
-pub(crate) fn feature(timestamp: Timestamp, followed: Option<(&Followed, &FeatureModel)>) -> SceneUpdate {
+/// Metres in the vehicle frame.
+pub fn feature_entities(timestamp: Timestamp, followed: Option<(&Followed, &FeatureModel)>) -> SceneUpdate {
     let Some((followed, model)) = followed else {
         return entity(timestamp, "feature", SceneEntity::default());
     };
@@ -140,7 +141,7 @@ mod tests {
             driving_line(Timestamp::MIN, &[], 1.8),
             centreline(Timestamp::MIN, None),
             lanes(Timestamp::MIN, None),
-            feature(Timestamp::MIN, None),
+            feature_entities(Timestamp::MIN, None),
         ] {
             // An entity of the same name takes the place of the last frame's.
             assert_eq!(update.entities.len(), 1);

@@ -7,6 +7,7 @@ use foxglove::Encode;
 use foxglove::messages::Timestamp;
 
 use crate::channel::Channel;
+use crate::entities::feature_entities;
 use crate::odometry::Odometry;
 use crate::transforms::{CAMERA, GROUND};
 use crate::{annotations, entities, ground, place, transforms};
@@ -46,7 +47,7 @@ impl FrameRecorder {
         if let Some(placed) = &evidence.masks {
             add(&mut messages, Channel::FeatureMasks, &ground::masks(time, grid, placed));
         }
-        add(&mut messages, Channel::Feature, &entities::feature(time, followed));
+        add(&mut messages, Channel::Feature, &feature_entities(time, followed));
         let line = entities::driving_line(time, &output.driving_line, setting.vehicle_width_m);
         add(&mut messages, Channel::DrivingLine, &line);
         let poses = entities::driving_line_poses(time, &output.driving_line);
@@ -55,7 +56,8 @@ impl FrameRecorder {
         add(&mut messages, Channel::Centreline, &centreline);
         add(&mut messages, Channel::Lanes, &entities::lanes(time, output.lane.as_ref()));
         add(&mut messages, Channel::Odometry, &self.odometry.message(time));
-        let frames = transforms::transforms(time, &self.odometry.odom_from_vehicle, &setting.camera);
+        let frames =
+            transforms::transforms(time, &self.odometry.estimate().odom_from_vehicle, &setting.camera);
         add(&mut messages, Channel::Transforms, &frames);
         if let Some(calibration) = transforms::calibration(time, &setting.camera) {
             add(&mut messages, Channel::CameraCalibration, &calibration);

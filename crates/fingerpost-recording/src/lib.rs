@@ -2,7 +2,8 @@
 //!
 //! [`FrameRecorder`] turns a frame with its evidence into messages while the evidence is there, [`MessageEncoder`] makes bytes of
 //! them, later and elsewhere if need be, because pictures compress slowly, and [`Recording`] writes these to whatever takes
-//! bytes. Times are those of the drive, from zero, so that the same run gives the same bytes.
+//! bytes. Times are those of the drive, from zero, so that the same run gives the same bytes. [`Odometry`], [`feature_entities`] and
+//! [`position_covariance`] serve other formats of messages too.
 //!
 //! | topic | schema | frame |
 //! |---|---|---|
@@ -40,6 +41,9 @@ mod recording;
 mod transforms;
 
 pub use channel::Channel;
+pub use entities::feature_entities;
 pub use frame_messages::{FrameMessages, MessageEncoder, route_message};
 pub use frame_recorder::{FrameRecorder, RecordedFrame};
+pub use odometry::{Odometry, OdometryEstimate, Velocity};
+pub use place::position_covariance;
 pub use recording::{Recording, RecordingError};

@@ -12,13 +12,37 @@ const OFF_PLANE_SIGMA: f64 = 0.05;
 
 /// Dead reckoning.
 #[derive(Debug, Clone)]
-pub(crate) struct Odometry {
+pub struct Odometry {
     /// The vehicle in the frame where it began.
-    pub(crate) odom_from_vehicle: Isometry2<f64>,
+    odom_from_vehicle: Isometry2<f64>,
     /// Covariance of x (m), y (m) in `odom` and heading (rad).
     covariance: Matrix3<f64>,
     /// The last motion and the time that it took, seconds.
     last: Option<(Motion, f64)>,
+}
+
+/// Pose and velocity, with covariances over x, y, z (metres) and the turns about them (radians), row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OdometryEstimate {
+    /// The vehicle in the frame where it began.
+    pub odom_from_vehicle: Isometry2<f64>,
+    /// Covariance of the pose, in the frame where it began; zero in the plane at the first frame, which is that frame.
+    pub pose_covariance: [f64; 36],
+    /// How it moves; none where the last motion is not known.
+    pub velocity: Option<Velocity>,
+}
+
+/// How the vehicle moves, in its own frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Velocity {
+    /// Forward, m/s.
+    pub forward_mps: f64,
+    /// To the left, m/s.
+    pub left_mps: f64,
+    /// Yaw rate, rad/s, positive to the left.
+    pub yaw_rate_rps: f64,
+    /// Covariance, per second squared.
+    pub covariance: [f64; 36],
 }
 
 impl Default for Odometry {
@@ -29,7 +53,7 @@ impl Default for Odometry {
 
 impl Odometry {
     /// Goes on by a motion that took `dt_s`.
-    pub(crate) fn go_on(&mut self, motion: Option<&Motion>, dt_s: Option<f64>) {
+    pub fn go_on(&mut self, motion: Option<&Motion>, dt_s: Option<f64>) {
         self.last = motion.zip(dt_s).filter(|(_, dt_s)| *dt_s > 0.0).map(|(motion, dt_s)| (*motion, dt_s));
         let Some(motion) = motion else { return };
         let rotation = self.odom_from_vehicle.rotation;
@@ -45,36 +69,45 @@ impl Odometry {
         self.odom_from_vehicle *= motion.previous_from_current;
     }
 
-    /// The pose as a message.
-    pub(crate) fn message(&self, timestamp: Timestamp) -> OdometryMessage {
+    /// Where the vehicle is by now, and how it moves.
+    pub fn estimate(&self) -> OdometryEstimate {
         let velocity = self.last.map(|(motion, dt_s)| {
             let moved = motion.previous_from_current;
             let linear = moved.translation.vector / dt_s;
-            let turned = VectorMessage { x: 0.0, y: 0.0, z: moved.rotation.angle() / dt_s };
-            (VectorMessage { x: linear.x, y: linear.y, z: 0.0 }, turned, motion.covariance / (dt_s * dt_s))
+            Velocity {
+                forward_mps: linear.x,
+                left_mps: linear.y,
+                yaw_rate_rps: moved.rotation.angle() / dt_s,
+                covariance: spatial(&(motion.covariance / (dt_s * dt_s))),
+            }
         });
-        let (linear_velocity, angular_velocity, velocity_covariance) = match velocity {
-            Some((linear, angular, covariance)) => (Some(linear), Some(angular), spatial(&covariance)),
-            None => (None, None, vec![0.0; 36]),
-        };
+        let pose_covariance = spatial(&self.covariance);
+        OdometryEstimate { odom_from_vehicle: self.odom_from_vehicle, pose_covariance, velocity }
+    }
+
+    /// The same as a message.
+    pub(crate) fn message(&self, timestamp: Timestamp) -> OdometryMessage {
+        let OdometryEstimate { odom_from_vehicle, pose_covariance, velocity } = self.estimate();
+        let linear = |v: &Velocity| VectorMessage { x: v.forward_mps, y: v.left_mps, z: 0.0 };
+        let angular = |v: &Velocity| VectorMessage { x: 0.0, y: 0.0, z: v.yaw_rate_rps };
         OdometryMessage {
             timestamp: Some(timestamp),
             frame_id: ODOM.to_owned(),
             body_frame_id: VEHICLE.to_owned(),
-            pose: Some(planar_pose(&self.odom_from_vehicle)),
-            linear_velocity,
-            angular_velocity,
-            pose_covariance: spatial(&self.covariance),
-            velocity_covariance,
+            pose: Some(planar_pose(&odom_from_vehicle)),
+            linear_velocity: velocity.as_ref().map(linear),
+            angular_velocity: velocity.as_ref().map(angular),
+            pose_covariance: pose_covariance.to_vec(),
+            velocity_covariance: velocity.map_or([0.0; 36], |velocity| velocity.covariance).to_vec(),
             metadata: Vec::new(),
         }
     }
 }
 
 /// A covariance of x, y and yaw among six of x, y, z and the turns about them, row by row.
-fn spatial(planar: &Matrix3<f64>) -> Vec<f64> {
+fn spatial(planar: &Matrix3<f64>) -> [f64; 36] {
     const PLACES: [usize; 3] = [0, 1, 5];
-    let mut full = vec![0.0; 36];
+    let mut full = [0.0; 36];
     for off_plane in [2, 3, 4] {
         full[off_plane * 7] = OFF_PLANE_SIGMA * OFF_PLANE_SIGMA;
     }

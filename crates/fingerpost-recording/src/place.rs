@@ -12,9 +12,14 @@ use crate::transforms::VEHICLE;
 /// Standard deviation of the height above the ellipsoid, which nothing estimates, metres: that of the earth's surface.
 const HEIGHT_SIGMA_M: f64 = 9000.0;
 
+/// Covariance of a fix, east, north and up, row by row, m².
+pub fn position_covariance(fix: &MapFix) -> [f64; 9] {
+    let variance = fix.sigma_m * fix.sigma_m;
+    [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, HEIGHT_SIGMA_M * HEIGHT_SIGMA_M]
+}
+
 /// The fix as a message: heading clockwise from north, the status and the protection level beside it.
 pub(crate) fn location_fix(timestamp: Timestamp, fix: &MapFix) -> LocationFix {
-    let variance = fix.sigma_m * fix.sigma_m;
     let status = match fix.status {
         Status::Converged => "converged",
         Status::Ambiguous => "ambiguous",
@@ -30,17 +35,7 @@ pub(crate) fn location_fix(timestamp: Timestamp, fix: &MapFix) -> LocationFix {
         latitude: fix.at.lat_deg,
         longitude: fix.at.lon_deg,
         altitude: 0.0,
-        position_covariance: vec![
-            variance,
-            0.0,
-            0.0,
-            0.0,
-            variance,
-            0.0,
-            0.0,
-            0.0,
-            HEIGHT_SIGMA_M * HEIGHT_SIGMA_M,
-        ],
+        position_covariance: position_covariance(fix).to_vec(),
         position_covariance_type: PositionCovarianceType::Approximated as i32,
         heading: Some(FRAC_PI_2 - fix.heading_rad),
         velocity: None,

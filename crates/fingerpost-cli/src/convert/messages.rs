@@ -8,9 +8,9 @@ use fingerpost_bag::{Choice, Content, Records, RecordsError, Role, Survey, Wante
 use fingerpost_format::{CameraInfo, PictureKind};
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
-use super::mount::{KnownCamera, MountArgs};
 use super::recorded_drive::RecordedDrive;
 use crate::interrupt::Interrupt;
+use crate::mount_args::{KnownCamera, MountArgs};
 use crate::{output, output_path};
 
 /// From an MCAP recording: Foxglove's messages in protobuf, as run.mcap holds them, or ROS 2's in CDR. Topics of pictures

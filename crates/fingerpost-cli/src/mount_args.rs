@@ -1,4 +1,4 @@
-//! Where the camera of a recording sits, which recordings do not say.
+//! Where a camera sits, which neither recordings nor ROS say.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::arguments::number;
 /// The camera's mount, or the whole camera.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("where").args(["height_m", "mount", "camera"]).required(true)))]
-pub(super) struct MountArgs {
+pub(crate) struct MountArgs {
     /// Height of a level camera above the road, metres, 0.05 to 20; `calibrate mount` finds pitch and yaw then.
     #[arg(long, value_name = "H", value_parser = number(0.05, 20.0, "height", "metres"))]
     height_m: Option<f64>,
@@ -27,7 +27,7 @@ pub(super) struct MountArgs {
 
 /// What is known of the camera beforehand.
 #[derive(Debug)]
-pub(super) enum KnownCamera {
+pub(crate) enum KnownCamera {
     /// All of it.
     Whole(Box<Camera>),
     /// Where it sits.
@@ -36,12 +36,12 @@ pub(super) enum KnownCamera {
 
 impl MountArgs {
     /// Files that are read.
-    pub(super) fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.mount, &self.camera].into_iter().flatten()
     }
 
     /// Reads what is given.
-    pub(super) fn known(&self) -> Result<KnownCamera> {
+    pub(crate) fn known(&self) -> Result<KnownCamera> {
         match (&self.camera, &self.mount) {
             (Some(path), _) => Ok(KnownCamera::Whole(Box::new(read_camera(path)?))),
             (None, Some(path)) => {
