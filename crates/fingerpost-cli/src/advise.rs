@@ -17,6 +17,7 @@ use fingerpost_vision::picture::RgbImage;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
+use crate::picture_order::OutOfOrder;
 use crate::run::NEAR_SIGMA_M;
 use crate::stage_clock::{FrameClock, stage_name};
 use crate::{inputs, output};
@@ -121,6 +122,10 @@ impl Adviser {
 
     /// The answer to a frame.
     fn answer(&mut self, header: &FrameHeader, picture: &RgbImage) -> &FrameRecord {
+        let taken_s = header.t_s - self.first_t_s.unwrap_or(header.t_s);
+        if let Some(cause) = OutOfOrder::of(self.last_t_s.map(|(last_s, _)| last_s), taken_s) {
+            return self.pass_over(&cause);
+        }
         let time = self.time(header.t_s);
         // Times that step back say nothing of how long a frame lasted.
         let dt_s = self.last_t_s.map(|(last_s, _)| time.t_s - last_s).filter(|dt_s| *dt_s >= 0.0);

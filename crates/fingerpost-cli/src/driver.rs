@@ -18,6 +18,7 @@ use fingerpost_recording::{FrameRecorder, RecordedFrame};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
+use crate::picture_order::OutOfOrder;
 use crate::picture_scaling::PictureScaling;
 use crate::recorder::{Pictures, Subject, Wishes};
 use crate::road_detector::road_detector;
@@ -200,6 +201,9 @@ impl Driver {
     ) -> Result<FrameResult> {
         if self.sequence == Sequence::Stills {
             self.begin_anew()?;
+        }
+        if let Some(cause) = OutOfOrder::of(self.last_t_s, time.t_s) {
+            return Ok(pass_over(time, cause));
         }
         let mut clock = FrameClock::start();
         if let Some(scaling) = &mut self.scaling {

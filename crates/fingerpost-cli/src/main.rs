@@ -29,6 +29,7 @@ mod output;
 mod output_path;
 mod overlap;
 mod papers;
+mod picture_order;
 mod picture_scaling;
 mod recorder;
 mod road_detector;

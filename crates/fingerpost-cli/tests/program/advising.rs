@@ -240,3 +240,27 @@ fn rules_of_ones_own_fire_in_the_report() {
     assert!(own_page.contains(own_rule) && !own_page.contains(shipped_rule));
     assert!(shipped_page.contains(shipped_rule) && !shipped_page.contains(own_rule));
 }
+
+#[test]
+fn a_frame_that_a_later_one_has_passed_is_left_out() {
+    let frames = drive();
+    let (mut in_order, mut swapped) = (Advisor::start(&[]), Advisor::start(&[]));
+    let ask = |advisor: &mut Advisor, i: usize| advisor.asked(&header(&frames[i].0), &frames[i].1);
+    // The fifth frame comes after the sixth.
+    for i in 0..20 {
+        if i != 4 {
+            let expected = ask(&mut in_order, i);
+            let got = ask(&mut swapped, i);
+            assert_eq!(got.error, None);
+            // The number counts what came.
+            let got = FrameRecord { frame: expected.frame, stage_ms: expected.stage_ms.clone(), ..got };
+            assert_eq!(got, expected);
+        }
+        if i == 5 {
+            let passed = ask(&mut swapped, 4);
+            let error = passed.error.unwrap();
+            assert!(error.contains("0.100 s before") && error.contains("order"), "{error}");
+            assert_eq!(passed.advice.unwrap().stop.as_deref(), Some("broken_frame"));
+        }
+    }
+}
