@@ -79,7 +79,7 @@ impl DrivingLine {
         let spares_m = spare_m[0] + spare_m[1];
         let shares = if short_m < spares_m { spare_m.map(|m| m / spares_m) } else { [0.5; 2] };
         let setbacks_m = [self.setbacks_m[1], next.setbacks_m[0]];
-        Some([0, 1].map(|i| setbacks_m[i] - short_m * shares[i]))
+        Some([0, 1].map(|i| (setbacks_m[i] - short_m * shares[i]).max(0.0)))
     }
 
     /// How much shorter a leg of its curve may be, metres.
@@ -93,7 +93,7 @@ impl DrivingLine {
     fn lead_into(&mut self, config: &DrivingLineConfig, from_next: &Isometry2<f64>, next: &Self) {
         let (leads_at, next_at) = (self.index_near(self.end()), next.index_near(next.start()));
         let Some(joint) = self.meets(leads_at..self.points.len(), from_next * next.start()) else { return };
-        let count = config.lead_points() + leads_at - joint;
+        let count = (config.lead_points() + leads_at).saturating_sub(joint);
         let taken = next_at..next.points.len().min(next_at + count);
         self.points.truncate(joint);
         self.curvature_per_m.truncate(joint);
