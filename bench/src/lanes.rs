@@ -153,7 +153,7 @@ impl Drive {
         let most_rad = self.config.max_heading_deg.to_radians();
         let column = |left_m: f64| self.camera.pixel_of_ground(Point2::new(ahead_m, left_m)).map(|p| p.u);
         let far = |heading: f64| {
-            self.camera.pixel_of_ground(Point2::new(FAR_M * heading.cos(), FAR_M * heading.sin()))
+            self.camera.pixel_of_ground(Point2::new(FAR_M * libm::cos(heading), FAR_M * libm::sin(heading)))
         };
         let horizon_row = far(0.0)?.v - self.region.top_row as f64;
         let limits = [

@@ -35,6 +35,6 @@ fn row(bench: &mut Bench<'_>, side_px: usize, promised: Option<f64>) -> Result<R
 fn mean_end_point_difference(ours: &FlowField, theirs: &[f32]) -> f64 {
     let (pairs, _) = theirs.as_chunks::<2>();
     let ours = ours.dx.as_slice().iter().zip(ours.dy.as_slice());
-    let sum: f64 = ours.zip(pairs).map(|((dx, dy), [x, y])| f64::from((dx - x).hypot(dy - y))).sum();
+    let sum: f64 = ours.zip(pairs).map(|((dx, dy), [x, y])| f64::from(libm::hypotf(dx - x, dy - y))).sum();
     sum / pairs.len().max(1) as f64
 }

@@ -64,8 +64,9 @@ fn segments(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
     let theirs = bench.opencv_gives("hough_segments", &parameters, &[array_of_plane(edges)])?;
     let theirs = theirs[0].i32s();
     let (theirs, _) = theirs.as_chunks::<4>();
-    let long =
-        theirs.iter().filter(|s| f64::from(s[2] - s[0]).hypot(f64::from(s[3] - s[1])) >= 2.0 * SHORTEST_PX);
+    let long = theirs
+        .iter()
+        .filter(|s| libm::hypot(f64::from(s[2] - s[0]), f64::from(s[3] - s[1])) >= 2.0 * SHORTEST_PX);
     let (mut covered, mut all) = (0, 0);
     for segment in long {
         all += 1;
@@ -89,6 +90,6 @@ fn on_a_segment(segments: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let along = ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy).max(1e-9);
         let along = along.clamp(0.0, 1.0);
-        (x - a[0] - along * dx).hypot(y - a[1] - along * dy) <= 2.0
+        libm::hypot(x - a[0] - along * dx, y - a[1] - along * dy) <= 2.0
     })
 }

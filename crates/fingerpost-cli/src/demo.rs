@@ -119,7 +119,7 @@ mod tests {
     fn passed_sides(feature: &RouteFeature) -> Vec<f64> {
         let exit = feature.arms.iter().find(|arm| arm.role == ArmRole::Exit).unwrap();
         let sides = feature.arms.iter().filter(|arm| arm.role == ArmRole::Side);
-        sides.map(|side| (side.bearing_rad - exit.bearing_rad).sin()).collect()
+        sides.map(|side| libm::sin(side.bearing_rad - exit.bearing_rad)).collect()
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub(crate) fn check(
              begin on the route?"
         )]);
     }
-    let most_m = gate_m + APART_SIGMAS * config.start_sigma_m.hypot(config.gps_sigma_m);
+    let most_m = gate_m + APART_SIGMAS * libm::hypot(config.start_sigma_m, config.gps_sigma_m);
     let apart = start_m.and_then(|start_m| {
         let apart_m = (map.map_from_wgs84(*first) - line.at(start_m).0).norm();
         (apart_m > most_m).then(|| {
@@ -98,7 +98,7 @@ mod tests {
         let (route, config) = (route(), RouteProgressConfig::default());
         for from_m in [0.0, 30.0, 77.0] {
             for side in 0..8 {
-                let error = 15.0 * Vector2::new(f64::from(side).cos(), f64::from(side).sin());
+                let error = 15.0 * Vector2::new(libm::cos(f64::from(side)), libm::sin(f64::from(side)));
                 let gps = track(&route, from_m, |_| error);
                 for start_m in [None, Some(from_m), Some(from_m + 10.0)] {
                     assert!(check(&config, &route, start_m, &gps).unwrap().is_empty(), "{from_m} {side}");
@@ -113,7 +113,7 @@ mod tests {
         let (route, config) = (route(), RouteProgressConfig::default());
         for off_m in [1e3, 2e4, 3e5] {
             for side in 0..8 {
-                let away = off_m * Vector2::new(f64::from(side).cos(), f64::from(side).sin());
+                let away = off_m * Vector2::new(libm::cos(f64::from(side)), libm::sin(f64::from(side)));
                 let refused = check(&config, &route, None, &track(&route, 0.0, |_| away)).unwrap_err();
                 assert!(refused.to_string().contains("never comes nearer"), "{refused}");
             }

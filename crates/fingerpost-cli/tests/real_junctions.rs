@@ -151,7 +151,7 @@ fn street_06() -> Street {
 fn place_ahead(sequence: &str, frame: usize, ahead_m: f64) -> LatLon {
     let (at, heading_rad) = positions(sequence)[frame];
     let plane = TangentPlane::new(at);
-    plane.wgs84_from_map(Point2::new(ahead_m * heading_rad.cos(), ahead_m * heading_rad.sin()))
+    plane.wgs84_from_map(Point2::new(ahead_m * libm::cos(heading_rad), ahead_m * libm::sin(heading_rad)))
 }
 
 /// Distances of the fix from the recorder's place, metres, from a frame on; a start `off_m` farther ahead than the true one, known to

@@ -51,17 +51,17 @@ pub struct VehicleLimits {
 impl VehicleLimits {
     /// Largest angle of the front wheels, radians: that of the turning circle.
     pub fn steer_max_rad(&self) -> f64 {
-        (self.wheelbase_m / self.turning_radius_m).atan()
+        libm::atan(self.wheelbase_m / self.turning_radius_m)
     }
 
     /// Angle of the front wheels for a curvature (1/m) of the rear axle's path, radians: the bicycle model without slip.
     pub fn steer_rad(&self, curvature_per_m: f64) -> f64 {
-        (self.wheelbase_m * curvature_per_m).atan()
+        libm::atan(self.wheelbase_m * curvature_per_m)
     }
 
     /// Curvature of the rear axle's path, 1/m, at an angle of the front wheels, radians.
     pub fn curvature_per_m(&self, steer_rad: f64) -> f64 {
-        steer_rad.tan() / self.wheelbase_m
+        libm::tan(steer_rad) / self.wheelbase_m
     }
 
     /// Angle of the front wheels, radians, at which a vehicle so fast (m/s) slides on a wet road.
@@ -111,7 +111,7 @@ impl VehicleLimits {
     pub fn driven(&self, from: Moving, time_s: f64) -> Isometry2<f64> {
         let way_m = from.speed_mps * time_s;
         let turn_rad = way_m * self.curvature_per_m(from.steer_rad);
-        let chord = Vector2::new((0.5 * turn_rad).cos(), (0.5 * turn_rad).sin());
+        let chord = Vector2::new(libm::cos(0.5 * turn_rad), libm::sin(0.5 * turn_rad));
         Isometry2::new(chord * chord_m(way_m, turn_rad), turn_rad)
     }
 

@@ -27,7 +27,7 @@ impl PathPoint {
 
     /// The direction as a vector of length one.
     pub fn direction(&self) -> Vector2<f64> {
-        Vector2::new(self.heading_rad.cos(), self.heading_rad.sin())
+        Vector2::new(libm::cos(self.heading_rad), libm::sin(self.heading_rad))
     }
 
     /// So far on along its direction, metres.
@@ -75,7 +75,8 @@ pub fn lay(points: &[Point2<f64>], curvature_per_m: &[f64], path: &mut Vec<PathP
         let chord = path[(i + 1).min(last)].place() - path[i.saturating_sub(1)].place();
         let at_end_m = if i == 0 || i == last { 0.5 * chord.norm() } else { 0.0 };
         let towards = if i == 0 { -1.0 } else { 1.0 };
-        path[i].heading_rad = wrapped(chord.y.atan2(chord.x) + towards * at_end_m * path[i].curvature_per_m);
+        path[i].heading_rad =
+            wrapped(libm::atan2(chord.y, chord.x) + towards * at_end_m * path[i].curvature_per_m);
     }
     begin_beside_vehicle(path);
 }
@@ -97,8 +98,8 @@ pub fn arc(
         let chord_m = chord_m(along_m, 2.0 * turned);
         let towards = heading_rad + turned;
         path.push(PathPoint {
-            x_m: chord_m * towards.cos(),
-            y_m: left_m + chord_m * towards.sin(),
+            x_m: chord_m * libm::cos(towards),
+            y_m: left_m + chord_m * libm::sin(towards),
             heading_rad: wrapped(heading_rad + 2.0 * turned),
             curvature_per_m,
             along_m,
@@ -110,7 +111,7 @@ pub fn arc(
 /// Chord of an arc, metres, by its length and by the angle through which it turns, radians.
 pub(crate) fn chord_m(length_m: f64, turn_rad: f64) -> f64 {
     let half_rad = 0.5 * turn_rad;
-    if half_rad.abs() > 1e-6 { length_m * half_rad.sin() / half_rad } else { length_m }
+    if half_rad.abs() > 1e-6 { length_m * libm::sin(half_rad) / half_rad } else { length_m }
 }
 
 /// Copies a path as it is seen from another pose of the vehicle, `vehicle_from_other`, into `seen`.
@@ -196,7 +197,7 @@ mod tests {
     fn points_on_a_circle_have_its_directions() {
         let at = |i: i32| 0.05 * f64::from(i);
         let points: Vec<_> =
-            (-10..30).map(|i| Point2::new(8.0 * at(i).sin(), -8.0 * (1.0 - at(i).cos()))).collect();
+            (-10..30).map(|i| Point2::new(8.0 * libm::sin(at(i)), -8.0 * (1.0 - libm::cos(at(i))))).collect();
         let mut path = Vec::new();
         lay(&points, &vec![-1.0 / 8.0; points.len()], &mut path);
         for (i, point) in (-10..30).zip(&path) {

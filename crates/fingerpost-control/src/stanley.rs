@@ -57,7 +57,8 @@ impl Controller for Stanley {
         }));
         let axle = foot(&self.front, Point2::new(limits.wheelbase_m, 0.0)).ok_or(no_path)?;
         evidence.aim = Some(axle.on_path.place());
-        let towards_rad = (-self.gain_per_s() * axle.left_m).atan2(situation.speed_mps.abs() + SOFTENING_MPS);
+        let towards_rad =
+            libm::atan2(-self.gain_per_s() * axle.left_m, situation.speed_mps.abs() + SOFTENING_MPS);
         let here_per_m = beside.on_path.curvature_per_m;
         let soon_per_m = limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
         let turning_rad = limits.steer_rad(soon_per_m) - limits.steer_rad(here_per_m);

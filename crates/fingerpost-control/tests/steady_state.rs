@@ -105,7 +105,7 @@ fn a_circle_is_followed() {
         let points: Vec<_> = (0..)
             .map(|i| 0.25 * f64::from(i) / radius_m)
             .take_while(|angle| *angle < 12.0)
-            .map(|angle| Point2::new(radius_m * angle.sin(), side * radius_m * (1.0 - angle.cos())))
+            .map(|angle| Point2::new(radius_m * libm::sin(angle), side * radius_m * (1.0 - libm::cos(angle))))
             .collect();
         // Only the first turn of it, so that the nearest point is not one of another.
         let turns = points.len().min((6.0 * radius_m / 0.25) as usize);
@@ -136,8 +136,8 @@ fn corners_of_the_vehicle_s_turning_circle_are_driven() {
                     let turned = ((along_m - 20.0) / radius_m).clamp(0.0, 0.5 * std::f64::consts::PI);
                     let (before_m, behind_m) = (along_m.min(20.0), (along_m - 20.0 - quarter_m).max(0.0));
                     let place = Point2::new(
-                        before_m + radius_m * turned.sin(),
-                        side * (radius_m * (1.0 - turned.cos()) + behind_m),
+                        before_m + radius_m * libm::sin(turned),
+                        side * (radius_m * (1.0 - libm::cos(turned)) + behind_m),
                     );
                     let turns = (20.0..=20.0 + quarter_m).contains(&along_m);
                     (place, if turns { side / radius_m } else { 0.0 })

@@ -53,7 +53,7 @@ impl ClaimError {
     pub(crate) fn new(feature: &FeatureRecord, [forward_m, left_m]: [f64; 2]) -> Self {
         let off_m = [feature.forward_m - forward_m, feature.left_m - left_m];
         let by_sigma = |axis: usize| (off_m[axis] / feature.sigma_m[axis]).abs();
-        Self { distance_m: off_m[0].hypot(off_m[1]), per_sigma: [by_sigma(0), by_sigma(1)] }
+        Self { distance_m: libm::hypot(off_m[0], off_m[1]), per_sigma: [by_sigma(0), by_sigma(1)] }
     }
 }
 

@@ -41,7 +41,7 @@ impl LoopWatch {
         let (mut dt_s, mut moved_m) = (0.0, 0.0);
         if let Some(before) = &before {
             dt_s = frame.t_s - before.t_s;
-            moved_m = (frame.x_m - before.x_m).hypot(frame.y_m - before.y_m);
+            moved_m = libm::hypot(frame.x_m - before.x_m, frame.y_m - before.y_m);
         }
         self.way_m += moved_m;
         self.standing_s = if frame.speed_mps < STANDS_MPS { self.standing_s + dt_s } else { 0.0 };

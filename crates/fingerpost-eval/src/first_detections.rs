@@ -45,9 +45,9 @@ pub fn first_detections(
         };
         let moved_m = record.motion.map_or(0.0, |motion| motion.forward_m);
         let expected_m = route[place].1 - before_m - moved_m;
-        let distance_m = forward_m.hypot(left_m);
+        let distance_m = libm::hypot(forward_m, left_m);
         found.push(FirstDetection {
-            detected_off_m: (feature.forward_m.hypot(feature.left_m) - distance_m).abs(),
+            detected_off_m: (libm::hypot(feature.forward_m, feature.left_m) - distance_m).abs(),
             expected_off_m: (expected_m - distance_m).abs(),
         });
     }

@@ -18,8 +18,8 @@ pub(crate) fn fix_scores(
     let beside = |record: &FrameRecord| {
         let (fix, truth) = (record.fix.as_ref()?, truth.get(&record.frame)?);
         let north_rad = (fix.lat - truth.lat).to_radians();
-        let east_rad = (fix.lon - truth.lon).to_radians() * truth.lat.to_radians().cos();
-        let error_m = EARTH_RADIUS_M * north_rad.hypot(east_rad);
+        let east_rad = (fix.lon - truth.lon).to_radians() * libm::cos(truth.lat.to_radians());
+        let error_m = EARTH_RADIUS_M * libm::hypot(north_rad, east_rad);
         Some((error_m, fix.bound_m.is_some_and(|bound_m| error_m > bound_m)))
     };
     let fixes: Vec<(f64, bool)> = records.iter().filter_map(beside).collect();

@@ -66,15 +66,15 @@ fn longest_violation_s(samples: &[FixSample]) -> f64 {
 
 impl FixSample {
     fn error_m(&self) -> f64 {
-        self.off_m[0].hypot(self.off_m[1])
+        libm::hypot(self.off_m[0], self.off_m[1])
     }
 
     fn longitudinal_m(&self) -> f64 {
-        self.off_m[0] * self.true_heading_rad.cos() + self.off_m[1] * self.true_heading_rad.sin()
+        self.off_m[0] * libm::cos(self.true_heading_rad) + self.off_m[1] * libm::sin(self.true_heading_rad)
     }
 
     fn lateral_m(&self) -> f64 {
-        self.off_m[1] * self.true_heading_rad.cos() - self.off_m[0] * self.true_heading_rad.sin()
+        self.off_m[1] * libm::cos(self.true_heading_rad) - self.off_m[0] * libm::sin(self.true_heading_rad)
     }
 
     fn violates(&self) -> bool {

@@ -95,5 +95,5 @@ fn steps(records: &[FrameRecord], poses: &BTreeMap<u64, PlanarPose>) -> Vec<Step
 }
 
 fn length_m([forward_m, left_m, _]: [f64; 3]) -> f64 {
-    forward_m.hypot(left_m)
+    libm::hypot(forward_m, left_m)
 }

@@ -21,7 +21,7 @@ impl PlanarPose {
     /// The step from here to `next`: metres forward and left, radians to the left.
     pub(crate) fn step_to(&self, next: &Self) -> [f64; 3] {
         let (dx, dy) = (next.x_m - self.x_m, next.y_m - self.y_m);
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_rad);
         [cos * dx + sin * dy, cos * dy - sin * dx, wrapped(next.heading_rad - self.heading_rad)]
     }
 }
@@ -73,7 +73,7 @@ pub fn poses_from_kitti(text: &str) -> Result<BTreeMap<u64, PlanarPose>, PosesEr
             let [_, _, forward_x, x, _, _, _, _, _, _, forward_z, z] = numbers[..] else {
                 return Err(PosesError::Line { line: i + 1, found: numbers.len() });
             };
-            let pose = PlanarPose { x_m: z, y_m: -x, heading_rad: (-forward_x).atan2(forward_z) };
+            let pose = PlanarPose { x_m: z, y_m: -x, heading_rad: libm::atan2(-forward_x, forward_z) };
             Ok((frame as u64, pose))
         })
         .collect()

@@ -66,12 +66,12 @@ impl TruthFeatures {
     pub(crate) fn in_vehicle(&self, place: usize, truth: &TruthRecord) -> Option<[f64; 2]> {
         let feature = self.features.get(&place)?;
         let (east, north) = (feature.place_m[0] - truth.x_m, feature.place_m[1] - truth.y_m);
-        let (sin, cos) = truth.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(truth.heading_rad);
         Some([cos * east + sin * north, cos * north - sin * east])
     }
 }
 
 fn in_map(truth: &TruthRecord, forward_m: f64, left_m: f64) -> [f64; 2] {
-    let (sin, cos) = truth.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincos(truth.heading_rad);
     [truth.x_m + cos * forward_m - sin * left_m, truth.y_m + sin * forward_m + cos * left_m]
 }

@@ -125,7 +125,7 @@ pub fn track_tum(points: &[TrackPoint]) -> String {
     let mut lines =
         String::from("# timestamp tx ty tz qx qy qz qw; x east, y north of the map's plane, metres\n");
     for TrackPoint { t_s, place_m: [east, north], heading_rad, .. } in points {
-        let (sin, cos) = (0.5 * heading_rad).sin_cos();
+        let (sin, cos) = libm::sincos(0.5 * heading_rad);
         let _ = writeln!(lines, "{t_s:.6} {east:.4} {north:.4} 0 0 0 {sin:.8} {cos:.8}");
     }
     lines
@@ -136,11 +136,11 @@ pub fn track_tum(points: &[TrackPoint]) -> String {
 pub fn track_kitti(points: &[TrackPoint]) -> String {
     let mut lines = String::new();
     let Some(first) = points.first() else { return lines };
-    let (sin, cos) = first.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincos(first.heading_rad);
     for TrackPoint { place_m: [east, north], heading_rad, .. } in points {
         let (east, north) = (east - first.place_m[0], north - first.place_m[1]);
         let (ahead, right) = (east * cos + north * sin, east * sin - north * cos);
-        let (turned, straight) = (heading_rad - first.heading_rad).sin_cos();
+        let (turned, straight) = libm::sincos(heading_rad - first.heading_rad);
         let _ = writeln!(
             lines,
             "{straight:.8} 0 {:.8} {right:.4} 0 1 0 0 {turned:.8} 0 {straight:.8} {ahead:.4}",

@@ -65,7 +65,9 @@ impl TuningObjective {
             Self::False => scores.false_per_drive,
             Self::ErrorP50 => scores.error_p50_m,
             Self::ErrorP95 => scores.error_p95_m,
-            Self::Sigma => scores.error_per_sigma_p68.filter(|p68| *p68 > 0.0).map(|p68| p68.ln().abs()),
+            Self::Sigma => {
+                scores.error_per_sigma_p68.filter(|p68| *p68 > 0.0).map(|p68| libm::log(p68).abs())
+            }
             Self::Ms => Some(ms_per_frame),
         }
     }
@@ -199,7 +201,7 @@ mod tests {
             error: None,
         };
         let values = trial.objectives(&TuningObjective::ALL);
-        for (value, expected) in values.iter().zip([0.25, 0.5, 0.2, 0.9, 2.0_f64.ln(), 12.0]) {
+        for (value, expected) in values.iter().zip([0.25, 0.5, 0.2, 0.9, libm::log(2.0_f64), 12.0]) {
             assert!((value - expected).abs() < 1e-12, "{value} {expected}");
         }
         trial.scores = Some((&CampaignGroup::default()).into());

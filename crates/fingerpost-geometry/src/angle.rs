@@ -17,7 +17,7 @@ pub fn wrap_angle(angle_rad: f64) -> f64 {
 
 /// Heading of a direction: radians anticlockwise from the first axis, in (-pi, pi].
 pub fn heading_of(direction: Vector2<f64>) -> f64 {
-    direction.y.atan2(direction.x)
+    libm::atan2(direction.y, direction.x)
 }
 
 #[cfg(test)]

@@ -96,8 +96,8 @@ impl Distortion {
                 (p.norm() < max_radius).then(|| brown_conrady_point(&coefficients, p))
             }
             Self::KannalaBrandt { coefficients, max_angle_rad } => {
-                let radius = direction.x.hypot(direction.y);
-                let theta = radius.atan2(direction.z);
+                let radius = libm::hypot(direction.x, direction.y);
+                let theta = libm::atan2(radius, direction.z);
                 if !theta.is_finite() || theta >= max_angle_rad {
                     return None;
                 }
@@ -123,7 +123,7 @@ impl Distortion {
                 }
                 let theta = bisect(radius, max_angle_rad, |theta| theta_distorted(&coefficients, theta));
                 let along = if radius > 1e-12 { distorted / radius } else { Vector2::zeros() };
-                Vector3::new(along.x * theta.sin(), along.y * theta.sin(), theta.cos())
+                Vector3::new(along.x * libm::sin(theta), along.y * libm::sin(theta), libm::cos(theta))
             }
         };
         Unit::try_new(direction, 1e-12)

@@ -170,7 +170,7 @@ fn spread_rad(camera_from_board: &[Isometry3<f64>]) -> f64 {
         camera_from_board.iter().map(|pose| pose.rotation * Vector3::z()).collect();
     let angles = normals.iter().enumerate().flat_map(|(i, a)| {
         // A plane seen from either side is the same plane.
-        normals[i + 1..].iter().map(move |b| a.dot(b).abs().min(1.0).acos())
+        normals[i + 1..].iter().map(move |b| libm::acos(a.dot(b).abs().min(1.0)))
     });
     angles.fold(0.0, f64::max)
 }

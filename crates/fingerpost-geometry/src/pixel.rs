@@ -19,6 +19,6 @@ impl Pixel {
 
     /// Distance to another place in the picture, pixels.
     pub fn distance(self, other: Self) -> f64 {
-        (self.u - other.u).hypot(self.v - other.v)
+        libm::hypot(self.u - other.u, self.v - other.v)
     }
 }

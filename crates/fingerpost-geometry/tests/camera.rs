@@ -35,7 +35,9 @@ fn nose_down_moves_the_road_up_the_picture() {
     let down = camera(Distortion::None, Mount { pitch_rad: 0.05, ..Mount::level(1.5) });
     let place = Point2::new(10.0, 0.0);
     let change = level.pixel_of_ground(place).unwrap().v - down.pixel_of_ground(place).unwrap().v;
-    assert!((change - 590.0 * ((0.15_f64).atan().tan() - ((0.15_f64).atan() - 0.05).tan())).abs() < 1e-6);
+    assert!(
+        (change - 590.0 * (libm::tan(libm::atan(0.15)) - libm::tan(libm::atan(0.15) - 0.05))).abs() < 1e-6
+    );
 }
 
 #[test]

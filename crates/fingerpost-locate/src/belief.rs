@@ -93,7 +93,7 @@ impl Belief {
             roads,
             courses: Courses::default(),
             hypotheses: Vec::new(),
-            log_off_map: OFF_MAP_AT_START.ln(),
+            log_off_map: libm::log(OFF_MAP_AT_START),
             near: 0.0,
             agreed_m: 0.0,
             random: Random::new(seed),
@@ -107,7 +107,7 @@ impl Belief {
     /// Forgets everything.
     pub(crate) fn begin_anywhere(&mut self) {
         self.hypotheses.clear();
-        self.log_off_map = OFF_MAP_AT_START.ln();
+        self.log_off_map = libm::log(OFF_MAP_AT_START);
         self.near = 0.0;
         self.unmapped = UnmappedRoad::like(self.roads.bends());
         self.seed(1.0 - OFF_MAP_AT_START);
@@ -119,15 +119,15 @@ impl Belief {
         let off_map = self.off_map();
         let went = probability * (1.0 - off_map);
         self.near *= off_map / (off_map + went).max(f64::MIN_POSITIVE);
-        self.log_off_map = (off_map + went).ln();
+        self.log_off_map = libm::log(off_map + went);
         for hypothesis in &mut self.hypotheses {
-            hypothesis.log_weight += (1.0 - probability).ln();
+            hypothesis.log_weight += libm::log(1.0 - probability);
         }
     }
 
     /// Probability of being on no road of the map.
     pub(crate) fn off_map(&self) -> f64 {
-        self.log_off_map.exp()
+        libm::exp(self.log_off_map)
     }
 
     /// Moves all hypotheses and weighs them by the roads that they are on.
@@ -142,13 +142,13 @@ impl Belief {
         let leaving = leaves * (1.0 - off_map);
         self.unmapped.leave(leaving / (off_map + leaving).max(f64::MIN_POSITIVE));
         self.near = (off_map * self.near + leaving) / (off_map + leaving).max(f64::MIN_POSITIVE);
-        self.log_off_map = (off_map + leaving).ln() + self.unmapped.go(motion, &OFFSET_MODEL);
-        let stays = (1.0 - leaves).ln();
+        self.log_off_map = libm::log(off_map + leaving) + self.unmapped.go(motion, &OFFSET_MODEL);
+        let stays = libm::log(1.0 - leaves);
         let other_line = (OTHER_LINE_PER_M * motion.driven_m).min(0.5);
-        let (same_line, other_line) = ((1.0 - other_line).ln(), other_line.ln());
+        let (same_line, other_line) = (libm::log(1.0 - other_line), libm::log(other_line));
         for hypothesis in &mut self.hypotheses {
             let before =
-                (hypothesis.log_weight > MATTERS.ln()).then(|| hypothesis.off_line(OTHER_LINE_SIGMA_M));
+                (hypothesis.log_weight > libm::log(MATTERS)).then(|| hypothesis.off_line(OTHER_LINE_SIGMA_M));
             let fit = hypothesis.hold_to_road();
             hypothesis.log_weight += stays + same_line + fit.log_density;
             if let Some(mut off) = before.filter(|_| fit.surprise > SURPRISE) {
@@ -162,7 +162,7 @@ impl Belief {
         self.tried_m += motion.driven_m;
         if self.off_map() > 0.5 && self.tried_m > TRY_AGAIN_M {
             let mass = (self.tried_m / ELSEWHERE_FOR_M).min(0.5) * self.off_map();
-            self.log_off_map = (self.off_map() - mass).ln();
+            self.log_off_map = libm::log(self.off_map() - mass);
             self.seed(mass);
             self.normalise();
         }
@@ -179,14 +179,15 @@ impl Belief {
             self.near *= 1.0 - part;
             return;
         }
-        let heavy = self.hypotheses.iter().take_while(|hypothesis| hypothesis.log_weight > MATTERS.ln());
+        let heavy =
+            self.hypotheses.iter().take_while(|hypothesis| hypothesis.log_weight > libm::log(MATTERS));
         let on_map = 1.0 - off_map;
         self.waiting.extend(heavy.map(|hypothesis| {
             let mut back = hypothesis.come_back(RETURN_SIGMA_M, RETURN_SIGMA_RAD);
-            back.log_weight += (returns / on_map.max(returns)).ln();
+            back.log_weight += libm::log(returns / on_map.max(returns));
             Box::new(back)
         }));
-        self.log_off_map = (off_map - returns).ln();
+        self.log_off_map = libm::log(off_map - returns);
         // As much again goes elsewhere.
         self.near = (self.near - 2.0 * part * self.near) / (1.0 - part * self.near);
         self.hypotheses.append(&mut self.waiting);
@@ -214,7 +215,7 @@ impl Belief {
                     course: course.clone(),
                     along_m,
                     state: start(sample, step_m * SEED_SIGMA, heading_sigma),
-                    log_weight: (mass * step_m * edge.prior / shared).ln(),
+                    log_weight: libm::log(mass * step_m * edge.prior / shared),
                 }));
             }
         }
@@ -237,7 +238,7 @@ impl Belief {
                 let mut branch = hypothesis.clone();
                 branch.course = course;
                 branch.along_m -= shorter_m;
-                branch.log_weight += probability.ln();
+                branch.log_weight += libm::log(probability);
                 waiting.push(branch);
             }
             // The branches are looked at again: an exit may be shorter than the reach ahead.
@@ -250,11 +251,11 @@ impl Belief {
     pub(crate) fn weigh(&mut self, mut by: impl FnMut(&mut Hypothesis)) {
         let (mut before, mut after) = (0.0, 0.0);
         for hypothesis in &mut self.hypotheses {
-            before += hypothesis.log_weight.exp();
+            before += libm::exp(hypothesis.log_weight);
             by(hypothesis);
-            after += hypothesis.log_weight.exp();
+            after += libm::exp(hypothesis.log_weight);
         }
-        self.log_off_map += (after.max(f64::MIN_POSITIVE) / before.max(f64::MIN_POSITIVE)).ln();
+        self.log_off_map += libm::log(after.max(f64::MIN_POSITIVE) / before.max(f64::MIN_POSITIVE));
         self.normalise();
     }
 
@@ -262,13 +263,13 @@ impl Belief {
     pub(crate) fn normalise(&mut self) {
         let weights = self.hypotheses.iter().map(|hypothesis| hypothesis.log_weight);
         let most = weights.clone().fold(self.log_off_map, f64::max);
-        let least = most + LEAST_WEIGHT.ln();
+        let least = most + libm::log(LEAST_WEIGHT);
         self.hypotheses.retain(|hypothesis| hypothesis.log_weight > least);
         self.hypotheses.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight));
         self.hypotheses.truncate(MOST_KEPT);
         let weights = self.hypotheses.iter().map(|hypothesis| hypothesis.log_weight);
-        let sum: f64 = weights.map(|weight| (weight - most).exp()).sum();
-        let total = most + (sum + (self.log_off_map - most).exp()).ln();
+        let sum: f64 = weights.map(|weight| libm::exp(weight - most)).sum();
+        let total = most + libm::log(sum + libm::exp(self.log_off_map - most));
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.log_weight -= total);
         self.log_off_map -= total;
     }
@@ -279,7 +280,7 @@ pub(crate) fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State 
     let heading_rad = sample.heading_rad;
     let mut mean = Mean::zeros();
     (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);
-    let (sine, cosine) = heading_rad.sin_cos();
+    let (sine, cosine) = libm::sincos(heading_rad);
     let mut ahead = Mean::zeros();
     (ahead[EAST], ahead[NORTH]) = (cosine, sine);
     // The vehicle is as far beside the line as its offset says.

@@ -48,7 +48,7 @@ impl Belief {
         let mut state = best.state;
         let mut mass = 0.0;
         for hypothesis in self.hypotheses.iter().filter(|hypothesis| is_one_place(hypothesis, best)) {
-            let weight = hypothesis.log_weight.exp();
+            let weight = libm::exp(hypothesis.log_weight);
             mass += weight;
             state = mixed(&state, &hypothesis.state, weight / mass);
         }
@@ -70,10 +70,10 @@ impl Belief {
         // The place of most mass is about one of the heaviest hypotheses unless all are light, when nothing is known.
         let mass = |centre: &Hypothesis| {
             let near = self.hypotheses.iter().filter(|other| is_one_place(other, centre));
-            near.map(|hypothesis| hypothesis.log_weight.exp()).sum::<f64>()
+            near.map(|hypothesis| libm::exp(hypothesis.log_weight)).sum::<f64>()
         };
         let first: &Hypothesis = self.hypotheses.first()?;
-        if first.log_weight.exp() < 1e-2 {
+        if libm::exp(first.log_weight) < 1e-2 {
             return Some(first);
         }
         let heaviest = self.hypotheses.iter().take(8).map(|centre| (mass(centre), centre.as_ref()));
@@ -89,7 +89,7 @@ impl Belief {
             .take(MOST_PARTS)
             .filter(|hypothesis| is_one_heading(&hypothesis.state, state))
             .map(|hypothesis| Part {
-                mass: hypothesis.log_weight.exp(),
+                mass: libm::exp(hypothesis.log_weight),
                 off_m: hypothesis.state.place() - state.place(),
                 covariance: hypothesis.state.place_covariance(),
             })

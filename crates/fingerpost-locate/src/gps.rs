@@ -42,7 +42,7 @@ impl Receiver {
     pub(crate) fn weight(&mut self, t_s: f64) -> Option<f64> {
         let weight = match self.before_s {
             Some(before_s) if t_s <= before_s => return None,
-            Some(before_s) => 1.0 - (-2.0 * (t_s - before_s) / CORRELATION_S).exp(),
+            Some(before_s) => 1.0 - libm::exp(-2.0 * (t_s - before_s) / CORRELATION_S),
             None => 1.0,
         };
         self.before_s = Some(t_s);
@@ -81,8 +81,8 @@ impl Agreement {
             .try_inverse()
             .map_or(f64::INFINITY, |precision| innovation.dot(&(precision * innovation)));
         let true_density =
-            (-0.5 * squared).exp() / (TAU * expected.determinant().max(f64::MIN_POSITIVE).sqrt());
-        Self { log_density: ((1.0 - LIES) * true_density + LIES / LIES_WITHIN_M2).ln(), squared }
+            libm::exp(-0.5 * squared) / (TAU * expected.determinant().max(f64::MIN_POSITIVE).sqrt());
+        Self { log_density: libm::log((1.0 - LIES) * true_density + LIES / LIES_WITHIN_M2), squared }
     }
 
     fn is_believed(&self) -> bool {

@@ -119,7 +119,7 @@ impl Hypothesis {
 
     /// Direction of travel.
     pub(crate) fn ahead(&self) -> Vector2<f64> {
-        let (sine, cosine) = self.state.mean[HEADING].sin_cos();
+        let (sine, cosine) = libm::sincos(self.state.mean[HEADING]);
         Vector2::new(cosine, sine)
     }
 
@@ -145,5 +145,5 @@ fn turned(from: Vector2<f64>, to: Vector2<f64>) -> f64 {
 
 /// Logarithm of the density of a normal distribution, by the square of the deviation and the variance.
 pub(crate) fn log_normal(squared: f64, variance: f64) -> f64 {
-    -0.5 * (squared / variance + (TAU * variance).ln())
+    -0.5 * (squared / variance + libm::log(TAU * variance))
 }

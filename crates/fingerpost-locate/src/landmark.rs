@@ -148,7 +148,7 @@ impl Sighting {
     /// Derivative of [`Sighting::pose`] by the landmark's forward, left and heading in the vehicle frame.
     fn pose_by_sighting(&self) -> Matrix3<f64> {
         let heading = (self.map_from_landmark.rotation / self.vehicle_from_landmark.rotation).angle();
-        let (sine, cosine) = heading.sin_cos();
+        let (sine, cosine) = libm::sincos(heading);
         let off = self.map_from_landmark.translation.vector - self.pose().xy();
         Matrix3::new(-cosine, sine, -off.y, -sine, -cosine, off.x, 0.0, 0.0, -1.0)
     }
@@ -214,15 +214,16 @@ impl Seen {
         let expected = pose_covariance(&self.state) + pose_covariance(state);
         let precision = expected.try_inverse()?;
         let squared = off.dot(&(precision * off));
-        let log_density = -0.5 * (squared + expected.determinant().ln() + 3.0 * std::f64::consts::TAU.ln());
+        let log_density =
+            -0.5 * (squared + libm::log(expected.determinant()) + 3.0 * libm::log(std::f64::consts::TAU));
         log_density.is_finite().then_some(Innovation { off, expected, precision, log_density })
     }
 
     /// A hypothesis as it is where the landmark is what it is taken for; none where it cannot be.
     fn condition(&self, hypothesis: &Hypothesis) -> Option<Hypothesis> {
         let innovation = self.against(&hypothesis.state)?;
-        let log_weight = hypothesis.log_weight + self.present.ln() + innovation.log_density;
-        if log_weight < LEAST_SHARE.ln() + self.log_elsewhere() {
+        let log_weight = hypothesis.log_weight + libm::log(self.present) + innovation.log_density;
+        if log_weight < libm::log(LEAST_SHARE) + self.log_elsewhere() {
             return None;
         }
         let mut seeing = hypothesis.clone();
@@ -234,7 +235,7 @@ impl Seen {
 
     /// Logarithm of the likelihood of the sighting where it is something else.
     fn log_elsewhere(&self) -> f64 {
-        ((1.0 - self.present).max(LEAST_SHARE) * CLUTTER).ln()
+        libm::log((1.0 - self.present).max(LEAST_SHARE) * CLUTTER)
     }
 }
 
@@ -286,7 +287,7 @@ struct Expected {
 
 impl Expected {
     fn add(&mut self, hypothesis: &Hypothesis, innovation: &Innovation) {
-        let (weight, off) = (hypothesis.log_weight.exp(), innovation.off);
+        let (weight, off) = (libm::exp(hypothesis.log_weight), innovation.off);
         self.weight += weight;
         self.off += off * weight;
         self.squares += (innovation.expected + off * off.transpose()) * weight;
@@ -311,9 +312,9 @@ impl Belief {
     fn seeing(&self, seen: &Seen) -> Conditioned {
         let conditioned = self.hypotheses.iter().filter_map(|hypothesis| seen.condition(hypothesis));
         let seeing: Vec<Box<Hypothesis>> = conditioned.map(Box::new).collect();
-        let there: f64 = seeing.iter().map(|hypothesis| hypothesis.log_weight.exp()).sum();
-        let elsewhere = seen.log_elsewhere().exp();
-        Conditioned { seeing, log_total: (there + elsewhere).ln(), present: there / (there + elsewhere) }
+        let there: f64 = seeing.iter().map(|hypothesis| libm::exp(hypothesis.log_weight)).sum();
+        let elsewhere = libm::exp(seen.log_elsewhere());
+        Conditioned { seeing, log_total: libm::log(there + elsewhere), present: there / (there + elsewhere) }
     }
 
     /// The estimate of what is believed once a landmark in sight is taken in.

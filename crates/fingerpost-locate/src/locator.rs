@@ -204,7 +204,7 @@ impl Locator {
         self.belief.hypotheses.iter().map(|hypothesis| Rival {
             place_m: hypothesis.state.place(),
             heading_rad: hypothesis.state.mean[HEADING],
-            weight: hypothesis.log_weight.exp(),
+            weight: libm::exp(hypothesis.log_weight),
         })
     }
 

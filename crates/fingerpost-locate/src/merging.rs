@@ -51,11 +51,11 @@ fn are_alike(one: &State, other: &State) -> bool {
 /// Mean and covariance of two together.
 fn merge(kept: &mut Hypothesis, next: &Hypothesis) {
     let most = kept.log_weight.max(next.log_weight);
-    let [one, other] = [kept.log_weight, next.log_weight].map(|weight| (weight - most).exp());
+    let [one, other] = [kept.log_weight, next.log_weight].map(|weight| libm::exp(weight - most));
     let share = other / (one + other);
     kept.along_m += (next.along_m - kept.along_m) * share;
     kept.state = mixed(&kept.state, &next.state, share);
-    kept.log_weight = most + (one + other).ln();
+    kept.log_weight = most + libm::log(one + other);
 }
 
 /// Mean and covariance of a mixture of which `other` has a share.

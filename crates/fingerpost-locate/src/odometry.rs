@@ -92,7 +92,7 @@ impl Motion {
         let (forward_m, turn_rad) = (speed_mps * time_s, yaw_rate_rps * time_s);
         // The chord of the arc has the heading of its middle.
         let heading = self.turn_rad + 0.5 * turn_rad;
-        let ahead = Vector2::new(heading.cos(), heading.sin());
+        let ahead = Vector2::new(libm::cos(heading), libm::sin(heading));
         let left = Vector2::new(-ahead.y, ahead.x);
         self.place_by_bias -= left * (forward_m * (self.time_s + 0.5 * time_s));
 

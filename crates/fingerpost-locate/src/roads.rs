@@ -129,7 +129,7 @@ impl Bending {
     }
 
     fn count(&mut self, before: Vector2<f64>, after: Vector2<f64>, often: f64) {
-        let turn_rad = before.perp(&after).atan2(before.dot(&after));
+        let turn_rad = libm::atan2(before.perp(&after), before.dot(&after));
         if turn_rad.abs() > CORNER_FROM_RAD {
             self.corners += often;
         } else {

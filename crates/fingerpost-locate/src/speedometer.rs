@@ -78,7 +78,7 @@ impl Speedometer {
         let stands = mps.abs() <= f64::MIN_POSITIVE;
         let repeats_alive = self.repeats_alive();
         let alive = |about_mps: f64, variance: f64| {
-            let fit = (-0.5 * (mps - about_mps).powi(2) / variance).exp();
+            let fit = libm::exp(-0.5 * (mps - about_mps).powi(2) / variance);
             let value = match (repeats, stands) {
                 (true, true) => fit,
                 (true, false) => repeats_alive * fit,
@@ -124,7 +124,7 @@ impl Speedometer {
 
 /// How probable a yaw rate is at standstill against that of a vehicle that moves; at most 1, as many drive straight on.
 fn stands_by_yaw(yaw_rate_rps: f64) -> f64 {
-    let per_rps = |sigma_rps: f64| (-0.5 * (yaw_rate_rps / sigma_rps).powi(2)).exp() / sigma_rps;
+    let per_rps = |sigma_rps: f64| libm::exp(-0.5 * (yaw_rate_rps / sigma_rps).powi(2)) / sigma_rps;
     (per_rps(STANDING_RPS) / per_rps(MOVING_RPS).max(f64::MIN_POSITIVE)).min(1.0)
 }
 
@@ -156,7 +156,7 @@ mod tests {
         let mut random = Random::new(1);
         (0..1200)
             .map(|row| {
-                10.0 + 5.0 * (f64::from(row) / 150.0).sin() + 0.2 * (random.unit() + random.unit() - 1.0)
+                10.0 + 5.0 * libm::sin(f64::from(row) / 150.0) + 0.2 * (random.unit() + random.unit() - 1.0)
             })
             .map(|mps| ((mps / step_mps).round() * step_mps, 0.01))
             .collect()

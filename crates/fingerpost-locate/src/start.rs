@@ -29,11 +29,12 @@ impl Belief {
             let squared = expected
                 .try_inverse()
                 .map_or(f64::INFINITY, |precision| innovation.dot(&(precision * innovation)));
-            hypothesis.log_weight -= 0.5 * (squared + expected.determinant().max(f64::MIN_POSITIVE).ln());
+            hypothesis.log_weight -=
+                0.5 * (squared + libm::log(expected.determinant().max(f64::MIN_POSITIVE)));
             if let Some([heading_rad, sigma_rad]) = start.heading_rad {
                 let off_rad = wrap_angle(heading_rad - hypothesis.state.mean[HEADING]);
                 let variance = hypothesis.state.covariance[(HEADING, HEADING)] + sigma_rad * sigma_rad;
-                hypothesis.log_weight -= 0.5 * (off_rad * off_rad / variance + (TAU * variance).ln());
+                hypothesis.log_weight -= 0.5 * (off_rad * off_rad / variance + libm::log(TAU * variance));
             }
             hypothesis.state.take_place(innovation, variance_m2);
         });

@@ -63,7 +63,7 @@ impl State {
     pub(crate) fn go(&mut self, motion: &Motion, offset: &OffsetModel) {
         let jacobian = self.jacobian(motion, offset);
         self.mean = self.moved(motion, offset);
-        let (sine, cosine) = self.start_heading(motion).sin_cos();
+        let (sine, cosine) = libm::sincos(self.start_heading(motion));
         let turned = nalgebra::Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
         let noise = turned * motion.covariance * turned.transpose();
         self.covariance = carried(&self.covariance, &jacobian);
@@ -141,7 +141,7 @@ impl State {
 impl OffsetModel {
     /// The part of the offset that stays after a motion.
     pub(crate) fn kept(&self, motion: &Motion) -> f64 {
-        (-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad).exp()
+        libm::exp(-motion.driven_m / self.distance_m - motion.turn_rad.abs() / self.turn_rad)
     }
 }
 
@@ -163,7 +163,7 @@ fn carried(covariance: &Covariance, jacobian: &Covariance) -> Covariance {
 }
 
 fn rotated(vector: Vector2<f64>, angle_rad: f64) -> Vector2<f64> {
-    let (sine, cosine) = angle_rad.sin_cos();
+    let (sine, cosine) = libm::sincos(angle_rad);
     Vector2::new(cosine * vector.x - sine * vector.y, sine * vector.x + cosine * vector.y)
 }
 
@@ -204,7 +204,7 @@ mod tests {
     fn a_covariance_is_carried_as_by_the_whole_product() {
         let (state, motion) = (state(), motion());
         let jacobian = state.jacobian(&motion, &OFFSET_MODEL);
-        let root = Covariance::from_fn(|row, column| ((3 * row + 5 * column) as f64).sin());
+        let root = Covariance::from_fn(|row, column| libm::sin((3 * row + 5 * column) as f64));
         let covariance = root * root.transpose();
         let whole = jacobian * covariance * jacobian.transpose();
         assert!((carried(&covariance, &jacobian) - whole).norm() < 1e-9);

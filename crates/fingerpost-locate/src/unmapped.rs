@@ -67,12 +67,12 @@ impl UnmappedRoad {
             parts.iter_mut().zip(&changes).for_each(|(part, changes)| part.weight *= changes[to]);
             *mode = mixed(&parts);
             mode.go(motion, offset, rad2_per_m);
-            mode.weight *= mode.hold().exp();
+            mode.weight *= libm::exp(mode.hold());
             density += mode.weight;
         }
         let density = density.max(f64::MIN_POSITIVE);
         self.modes.iter_mut().for_each(|mode| mode.weight /= density);
-        density.ln()
+        libm::log(density)
     }
 
     /// Probabilities of each mode's becoming each other one over a distance.
@@ -96,7 +96,7 @@ impl Beside {
     }
 
     fn go(&mut self, motion: &Motion, offset: &OffsetModel, rad2_per_m: f64) {
-        let (sine, cosine) = self.mean[1].sin_cos();
+        let (sine, cosine) = libm::sincos(self.mean[1]);
         let by_heading = motion.place_m.x * cosine - motion.place_m.y * sine;
         self.mean += Vector2::new(motion.place_m.x * sine + motion.place_m.y * cosine, motion.turn_rad);
         let moved = Matrix2::new(1.0, by_heading, 0.0, 1.0);
@@ -165,7 +165,7 @@ mod tests {
     fn a_corner_is_as_surprising_as_it_is_rare() {
         let [often, rarely] =
             [0.01, 0.001].map(|per_m| density(&mut UnmappedRoad::like(bends(per_m)), turn()));
-        let rarer = 10.0_f64.ln();
+        let rarer = libm::log(10.0_f64);
         assert!((often - rarely - rarer).abs() < 0.5, "{often} {rarely}");
     }
 

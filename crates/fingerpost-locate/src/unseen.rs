@@ -43,7 +43,7 @@ impl Hypothesis {
     /// are what they were.
     fn follow_course(&mut self, more_sigma_m: f64) {
         let Some(sample) = self.course.between(self.along_m, self.along_m).1.first() else { return };
-        let along_sigma_m = self.state.sigma_along_m(self.ahead()).hypot(more_sigma_m);
+        let along_sigma_m = libm::hypot(self.state.sigma_along_m(self.ahead()), more_sigma_m);
         let before = self.state;
         self.state = start(sample, along_sigma_m, JUNCTION_HEADING_SIGMA);
         for number in [SCALE, BIAS] {

@@ -127,7 +127,7 @@ impl Cutter<'_> {
     /// Whether the exit leaves the road that would go straight on from the approach near enough for a picture to tell.
     fn leaves_straight_on(&self, [approach, exit]: [&Arm; 2]) -> bool {
         let place = |at: &LatLon| self.courses.plane().map_from_wgs84(*at);
-        let (sine, cosine) = approach.bearing_rad.sin_cos();
+        let (sine, cosine) = libm::sincos(approach.bearing_rad);
         let course = Polyline::new(exit.points.iter().map(place));
         course.is_ok_and(|course| {
             leaves_after_m(&course, -Vector2::new(cosine, sine), 0.5 * approach.width_m).is_some()

@@ -32,7 +32,7 @@ mod tests {
     fn arc(radius_m: f64) -> Polyline {
         let at = |i: i32| {
             let turned = 0.05 * f64::from(i);
-            Point2::new(radius_m * turned.sin(), radius_m * (1.0 - turned.cos()))
+            Point2::new(radius_m * libm::sin(turned), radius_m * (1.0 - libm::cos(turned)))
         };
         Polyline::new((0..30).map(at)).unwrap()
     }

@@ -128,8 +128,8 @@ struct LocalFrame {
 
 impl LocalFrame {
     fn at(place: LatLon) -> Self {
-        let (sin_lat, cos_lat) = place.lat_deg.to_radians().sin_cos();
-        let (sin_lon, cos_lon) = place.lon_deg.to_radians().sin_cos();
+        let (sin_lat, cos_lat) = libm::sincos(place.lat_deg.to_radians());
+        let (sin_lon, cos_lon) = libm::sincos(place.lon_deg.to_radians());
         let squeeze = 1.0 - ECCENTRICITY_SQUARED * sin_lat * sin_lat;
         let prime_vertical_m = SEMI_MAJOR_M / squeeze.sqrt();
         Self {

@@ -24,7 +24,7 @@ fn demo_route() -> Route {
 }
 
 fn side_is_left(feature: &RouteFeature) -> bool {
-    (feature.arms[2].bearing_rad - feature.arms[1].bearing_rad).sin() > 0.0
+    libm::sin(feature.arms[2].bearing_rad - feature.arms[1].bearing_rad) > 0.0
 }
 
 #[test]

@@ -222,17 +222,17 @@ fn road_probability(config: &NetworkConfig, classes: usize, score: impl Fn(usize
     };
     let probability = match config.scores {
         ScoreKind::None => of_road(&|score| score),
-        ScoreKind::Sigmoid => of_road(&|score| 1.0 / (1.0 + (-score).exp())),
+        ScoreKind::Sigmoid => of_road(&|score| 1.0 / (1.0 + libm::expf(-score))),
         ScoreKind::Softmax => {
             let most = (0..classes).map(&score).fold(f32::NEG_INFINITY, f32::max);
-            let total: f32 = (0..classes).map(|class| (score(class) - most).exp()).sum();
-            of_road(&|score| (score - most).exp()) / total
+            let total: f32 = (0..classes).map(|class| libm::expf(score(class) - most)).sum();
+            of_road(&|score| libm::expf(score - most)) / total
         }
     };
     if probability.is_nan() {
         return 0.0;
     }
-    let road = probability.clamp(0.0, 1.0) * config.log_odds_offset.exp();
+    let road = probability.clamp(0.0, 1.0) * libm::expf(config.log_odds_offset);
     let other = 1.0 - probability.clamp(0.0, 1.0);
     road / (road + other)
 }
@@ -284,7 +284,7 @@ mod tests {
         assert!(of(ScoreKind::None, [0.7, 0.6, 0.1], &[0, 1]) >= 1.0);
         let config = NetworkConfig { log_odds_offset: 2.0, scores: ScoreKind::None, ..Default::default() };
         let offset = |probability: f32| road_probability(&config, 2, |_| probability);
-        assert!((offset(0.1) - 1.0 / (1.0 + 9.0 * (-2.0_f32).exp())).abs() < 1e-6);
+        assert!((offset(0.1) - 1.0 / (1.0 + 9.0 * libm::expf(-2.0))).abs() < 1e-6);
         assert!(offset(0.0) <= 0.0 && offset(1.0) >= 1.0);
     }
 

@@ -36,7 +36,7 @@ fn a_network_finds_its_road() {
     let mut probability = Plane::default();
     network.segment(&frame(), &mut probability).unwrap();
     assert_eq!(probability.size(), (32, 16));
-    let expected = 255.0 / (1.0 + (-8.0 * 200.0 / 255.0_f64).exp());
+    let expected = 255.0 / (1.0 + libm::exp(-8.0 * 200.0 / 255.0_f64));
     assert_eq!(probability.get(3, 8).unwrap(), expected.round() as u8);
     assert_eq!(probability.get(28, 8).unwrap(), 255 - expected.round() as u8);
     // A frame of another size, with the channels the other way round: blue and green stay, red moves.

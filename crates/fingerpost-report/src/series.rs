@@ -204,7 +204,7 @@ pub(crate) fn thinned_path(points: impl Iterator<Item = [f64; 2]>, step: f64) ->
     let mut kept: Vec<[f64; 2]> = Vec::new();
     let mut skipped = None;
     for point in points.filter(|p| p[0].is_finite() && p[1].is_finite()) {
-        let near = kept.last().is_some_and(|last| (point[0] - last[0]).hypot(point[1] - last[1]) < step);
+        let near = kept.last().is_some_and(|last| libm::hypot(point[0] - last[0], point[1] - last[1]) < step);
         if near {
             skipped = Some(point);
         } else {

@@ -158,7 +158,7 @@ impl Timeline {
         let truth = truth.filter(|truth| feature.is_some_and(|feature| truth.feature_id == Some(feature.id)));
         let true_m = truth.and_then(|truth| truth.feature_forward_m.zip(truth.feature_left_m));
         let error_m = feature.zip(true_m).map(|(feature, (forward_m, left_m))| {
-            (feature.forward_m - forward_m).hypot(feature.left_m - left_m)
+            libm::hypot(feature.forward_m - forward_m, feature.left_m - left_m)
         });
         let values = [
             (&mut self.distance_m.reported, feature.map(|feature| feature.forward_m)),

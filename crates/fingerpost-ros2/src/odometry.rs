@@ -83,7 +83,7 @@ pub(crate) fn driving_line(stamp_ns: u64, line: &[Point2<f64>]) -> Path {
     let header = Header::new(stamp_ns, BASE_LINK);
     let along = line.windows(2).map(|ends| {
         let ahead = ends[1] - ends[0];
-        Isometry2::new(ends[0].coords, ahead.y.atan2(ahead.x))
+        Isometry2::new(ends[0].coords, libm::atan2(ahead.y, ahead.x))
     });
     let poses = along.map(|pose| PoseStamped { header: header.clone(), pose: Pose::from(&pose) }).collect();
     Path { header, poses }

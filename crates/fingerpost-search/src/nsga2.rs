@@ -238,7 +238,7 @@ fn crossed(random: &mut Random, one: &[f64], two: &[f64]) -> Vec<f64> {
     let gene = |(&a, &b): (&f64, &f64)| {
         let drawn = random.unit();
         let spread = if drawn < 0.5 { 2.0 * drawn } else { 0.5 / (1.0 - drawn) };
-        let spread = spread.powf(1.0 / (CROSSOVER_INDEX + 1.0));
+        let spread = libm::pow(spread, 1.0 / (CROSSOVER_INDEX + 1.0));
         // Either child of the pair is as likely.
         let side = if random.unit() < 0.5 { spread } else { -spread };
         0.5 * (a + b) + 0.5 * side * (a - b)
@@ -255,9 +255,9 @@ fn mutate(random: &mut Random, genes: &mut [f64]) {
         }
         let drawn = random.unit();
         let step = if drawn < 0.5 {
-            (2.0 * drawn).powf(1.0 / (MUTATION_INDEX + 1.0)) - 1.0
+            libm::pow(2.0 * drawn, 1.0 / (MUTATION_INDEX + 1.0)) - 1.0
         } else {
-            1.0 - (2.0 * (1.0 - drawn)).powf(1.0 / (MUTATION_INDEX + 1.0))
+            1.0 - libm::pow(2.0 * (1.0 - drawn), 1.0 / (MUTATION_INDEX + 1.0))
         };
         *gene += step;
     }

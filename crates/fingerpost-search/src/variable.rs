@@ -113,7 +113,7 @@ impl Variable {
                 (value - self.least) / (self.most - self.least)
             }
             Kind::Real(Scale::Logarithmic) | Kind::Whole(Scale::Logarithmic) => {
-                (value / self.least).ln() / (self.most / self.least).ln()
+                libm::log(value / self.least) / libm::log(self.most / self.least)
             }
             Kind::Choice => (value + 0.5) / (self.most + 1.0),
         }
@@ -122,7 +122,7 @@ impl Variable {
     fn scaled(&self, gene: f64, scale: Scale) -> f64 {
         match scale {
             Scale::Linear => self.least + gene * (self.most - self.least),
-            Scale::Logarithmic => self.least * (self.most / self.least).powf(gene),
+            Scale::Logarithmic => self.least * libm::pow(self.most / self.least, gene),
         }
     }
 }
@@ -132,7 +132,7 @@ fn rounded(value: f64) -> f64 {
     if value == 0.0 {
         return 0.0;
     }
-    let place = DIGITS - 1 - value.abs().log10().floor() as i32;
+    let place = DIGITS - 1 - libm::log10(value.abs()).floor() as i32;
     // Dividing by a power of ten gives the decimal number itself, multiplying by a tenth does not.
     if place >= 0 {
         let power = 10_f64.powi(place);

@@ -109,7 +109,7 @@ impl Bicycle {
             speed_mps: 0.0,
             steer_rad: 0.0,
             wheelbase_m,
-            full_lock_rad: (wheelbase_m / turning_radius_m).atan(),
+            full_lock_rad: libm::atan(wheelbase_m / turning_radius_m),
             actuation,
             lengthwise_mps2: 0.0,
         }
@@ -117,7 +117,7 @@ impl Bicycle {
 
     /// Curvature of the rear axle's way, 1/m, positive to the left.
     pub fn curvature_per_m(&self) -> f64 {
-        self.steer_rad.tan() / self.wheelbase_m
+        libm::tan(self.steer_rad) / self.wheelbase_m
     }
 
     /// Acceleration along the body, m/s2, negative while it brakes.
@@ -158,8 +158,8 @@ impl Bicycle {
         let turned_rad = way_m * self.curvature_per_m();
         // The chord of an arc lies in the direction of its middle and is shorter by the sine of half of its turn.
         let half_rad = 0.5 * turned_rad;
-        let shortened = if half_rad.abs() > 1e-9 { half_rad.sin() / half_rad } else { 1.0 };
-        let (sin, cos) = (self.heading_rad + half_rad).sin_cos();
+        let shortened = if half_rad.abs() > 1e-9 { libm::sin(half_rad) / half_rad } else { 1.0 };
+        let (sin, cos) = libm::sincos(self.heading_rad + half_rad);
         self.p_in_map += Vector2::new(cos, sin) * (way_m * shortened);
         self.heading_rad = wrap_angle(self.heading_rad + turned_rad);
     }
@@ -177,7 +177,7 @@ mod tests {
     fn a_held_angle_drives_the_circle_of_its_radius() {
         for steer_rad in [0.2_f64, -0.2, 0.45, -0.03] {
             let mut vehicle = Bicycle { steer_rad, speed_mps: 6.0, ..car() };
-            let radius_m = 2.7 / steer_rad.tan();
+            let radius_m = 2.7 / libm::tan(steer_rad);
             // To the left of a vehicle that looks east is north.
             let centre = vehicle.p_in_map + Vector2::new(0.0, radius_m);
             for _ in 0..400 {

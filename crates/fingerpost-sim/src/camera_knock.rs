@@ -24,7 +24,7 @@ impl CameraKnock {
     pub(crate) fn new(seed: u64, angle_rad: f64, [from_m, to_m]: [f64; 2]) -> Option<Self> {
         let mut stream = Stream::new(seed, 0x4b4e_4f43);
         let at_m = from_m + (to_m - from_m) * stream.between(WHERE[0], WHERE[1]);
-        let (sin, cos) = stream.between(0.0, TAU).sin_cos();
+        let (sin, cos) = libm::sincos(stream.between(0.0, TAU));
         (angle_rad > 0.0).then_some(Self { at_m, pitch_rad: angle_rad * sin, yaw_rad: angle_rad * cos })
     }
 
@@ -48,7 +48,7 @@ mod tests {
             let knock = CameraKnock::new(seed, 0.03, [10.0, 110.0]).unwrap();
             assert_eq!(knock.on(mount, 29.0), mount);
             let after = knock.on(mount, 71.0);
-            let turned_rad = (after.pitch_rad - mount.pitch_rad).hypot(after.yaw_rad - mount.yaw_rad);
+            let turned_rad = libm::hypot(after.pitch_rad - mount.pitch_rad, after.yaw_rad - mount.yaw_rad);
             assert!((turned_rad - 0.03).abs() < 1e-12);
         }
         assert_eq!(CameraKnock::new(1, 0.0, [10.0, 110.0]), None);

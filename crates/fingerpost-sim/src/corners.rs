@@ -63,12 +63,12 @@ impl Corner {
             return Self::Chamfer(stream.between(LEGS_M[0], LEGS_M[1]));
         }
         // As many between 1 and 4 m as between 4 and 15 m.
-        Self::Round(stream.between(RADII_M[0].ln(), RADII_M[1].ln()).exp())
+        Self::Round(libm::exp(stream.between(libm::log(RADII_M[0]), libm::log(RADII_M[1]))))
     }
 
     /// The same where there is less room for it: `arms` with half of their widths, metres, and `turn_rad` from one into the other.
     pub(crate) fn between(self, arms: [(Arm, f64); 2], turn_rad: f64) -> Self {
-        let tangent = (0.5 * turn_rad.abs()).tan().max(1e-3);
+        let tangent = libm::tan(0.5 * turn_rad.abs()).max(1e-3);
         let rooms_m = arms.map(|(arm, half_width_m)| arm.straight_m - half_width_m * tangent);
         let room_m = rooms_m[0].min(rooms_m[1]);
         match self {
@@ -80,7 +80,7 @@ impl Corner {
     /// Radius of the largest circle that touches both edges and stays on the road, metres; `turn_rad` from one road into the
     /// other.
     pub(crate) fn radius_m(self, turn_rad: f64) -> f64 {
-        let tangent = (0.5 * turn_rad.abs()).tan().max(1e-3);
+        let tangent = libm::tan(0.5 * turn_rad.abs()).max(1e-3);
         let asked_m = match self {
             Self::Round(radius_m) => radius_m,
             // The circle that touches the edges where the cut begins and ends.
@@ -96,7 +96,7 @@ impl Corner {
             return f64::INFINITY;
         }
         // From one road into the other the way turns by the angle between the edges' normals.
-        let radius_m = self.radius_m(cos.acos());
+        let radius_m = self.radius_m(libm::acos(cos));
         match self {
             Self::Round(_) => {
                 let (u, v) = (radius_m - one.distance_m, radius_m - other.distance_m);
@@ -143,7 +143,7 @@ mod tests {
     /// Edges along both axes of the plane, with the road where either coordinate is negative, turned so that the angle
     /// between their normals is `angle_rad`.
     fn edges(x: f64, y: f64, angle_rad: f64) -> (EdgeAt, EdgeAt) {
-        let normals = [Vector2::new(1.0, 0.0), Vector2::new(angle_rad.cos(), angle_rad.sin())];
+        let normals = [Vector2::new(1.0, 0.0), Vector2::new(libm::cos(angle_rad), libm::sin(angle_rad))];
         let at = |normal: Vector2<f64>| EdgeAt {
             distance_m: normal.dot(&Vector2::new(x, y)),
             outwards: normal,
@@ -158,11 +158,12 @@ mod tests {
             let angle_rad = angle_deg.to_radians();
             let radius_m: f64 = 5.0;
             // The middle is a radius away from both edges, half-way between their normals.
-            let away_m = radius_m / (0.5 * angle_rad).cos();
-            let middle = Vector2::new((0.5 * angle_rad).cos(), (0.5 * angle_rad).sin()) * away_m;
+            let away_m = radius_m / libm::cos(0.5 * angle_rad);
+            let middle = Vector2::new(libm::cos(0.5 * angle_rad), libm::sin(0.5 * angle_rad)) * away_m;
             for turn in [0.1, 0.5, 0.9] {
                 let direction_rad = std::f64::consts::PI + turn * angle_rad;
-                let on_arc = middle + Vector2::new(direction_rad.cos(), direction_rad.sin()) * radius_m;
+                let on_arc =
+                    middle + Vector2::new(libm::cos(direction_rad), libm::sin(direction_rad)) * radius_m;
                 let (one, other) = edges(on_arc.x, on_arc.y, angle_rad);
                 let edge_m = Corner::Round(radius_m).edge_m(&one, &other);
                 assert!(edge_m.abs() < 1e-9, "{edge_m} m at {angle_deg} degrees");
@@ -230,9 +231,9 @@ mod tests {
     fn wide_corners_of_sharp_turns_are_no_longer_than_the_roads() {
         let turn_rad = 2.4_f64;
         let radius_m = Corner::Round(15.0).radius_m(turn_rad);
-        assert!((radius_m * (0.5 * turn_rad).tan() - MAX_TANGENT_M).abs() < 1e-9);
+        assert!((radius_m * libm::tan(0.5 * turn_rad) - MAX_TANGENT_M).abs() < 1e-9);
         assert!((Corner::Round(5.0).radius_m(std::f64::consts::FRAC_PI_2) - 5.0).abs() < 1e-9);
-        let cut_m = Corner::Chamfer(3.0).radius_m(turn_rad) * (0.5 * turn_rad).tan();
+        let cut_m = Corner::Chamfer(3.0).radius_m(turn_rad) * libm::tan(0.5 * turn_rad);
         assert!((cut_m - 3.0).abs() < 1e-9, "a cut is touched where it begins");
     }
 }

@@ -203,7 +203,7 @@ impl RoadCourse {
                 let curvature = |share: f64| from + (to - from) * (i as f64 + share) / steps;
                 // Of a linear curvature the chord's direction is the heading in the middle, but for a part in a million.
                 let middle_rad = here.heading_rad + 0.5 * step_m * curvature(0.25);
-                let (sin, cos) = middle_rad.sin_cos();
+                let (sin, cos) = libm::sincos(middle_rad);
                 here = AxisPoint {
                     place: here.place + Vector2::new(cos, sin) * step_m,
                     heading_rad: here.heading_rad + step_m * curvature(0.5),
@@ -231,7 +231,7 @@ struct AxisPoint {
 
 impl AxisPoint {
     fn left(&self) -> Vector2<f64> {
-        Vector2::new(-self.heading_rad.sin(), self.heading_rad.cos())
+        Vector2::new(-libm::sin(self.heading_rad), libm::cos(self.heading_rad))
     }
 }
 

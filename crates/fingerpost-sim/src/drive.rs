@@ -76,7 +76,7 @@ impl Spring {
         // Each sine has a mean square of a half.
         let scale = self.rms_rad * (2.0 / SPRING_HZ.len() as f64).sqrt();
         let waves = SPRING_HZ.iter().zip(self.phases_rad);
-        scale * waves.map(|(hz, phase)| (TAU * hz * t_s + phase).sin()).sum::<f64>()
+        scale * waves.map(|(hz, phase)| libm::sin(TAU * hz * t_s + phase)).sum::<f64>()
     }
 }
 
@@ -253,7 +253,7 @@ mod tests {
                 let p_in_map = if s < 60.0 {
                     Point2::new(s, 0.0)
                 } else {
-                    Point2::new(60.0 + 7.0 * turned.sin(), 7.0 * (1.0 - turned.cos()))
+                    Point2::new(60.0 + 7.0 * libm::sin(turned), 7.0 * (1.0 - libm::cos(turned)))
                 };
                 let curvature_per_m = if s < 60.0 { 0.0 } else { 1.0 / 7.0 };
                 PathPoint { p_in_map, heading_rad: turned, curvature_per_m, route_m: s }

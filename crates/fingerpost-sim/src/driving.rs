@@ -182,7 +182,7 @@ impl PlannedDriving {
     /// How far left of its lane's middle the vehicle is at a place of the route, metres.
     pub(crate) fn aside_m(&self, route_m: f64) -> f64 {
         let t_s = time_at(&self.clock, route_m);
-        let waves = self.sway.iter().map(|(rate, phase)| (rate * t_s + phase).sin()).sum::<f64>();
+        let waves = self.sway.iter().map(|(rate, phase)| libm::sin(rate * t_s + phase)).sum::<f64>();
         let sway_m = self.sway_m / self.sway.len() as f64 * waves;
         sway_m
             + self

@@ -48,7 +48,7 @@ impl LaneMiddle {
         let distance = |point: &PathPoint| (point.p_in_map - p_in_map).norm_squared();
         let nearest = near.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         nearest.map_or_else(LinePlace::default, |point| {
-            let (sin, cos) = point.heading_rad.sin_cos();
+            let (sin, cos) = libm::sincos(point.heading_rad);
             let offset = p_in_map - point.p_in_map;
             LinePlace {
                 route_m: point.route_m + offset.dot(&Vector2::new(cos, sin)),

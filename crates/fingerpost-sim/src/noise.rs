@@ -47,9 +47,9 @@ impl Stream {
     /// The next number of a normal distribution with mean 0 and this standard deviation (Box and Muller), cut off at three of
     /// it.
     pub(crate) fn normal(&mut self, sigma: f64) -> f64 {
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        let radius = (-2.0 * libm::log(1.0 - self.unit())).sqrt();
         let angle = std::f64::consts::TAU * self.unit();
-        sigma * (radius * angle.cos()).clamp(-3.0, 3.0)
+        sigma * (radius * libm::cos(angle)).clamp(-3.0, 3.0)
     }
 
     /// The next of some things, each as likely as its weight among those of all.

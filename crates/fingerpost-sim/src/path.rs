@@ -87,7 +87,7 @@ impl DrivenLine {
             WANDER_LENGTHS_M.iter().map(|length| (TAU / length, stream.between(0.0, TAU))).collect();
         let wander = |i: usize| {
             let along = i as f64 * SAMPLE_M;
-            let wave = waves.iter().map(|(k, phase)| (k * along + phase).sin()).sum::<f64>();
+            let wave = waves.iter().map(|(k, phase)| libm::sin(k * along + phase)).sum::<f64>();
             conditions.wander_m / waves.len() as f64 * wave
         };
         let wander_m = (0..shifts_m.len()).map(wander).collect();
@@ -178,7 +178,7 @@ fn turn_radius_m(route: &Polyline, along_m: f64) -> f64 {
     let (before, after) = (route.at(along_m - TURN_WINDOW_M).1, route.at(along_m + TURN_WINDOW_M).1);
     let turn = wrap_angle(heading_of(after) - heading_of(before)).abs();
     // An arc of radius r cuts a corner by r (1 / cos(turn / 2) - 1).
-    let gentle = CUT_M / (1.0 / (0.5 * turn).cos().max(0.1) - 1.0).max(1e-9);
+    let gentle = CUT_M / (1.0 / libm::cos(0.5 * turn).max(0.1) - 1.0).max(1e-9);
     // From 100 to 140 degrees.
     let tightness = ((turn - 1.75) / 0.7).clamp(0.0, 1.0);
     let ordinary = TURN_RADIUS_M + (TIGHT_RADIUS_M - TURN_RADIUS_M) * tightness;

@@ -38,7 +38,7 @@ impl Relief {
         let mut stream = Stream::new(seed, 0x5245_4c49);
         let waves = WAVE_LENGTHS_M.iter().enumerate().map(|(i, &length_m)| {
             // Golden-angle directions cover the compass evenly.
-            let (sin, cos) = (stream.between(0.0, 0.4) + 2.399_963 * i as f64).sin_cos();
+            let (sin, cos) = libm::sincos(stream.between(0.0, 0.4) + 2.399_963 * i as f64);
             Wave {
                 amplitude_m: amplitude_m * (length_m / WAVE_LENGTHS_M[0]).powi(HEIGHT_POWER),
                 wave_vector: Vector2::new(cos, sin) * (TAU / length_m),
@@ -52,7 +52,7 @@ impl Relief {
     pub(crate) fn with_hills(mut self, seed: u64, slope: f64) -> Self {
         let mut stream = Stream::new(seed, 0x4849_4c4c);
         for length_m in HILL_LENGTHS_M {
-            let (sin, cos) = stream.between(0.0, TAU).sin_cos();
+            let (sin, cos) = libm::sincos(stream.between(0.0, TAU));
             let phase_rad = stream.between(0.0, TAU);
             // Where both are steepest the slopes add up.
             let amplitude_m = slope / HILL_LENGTHS_M.len() as f64 * length_m / TAU;
@@ -74,7 +74,7 @@ impl Relief {
     pub(crate) fn height_m(&self, p_in_map: Point2<f64>) -> f64 {
         self.waves
             .iter()
-            .map(|wave| wave.amplitude_m * (wave.wave_vector.dot(&p_in_map.coords) + wave.phase_rad).sin())
+            .map(|wave| wave.amplitude_m * libm::sin(wave.wave_vector.dot(&p_in_map.coords) + wave.phase_rad))
             .sum()
     }
 
@@ -169,7 +169,7 @@ mod tests {
         for i in 0..200_000 {
             let p = Point2::new(0.7 * f64::from(i % 500), 1.1 * f64::from(i / 500));
             let slope = |x: f64, y: f64| (relief.height_m(p + Vector2::new(x, y)) - relief.height_m(p)) / 0.1;
-            steepest = steepest.max(slope(0.1, 0.0).hypot(slope(0.0, 0.1)));
+            steepest = steepest.max(libm::hypot(slope(0.1, 0.0), slope(0.0, 0.1)));
         }
         assert!((0.07..0.0805).contains(&steepest), "{steepest}");
         assert!(Relief::new(4, 0.0).with_hills(4, 0.0).is_flat());

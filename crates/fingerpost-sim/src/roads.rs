@@ -185,7 +185,7 @@ impl Links {
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for i in 0..arms.len() {
             for j in i + 1..arms.len() {
-                let bend = (-arms[i].1).dot(&arms[j].1).clamp(-1.0, 1.0).acos();
+                let bend = libm::acos((-arms[i].1).dot(&arms[j].1).clamp(-1.0, 1.0));
                 if bend < limit && arms[i].0.segment != arms[j].0.segment {
                     pairs.push((bend, i, j));
                 }

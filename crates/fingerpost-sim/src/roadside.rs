@@ -58,8 +58,8 @@ impl Roadside {
         if conditions.posts_per_100_m <= 0.0 && conditions.guard_rails <= 0.0 {
             return None;
         }
-        let (sin_up, cos_up) = conditions.sun_elevation_rad.sin_cos();
-        let (sin, cos) = conditions.sun_azimuth_rad.sin_cos();
+        let (sin_up, cos_up) = libm::sincos(conditions.sun_elevation_rad);
+        let (sin, cos) = libm::sincos(conditions.sun_azimuth_rad);
         // Posts stand on both sides in turns.
         let post_spacing_m =
             if conditions.posts_per_100_m > 0.0 { 200.0 / conditions.posts_per_100_m } else { 1e9 };

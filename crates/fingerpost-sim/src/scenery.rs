@@ -48,8 +48,8 @@ impl Scenery {
             let share = conditions.walls as f32;
             planter.objects.extend(street::standing(&street, share, roads, relief, &wanted));
         }
-        let (sin_up, cos_up) = conditions.sun_elevation_rad.sin_cos();
-        let (sin, cos) = conditions.sun_azimuth_rad.sin_cos();
+        let (sin_up, cos_up) = libm::sincos(conditions.sun_elevation_rad);
+        let (sin, cos) = libm::sincos(conditions.sun_azimuth_rad);
         Self { objects: planter.objects, to_sun: [cos_up * cos, cos_up * sin, sin_up].map(|x| x as f32) }
     }
 

@@ -256,7 +256,7 @@ impl Simulator {
 
     /// The road's plane below the wheels.
     fn map_from_vehicle(&self, state: &VehicleState) -> Isometry3<f64> {
-        let (sin, cos) = state.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(state.heading_rad);
         let (forward, left) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
         let wheel = |x: f64, y: f64| self.height_m(state.p_in_map + forward * x + left * y);
         let SimVehicle { wheelbase_m, track_m, .. } = self.vehicle;
@@ -267,8 +267,8 @@ impl Simulator {
         let uphill = (0.5 * (front_left + front_right) - rear) / wheelbase_m;
         let left_up = 0.5 * (rear_left + front_left - rear_right - front_right) / track_m;
         let rotation = Rotation3::from_axis_angle(&Vector3::z_axis(), state.heading_rad)
-            * Rotation3::from_axis_angle(&Vector3::y_axis(), -uphill.atan())
-            * Rotation3::from_axis_angle(&Vector3::x_axis(), left_up.atan());
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), -libm::atan(uphill))
+            * Rotation3::from_axis_angle(&Vector3::x_axis(), libm::atan(left_up));
         Isometry3::from_parts(
             Translation3::new(state.p_in_map.x, state.p_in_map.y, rear),
             UnitQuaternion::from_rotation_matrix(&rotation),

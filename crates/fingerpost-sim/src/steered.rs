@@ -87,7 +87,7 @@ impl<'a> SteeredDrive<'a> {
     /// Where the vehicle is now.
     pub fn place(&self) -> SteeredPlace {
         let Bicycle { p_in_map, heading_rad, speed_mps, steer_rad, .. } = self.vehicle;
-        let (sin, cos) = heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(heading_rad);
         let (forward, left) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
         let shape = self.simulator.vehicle;
         let edge_m = |ahead_m: f64, aside_m: f64| {
@@ -116,7 +116,7 @@ impl<'a> SteeredDrive<'a> {
         self.frame += 1;
         let Bicycle { p_in_map, heading_rad, speed_mps, .. } = self.vehicle;
         self.moved_s += if speed_mps > 0.0 { dt_s } else { 0.0 };
-        let share = 1.0 - (-dt_s / SOFTNESS_S).exp();
+        let share = 1.0 - libm::exp(-dt_s / SOFTNESS_S);
         let across_mps2 = speed_mps * speed_mps * self.vehicle.curvature_per_m();
         for (felt, now) in self.felt_mps2.iter_mut().zip([self.vehicle.lengthwise_mps2(), across_mps2]) {
             *felt += share * (now - *felt);
@@ -184,13 +184,13 @@ mod tests {
     /// Pure pursuit of the lane's middle by truth: what the loop can do with nothing unknown.
     fn follow(drive: &SteeredDrive<'_>) -> DriveCommand {
         let place = drive.place();
-        let (sin, cos) = place.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(place.heading_rad);
         let ahead = drive.simulator.lane_middle().find(|(route_m, _)| *route_m > place.route_m + 5.0);
         let Some((_, target)) = ahead else { return DriveCommand::default() };
         let offset = target - place.p_in_map;
         let left_m = -sin * offset.x + cos * offset.y;
         let curvature_per_m = 2.0 * left_m / offset.norm_squared();
-        DriveCommand { steer_rad: (2.7 * curvature_per_m).atan(), speed_mps: 5.0 }
+        DriveCommand { steer_rad: libm::atan(2.7 * curvature_per_m), speed_mps: 5.0 }
     }
 
     #[test]

@@ -118,7 +118,7 @@ fn add_cracks(base: &mut [[f32; 2]], seed: u64) {
         let mut heading = stream.between(0.0, std::f64::consts::TAU);
         for _ in 0..length {
             heading += stream.between(-0.25, 0.25);
-            (x, y) = (x + heading.cos(), y + heading.sin());
+            (x, y) = (x + libm::cos(heading), y + libm::sin(heading));
             for dx in 0..width {
                 for dy in 0..width {
                     let column = (x as i32 + dx).rem_euclid(TILE_PX as i32) as usize;

@@ -133,7 +133,7 @@ impl LaneEdges {
         route_m: f64,
         heading_rad: f64,
     ) -> Option<LinesPassed> {
-        let (sin, cos) = heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(heading_rad);
         let (mut leftmost_m, mut rightmost_m) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut layout = None;
         for ahead_m in [self.vehicle.wheelbase_m, 0.0] {

@@ -82,7 +82,7 @@ impl Turn {
 
     /// Length of the arc's tangents, metres.
     fn tangent_m(&self) -> f64 {
-        self.radius_m * (0.5 * self.turn_rad.abs()).tan().min(3.0)
+        self.radius_m * libm::tan(0.5 * self.turn_rad.abs()).min(3.0)
     }
 
     /// The radius to which the route is rounded at a distance along it, metres; none away from the turn.

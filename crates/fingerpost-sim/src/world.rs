@@ -153,7 +153,7 @@ fn conditions(stream: &mut Stream) -> Conditions {
 
 /// A number drawn from a range's logarithms: as likely to be doubled from its low end as halved from its high one.
 fn log_between(stream: &mut Stream, range: [f64; 2]) -> f64 {
-    stream.between(range[0].ln(), range[1].ln()).exp()
+    libm::exp(stream.between(libm::log(range[0]), libm::log(range[1])))
 }
 
 #[cfg(test)]

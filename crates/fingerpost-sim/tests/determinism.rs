@@ -112,7 +112,9 @@ fn positions_are_the_integral_of_speed_and_heading() {
         if let Some(last) = place {
             heading_rad += truth.yaw_rate_rps * 0.01;
             let predicted = last
-                + Vector2::new(truth.heading_rad.cos(), truth.heading_rad.sin()) * truth.speed_mps * 0.01;
+                + Vector2::new(libm::cos(truth.heading_rad), libm::sin(truth.heading_rad))
+                    * truth.speed_mps
+                    * 0.01;
             assert!((predicted - here).norm() < 2e-3, "frame {index}");
         } else {
             heading_rad = truth.heading_rad;
@@ -130,7 +132,7 @@ fn turns_have_their_sign() {
     let rate_near = |x: f64, y: f64| {
         let distance = |i: &usize| {
             let truth = simulator.truth(*i);
-            (truth.x_m - x).hypot(truth.y_m - y)
+            libm::hypot(truth.x_m - x, truth.y_m - y)
         };
         let nearest = (0..simulator.frames()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
         simulator.truth(nearest).yaw_rate_rps
@@ -151,7 +153,7 @@ fn traffic_keeps_to_its_side() {
 fn places_do_not_depend_on_the_frame_rate() {
     let truth = |fps: f64, index| simulator(&SimConfig { fps, ..SimConfig::default() }).truth(index);
     let (slow, fast) = (truth(5.0, 30), truth(30.0, 180));
-    assert!((slow.x_m - fast.x_m).hypot(slow.y_m - fast.y_m) < 1e-9);
+    assert!(libm::hypot(slow.x_m - fast.x_m, slow.y_m - fast.y_m) < 1e-9);
 }
 
 #[test]

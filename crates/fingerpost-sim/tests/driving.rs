@@ -58,10 +58,10 @@ fn a_drift_crosses_when_the_wheel_comes_over_the_edge() {
         // The road's axis is the x axis; the vehicle's lane is 3.5 m wide to its right. A wheel is on the inner edge at
         // 1.675 m from the lane's middle.
         let wheel_m = |truth: &TruthRecord| {
-            let front_m = WHEELBASE_M * truth.heading_rad.sin();
+            let front_m = WHEELBASE_M * libm::sin(truth.heading_rad);
             let out_m = sign * (truth.y_m + 1.75 + front_m.max(0.0) * f64::from(sign > 0.0))
                 + if sign < 0.0 { (-front_m).max(0.0) } else { 0.0 };
-            out_m + HALF_WIDTH_M * truth.heading_rad.cos() - 1.675
+            out_m + HALF_WIDTH_M * libm::cos(truth.heading_rad) - 1.675
         };
         let truths = truths(&simulator);
         let frame = crossings[0].frame as usize;
@@ -207,7 +207,7 @@ fn the_bus_says_speed_yaw_rate_and_turn_signal_of_the_truth() {
     for (half, pair) in truths.chunks(10).map(|frames| &frames[0]).collect::<Vec<_>>().windows(2).enumerate()
     {
         let turned_rad = pair[1].heading_rad - pair[0].heading_rad;
-        let turned_deg = turned_rad.sin().atan2(turned_rad.cos()).to_degrees();
+        let turned_deg = libm::atan2(libm::sin(turned_rad), libm::cos(turned_rad)).to_degrees();
         let rates = &motions[25 * half..25 * (half + 1)];
         let sum_deg: f64 =
             rates.iter().map(|(_, data)| 0.1 * f64::from(i16::from_le_bytes([data[2], data[3]]))).sum();

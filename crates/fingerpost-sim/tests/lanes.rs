@@ -43,7 +43,7 @@ fn edges_are_the_inner_sides_of_the_lines_by_hand() {
         (&truth.lane_right_px, &truth.lane_right_m, -3.0 + 0.25 + 0.07),
     ] {
         assert!(edge_px.len() > 40 && edge_px.len() == edge_m.len());
-        let (sin, cos) = 8_f64.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(8_f64.to_radians());
         for (pixel, p) in edge_px.iter().zip(edge_m) {
             // Main Street runs along the x axis; the vehicle's heading is the street's to a millionth.
             assert!((p[1] - (inner_m - truth.y_m)).abs() < 1e-4, "{p:?}");
@@ -191,7 +191,7 @@ fn edges_reach_from_the_pictures_border_to_sixty_metres() {
                 );
                 let far = m.last().unwrap();
                 assert!(
-                    far[0].hypot(far[1]) > 60.0 || !(1.0..638.0).contains(&px.last().unwrap()[0]),
+                    libm::hypot(far[0], far[1]) > 60.0 || !(1.0..638.0).contains(&px.last().unwrap()[0]),
                     "{far:?}"
                 );
             }

@@ -87,7 +87,7 @@ fn the_rails_shadow_lies_where_the_sun_throws_it() {
         let pixel = camera.pixel_of_ground(p).unwrap();
         grey(&frame, pixel.u, pixel.v)
     };
-    let throw = 1.0 / 0.6_f64.tan();
+    let throw = 1.0 / libm::tan(0.6_f64);
     let (near, far) = (4.6 - 0.76 * throw, 4.6 - 0.45 * throw);
     let (lit, dark) = (at(near - 0.12), at(0.5 * (near + far)));
     assert!(dark < 0.75 * lit, "{dark} beside {lit}");

@@ -17,7 +17,7 @@ pub fn gaussian_taps(sigma: f64, radius: usize) -> Vec<f64> {
         .map(|tap| {
             let offset = tap as f64 - radius as f64;
             if sigma > 0.0 {
-                (-0.5 * (offset / sigma).powi(2)).exp()
+                libm::exp(-0.5 * (offset / sigma).powi(2))
             } else {
                 f64::from(u8::from(tap == radius))
             }

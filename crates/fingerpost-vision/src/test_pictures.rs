@@ -53,7 +53,8 @@ pub(crate) fn grey_pictures() -> impl Strategy<Value = Framed> {
             0 => (state >> 56) as u8,
             1 => ((state >> 62) * 85) as u8,
             _ => {
-                let wave = ((x * 11) as f64).sin() + (((x + y) * 3) as f64 / f64::from(coarseness)).cos();
+                let wave =
+                    libm::sin((x * 11) as f64) + libm::cos(((x + y) * 3) as f64 / f64::from(coarseness));
                 (128.0 + 90.0 * wave + (state >> 60) as f64) as u8
             }
         })

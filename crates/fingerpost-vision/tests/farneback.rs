@@ -10,9 +10,10 @@ use fingerpost_vision::simd::{CodePath, InstructionSet};
 fn textured(width: usize, height: usize, shift: [f64; 2]) -> Plane<u8> {
     let value = |index: usize| {
         let (x, y) = ((index % width) as f64 + shift[0], (index / width) as f64 + shift[1]);
-        let waves =
-            (0.31 * x + 0.11 * y).sin() + (0.17 * y - 0.23 * x + 1.0).sin() + (0.37 * y + 0.05 * x).cos();
-        (128.0 + 35.0 * waves + 12.0 * (0.9 * x).sin() * (0.8 * y).sin()).clamp(0.0, 255.0) as u8
+        let waves = libm::sin(0.31 * x + 0.11 * y)
+            + libm::sin(0.17 * y - 0.23 * x + 1.0)
+            + libm::cos(0.37 * y + 0.05 * x);
+        (128.0 + 35.0 * waves + 12.0 * libm::sin(0.9 * x) * libm::sin(0.8 * y)).clamp(0.0, 255.0) as u8
     };
     Plane::from_vec(width, height, (0..width * height).map(value).collect()).unwrap()
 }
@@ -55,7 +56,7 @@ fn what_stands_still_does_not_flow() {
             let is_inner = [x, y].iter().all(|c| (EDGE_REACH_PX..128 - EDGE_REACH_PX).contains(c));
             // OpenCV's flow of the textured picture reaches 0.14 px at its edges.
             let allowed = if is_inner { 1e-4 } else { 0.2 };
-            assert!(dx.hypot(dy) < allowed, "({dx}, {dy}) at ({x}, {y})");
+            assert!(libm::hypotf(dx, dy) < allowed, "({dx}, {dy}) at ({x}, {y})");
         }
     }
 }

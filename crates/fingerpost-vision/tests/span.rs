@@ -152,7 +152,7 @@ proptest! {
 
 /// How often the outline goes round a point, from the angles under which its edges are seen.
 fn winding_angle(corners: &[[f64; 2]], at: [f64; 2]) -> i64 {
-    let direction = |corner: &[f64; 2]| (corner[1] - at[1]).atan2(corner[0] - at[0]);
+    let direction = |corner: &[f64; 2]| libm::atan2(corner[1] - at[1], corner[0] - at[0]);
     let turn: f64 = corners
         .iter()
         .zip(corners.iter().cycle().skip(1))
@@ -168,13 +168,13 @@ fn is_on_stroke(points: &[[f64; 2]], at: [f64; 2], half_px: f64) -> bool {
     let beside_a_segment = points.windows(2).any(|ends| {
         let along = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
         let offset = [at[0] - ends[0][0], at[1] - ends[0][1]];
-        let length = along[0].hypot(along[1]);
+        let length = libm::hypot(along[0], along[1]);
         let forward = (offset[0] * along[0] + offset[1] * along[1]) / length;
         let aside = (offset[0] * along[1] - offset[1] * along[0]) / length;
         (0.0..=length).contains(&forward) && aside.abs() <= half_px
     });
     let inner = &points[1..points.len() - 1];
-    beside_a_segment || inner.iter().any(|point| (at[0] - point[0]).hypot(at[1] - point[1]) <= half_px)
+    beside_a_segment || inner.iter().any(|point| libm::hypot(at[0] - point[0], at[1] - point[1]) <= half_px)
 }
 
 #[test]

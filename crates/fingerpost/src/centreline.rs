@@ -261,7 +261,7 @@ impl CentrelineFinder {
         if let Some((line, sigma_m)) = held.filter(|(line, _)| line.heading_rad.abs() < ACROSS_RAD) {
             return Some(Centreline {
                 offset_m: line.offset_m(),
-                sigma_m: sigma_m / line.heading_rad.cos(),
+                sigma_m: sigma_m / libm::cos(line.heading_rad),
                 heading_rad: line.heading_rad,
                 width_m: self.course.width_m(),
                 ..Centreline::default()

@@ -153,7 +153,7 @@ impl MaskCache {
         curve: Option<&MaskCurve>,
     ) -> Self {
         // From any place in view an arm this long leaves the view.
-        let reach_m = (grid.far_m() - grid.near_m()).hypot(2.0 * grid.half_width_m());
+        let reach_m = libm::hypot(grid.far_m() - grid.near_m(), 2.0 * grid.half_width_m());
         let arms = feature
             .arms
             .iter()

@@ -207,7 +207,7 @@ impl ArmModel {
 
 fn mouth_m(direction_rad: f64, arms: &[(f64, f64)]) -> f64 {
     arms.iter()
-        .map(|&(other_rad, width_m)| (0.5 * width_m, (other_rad - direction_rad).sin().abs()))
+        .map(|&(other_rad, width_m)| (0.5 * width_m, libm::sin(other_rad - direction_rad).abs()))
         .filter(|&(_, sine)| sine > MIN_CROSSING_SINE)
         .map(|(half_width, sine)| half_width / sine)
         .fold(0.0, f64::max)

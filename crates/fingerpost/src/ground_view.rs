@@ -194,7 +194,7 @@ impl GroundView {
         let Viewpoint { foot, height_m } = self.viewpoint;
         let ahead_m = self.grid.far_m().min(self.nearest_seen_m + SHARPNESS_AHEAD_M) - foot.x;
         let row = |ahead_m: f64| Some(self.camera.pixel_of_ground(Point2::new(foot.x + ahead_m, foot.y))?.v);
-        let below_rad = |ahead_m: f64| (height_m / ahead_m).atan();
+        let below_rad = |ahead_m: f64| libm::atan(height_m / ahead_m);
         let step_m = SHARPNESS_STEP_M;
         let rows = row(ahead_m).zip(row(ahead_m + step_m)).map_or(0.0, |(near, far)| (near - far).abs());
         (below_rad(ahead_m) - below_rad(ahead_m + step_m)) / rows.max(LEAST_ROWS)

@@ -56,8 +56,8 @@ fn kerb_end_m(angle_rad: f64, width_m: f64, other_width_m: f64, radius_m: f64) -
         return 0.0;
     }
     let angle_rad = angle_rad.max(SHARPEST_RAD);
-    let crossing = 0.5 * (other_width_m + width_m * angle_rad.cos()) / angle_rad.sin();
-    crossing.max(0.0) + radius_m / (0.5 * angle_rad).tan()
+    let crossing = 0.5 * (other_width_m + width_m * libm::cos(angle_rad)) / libm::sin(angle_rad);
+    crossing.max(0.0) + radius_m / libm::tan(0.5 * angle_rad)
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ impl Progress {
     pub fn advance(&mut self, travel: Travel, dt_s: f64) {
         let Some(step) = self.travelled.step(travel, dt_s, self.noise.scale_sigma) else { return };
         let forward_m = step.measured_m + step.unscaled_m;
-        let lost_share = 1.0 - (-LOST_PER_M * forward_m.abs()).exp();
+        let lost_share = 1.0 - libm::exp(-LOST_PER_M * forward_m.abs());
         let lost = lost_share * self.components.weight();
         for component in self.components.as_mut_slice() {
             component.advance(&step, &self.noise);

@@ -40,7 +40,7 @@ impl<T: Copy + Default> StillCells<T> {
     pub(crate) fn lie_under(&mut self, grid: &GroundGrid, cell_m: f64) {
         self.cell_m = cell_m;
         // A cell more all around for rounding.
-        let across_m = grid.metres_per_pixel() * (grid.columns() as f64).hypot(grid.rows() as f64);
+        let across_m = grid.metres_per_pixel() * libm::hypot(grid.columns() as f64, grid.rows() as f64);
         let reach = (across_m / cell_m).ceil() as usize + 4;
         let side = reach.next_power_of_two().min(MAX_SIDE);
         self.cells.reset(side, side, T::default());

@@ -54,7 +54,7 @@ impl Vehicle {
             self.steer_rad += ((steer_rad - self.steer_rad) / 0.2).clamp(-0.4, 0.4) * dt_s;
             self.speed_mps += ((speed_mps - self.speed_mps) / 0.3).clamp(-4.0, 1.5) * dt_s;
             self.speed_mps = self.speed_mps.max(0.0);
-            let turn_rad = self.speed_mps * self.steer_rad.tan() / self.wheelbase_m * dt_s;
+            let turn_rad = self.speed_mps * libm::tan(self.steer_rad) / self.wheelbase_m * dt_s;
             self.map_from_vehicle *= Isometry2::new(Vector2::new(self.speed_mps * dt_s, 0.0), turn_rad);
         }
     }

@@ -29,10 +29,10 @@ fn bent_road(radius_m: f64, turn_deg: f64) -> Vec<Place> {
     let pieces = (radius_m * turn.abs() / 3.0).ceil();
     for i in 1..=pieces as i32 {
         let turned = turn.abs() * f64::from(i) / pieces;
-        road.push((-turn.signum() * radius_m * (1.0 - turned.cos()), radius_m * turned.sin()));
+        road.push((-turn.signum() * radius_m * (1.0 - libm::cos(turned)), radius_m * libm::sin(turned)));
     }
     let (heading, (x, y)) = (FRAC_PI_2 + turn, road[road.len() - 1]);
-    road.push((x + STRAIGHT_M * heading.cos(), y + STRAIGHT_M * heading.sin()));
+    road.push((x + STRAIGHT_M * libm::cos(heading), y + STRAIGHT_M * libm::sin(heading)));
     road
 }
 

@@ -80,7 +80,7 @@ fn straight_and_bent_roads_pass_the_vehicle_where_they_do() {
         assert!((found.width_m - 6.0).abs() < 0.4, "{name}");
         // A fifth of the way to the middle is made good up to the look-ahead.
         let aim_m = middle_m(8.0) - 0.8 * offset_m;
-        assert!((found.steer.unwrap().direction_rad - (aim_m / 8.0).atan()).abs() < 0.05, "{name}");
+        assert!((found.steer.unwrap().direction_rad - libm::atan(aim_m / 8.0)).abs() < 0.05, "{name}");
     }
 }
 
@@ -91,8 +91,8 @@ fn the_vehicle_is_steered_to_its_side_of_the_road() {
     let steer = |traffic| find(&surface, traffic).0.unwrap().steer.unwrap().direction_rad;
     assert!(steer(Traffic::Right).abs() < 0.03, "it is where it ought to be");
     // Moving over takes 40 m: at the look-ahead a fifth of 1.5 and of 3 m is made good.
-    assert!((steer(Traffic::Centre) - (0.3_f64 / 8.0).atan()).abs() < 0.015);
-    assert!((steer(Traffic::Left) - (0.6_f64 / 8.0).atan()).abs() < 0.015);
+    assert!((steer(Traffic::Centre) - libm::atan(0.3 / 8.0)).abs() < 0.015);
+    assert!((steer(Traffic::Left) - libm::atan(0.6 / 8.0)).abs() < 0.015);
 }
 
 #[test]
@@ -141,7 +141,7 @@ enum Flaw {
 
 /// How far out of its line a verge grows at a place along the road, metres.
 fn ragged_m(along_m: f64, seed: f64) -> f64 {
-    let wave = |length_m: f64, phase: f64| (along_m / length_m + phase).sin();
+    let wave = |length_m: f64, phase: f64| libm::sin(along_m / length_m + phase);
     0.10 * wave(0.9, seed) + 0.08 * wave(2.3, 2.0 * seed) + 0.06 * wave(0.3, 3.0 * seed)
 }
 
@@ -154,7 +154,7 @@ fn drive_errors_m(radius_m: f64, seed: f64, flaw: Flaw) -> Vec<Option<f64>> {
         let (place, heading_rad): (Point2<f64>, f64) = middle[i - 1];
         let bent = (300..800).contains(&i);
         let next_rad = heading_rad + if bent { 0.1 / radius_m } else { 0.0 };
-        middle.push((place + 0.1 * Vector2::new(heading_rad.cos(), heading_rad.sin()), next_rad));
+        middle.push((place + 0.1 * Vector2::new(libm::cos(heading_rad), libm::sin(heading_rad)), next_rad));
     }
     let view = view();
     let mut finder =
@@ -164,8 +164,8 @@ fn drive_errors_m(radius_m: f64, seed: f64, flaw: Flaw) -> Vec<Option<f64>> {
     for frame in 0..85 {
         let along_m = f64::from(frame) * STEP_M;
         let (place, road_rad) = middle[(10.0 * along_m).round() as usize];
-        let right_m = 1.5 + 0.3 * (0.1 * along_m + seed).sin();
-        let across = Vector2::new(-road_rad.sin(), road_rad.cos());
+        let right_m = 1.5 + 0.3 * libm::sin(0.1 * along_m + seed);
+        let across = Vector2::new(-libm::sin(road_rad), libm::cos(road_rad));
         let map_from_vehicle = Isometry2::new(place.coords - right_m * across, road_rad);
         let ahead: Vec<(f64, Point2<f64>, f64)> = middle
             .iter()
@@ -179,10 +179,10 @@ fn drive_errors_m(radius_m: f64, seed: f64, flaw: Flaw) -> Vec<Option<f64>> {
         let surface = painted(&view, |x, y| {
             let here = Point2::new(x, y);
             let at = ahead.partition_point(|(_, p, turn_rad)| {
-                (here - p).dot(&Vector2::new(turn_rad.cos(), turn_rad.sin())) > 0.0
+                (here - p).dot(&Vector2::new(libm::cos(*turn_rad), libm::sin(*turn_rad))) > 0.0
             });
             let (at_m, p, turn_rad) = ahead.get(at)?;
-            let left_m = (here - p).dot(&Vector2::new(-turn_rad.sin(), turn_rad.cos()));
+            let left_m = (here - p).dot(&Vector2::new(-libm::sin(*turn_rad), libm::cos(*turn_rad)));
             let of_40_m = at_m.rem_euclid(40.0);
             match flaw {
                 Flaw::Mouths if of_40_m < WIDTH_M && left_m < 0.0 => return Some(0.9),
@@ -242,7 +242,7 @@ fn simulated_errors_m(course: &RoadCourse, seed: u64) -> (Vec<f64>, usize) {
         let sensors = Sensors { dt_s: (index > 0).then_some(1.0 / config.fps), ..Sensors::default() };
         let (output, _) = pipeline.step(&picture, sensors, &mut |_| ()).unwrap();
         let place = simulator.road_place(index).unwrap();
-        let true_m = -place.left_m / place.heading_rad.cos();
+        let true_m = -place.left_m / libm::cos(place.heading_rad);
         errors_m.extend(output.centreline.map(|found| found.offset_m - true_m));
     }
     (errors_m, simulator.frames())

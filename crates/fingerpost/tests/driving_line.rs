@@ -88,7 +88,7 @@ fn the_line_stays_on_the_road_in_sharp_turns() {
     // A car of a turning circle of 5 m, on roads of 6 m whose corners are rounded with 4 m.
     for turn_deg in [60.0_f64, 90.0, 110.0, 120.0, 130.0] {
         for side in [1.0, -1.0] {
-            let (sine, cosine) = turn_deg.to_radians().sin_cos();
+            let (sine, cosine) = libm::sincos(turn_deg.to_radians());
             let exit = [(0.0, 0.0), (60.0 * side * sine, 60.0 * cosine)];
             let line = line(&exit, &VehicleConfig::default());
             let is_driven = line.within_turning_circle() || turn_deg > 120.0;
@@ -96,8 +96,8 @@ fn the_line_stays_on_the_road_in_sharp_turns() {
             // Inside the turn both roads' edges are this far from the middle of the corner, and the kerb cuts it off.
             let (half, inward) = (0.5 * turn_deg.to_radians(), -side);
             let apex = line.curve.at(0.5 * line.curve.length_m()).0;
-            let bisector = Vector2::new(-half.sin(), inward * half.cos());
-            let kerb_m = 3.0 / half.cos() + 4.0 * (1.0 / half.cos() - 1.0);
+            let bisector = Vector2::new(-libm::sin(half), inward * libm::cos(half));
+            let kerb_m = 3.0 / libm::cos(half) + 4.0 * (1.0 / libm::cos(half) - 1.0);
             let apex_m = apex.coords.dot(&bisector);
             assert!(apex_m < kerb_m - 0.5, "{turn_deg} {side}: {apex_m} of {kerb_m}");
         }
@@ -135,7 +135,7 @@ fn points_and_curvature_describe_one_smooth_curve() {
         .windows(3)
         .map(|p| {
             let (a, b) = (p[1] - p[0], p[2] - p[1]);
-            a.perp(&b).atan2(a.dot(&b))
+            libm::atan2(a.perp(&b), a.dot(&b))
         })
         .sum();
     assert!((turned + std::f64::consts::FRAC_PI_2).abs() < 0.01, "a right angle to the right: {turned}");

@@ -140,13 +140,13 @@ fn a_feature_whose_heading_is_to_the_left_has_its_exit_there() {
     let drawn = masks.at(0.2).unwrap();
     let exit = drawn.subs.iter().find(|sub| &*sub.label == "exit").unwrap();
     // 6 m out along the exit: forward 6 cos 0.2, left 6 sin 0.2.
-    let expected = [-6.0 * 0.2_f64.sin() / 0.05, -6.0 * 0.2_f64.cos() / 0.05];
+    let expected = [-6.0 * libm::sin(0.2_f64) / 0.05, -6.0 * libm::cos(0.2_f64) / 0.05];
     let row = expected[1].round() as i32;
     let span = exit.spans.spans().iter().find(|span| span.row == row).unwrap();
     let middle = 0.5 * f64::from(span.start + span.end - 1);
     assert!((middle - expected[0]).abs() < 1.0, "{middle} for {expected:?}");
     assert!(
-        (f64::from(span.end - span.start) - 9.0 / 0.2_f64.cos()).abs() < 1.5,
+        (f64::from(span.end - span.start) - 9.0 / libm::cos(0.2)).abs() < 1.5,
         "a quarter of 1.8 m is 9 pixels"
     );
 }

@@ -147,7 +147,7 @@ fn straight_on(frames: usize, step_m: f64) -> Vec<Isometry2<f64>> {
 fn round_the_ring(frames: usize, step_m: f64) -> Vec<Isometry2<f64>> {
     let pose = |frame: usize| {
         let turned = step_m * frame as f64 / 20.0;
-        Isometry2::new(Vector2::new(20.0 * turned.cos(), 20.0 * turned.sin()), turned + FRAC_PI_2)
+        Isometry2::new(Vector2::new(20.0 * libm::cos(turned), 20.0 * libm::sin(turned)), turned + FRAC_PI_2)
     };
     (0..frames).map(pose).collect()
 }

@@ -56,7 +56,7 @@ impl Farm {
             let mut nodes = Vec::new();
             for &place in road {
                 let found =
-                    known.iter().position(|&other| (place.0 - other.0).hypot(place.1 - other.1) < 0.01);
+                    known.iter().position(|&other| libm::hypot(place.0 - other.0, place.1 - other.1) < 0.01);
                 let index = found.unwrap_or_else(|| {
                     known.push(place);
                     map.nodes.push(OsmNode { id: known.len() as i64, at: at(place) });
@@ -81,7 +81,7 @@ impl Farm {
         for turn in turns_deg {
             heading += turn.to_radians();
             let (x, y) = road[road.len() - 1];
-            road.push((x + 55.0 * heading.cos(), y + 55.0 * heading.sin()));
+            road.push((x + 55.0 * libm::cos(heading), y + 55.0 * libm::sin(heading)));
         }
         let to = road[road.len() - 1];
         Self { roads: vec![road], width_m, from: (0.0, 0.0), to }
@@ -89,7 +89,7 @@ impl Farm {
 
     /// A road that ends at another, into an arm of which the way turns; `skew_deg` from a right angle.
     fn tee(taken: Arm, skew_deg: f64, width_m: f64) -> Self {
-        let (sin, cos) = skew_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(skew_deg.to_radians());
         let up = (60.0 + 60.0 * sin, 60.0 * cos);
         let down = (60.0 - 60.0 * sin, -60.0 * cos);
         let roads = vec![vec![(0.0, 0.0), (60.0, 0.0)], vec![down, (60.0, 0.0), up]];
@@ -155,10 +155,10 @@ fn drive(farm: &Farm, seed: u64, known: Known, traffic: TrafficSide) -> Vec<Judg
         let along_m = line.nearest(here).along_m;
         let behind_m = corners.iter().map(|corner| along_m - line.nearest(*corner).along_m);
         let behind_m = behind_m.filter(|m| *m > 0.0).reduce(f64::min);
-        let true_m = -place.left_m / place.heading_rad.cos();
+        let true_m = -place.left_m / libm::cos(place.heading_rad);
         let found = output.centreline;
         let one = Judged {
-            driven_rad: ahead.y.atan2(ahead.x),
+            driven_rad: libm::atan2(ahead.y, ahead.x),
             steer_rad: found.and_then(|found| found.steer).map(|steer| steer.direction_rad),
             offset_error_m: found.map(|found| found.offset_m - true_m),
             behind_m,

@@ -40,7 +40,7 @@ fn cases() -> impl Iterator<Item = Case> {
 
 impl Case {
     fn line(&self) -> DrivingLine {
-        let (sine, cosine) = self.turn_deg.to_radians().sin_cos();
+        let (sine, cosine) = libm::sincos(self.turn_deg.to_radians());
         let exit: &[Place] = &[(0.0, 0.0), (60.0 * self.side * sine, 60.0 * cosine)];
         let junction = Junction {
             kind: FeatureKind::Junction,
@@ -58,7 +58,7 @@ impl Case {
 
     /// Radius of the widest arc in the corner whose inner side, with the margin, touches the kerb, from the lanes' middles.
     fn widest_m(&self) -> f64 {
-        let cos = (0.5 * self.turn_deg.to_radians()).cos();
+        let cos = libm::cos(0.5 * self.turn_deg.to_radians());
         let lane_left_m = self.vehicle.traffic.lane_left_m(self.width_m);
         let to_edge_m = 0.5 * self.width_m + self.side * lane_left_m;
         let room_m =
@@ -105,7 +105,7 @@ fn a_turning_circle_is_kept_or_said_to_be_impossible() {
                 case.describe()
             );
             // Nor is it said where the road has room and the curve's ends reach far enough for the arc.
-            let ends_m = asked_m * (0.5 * case.turn_deg.to_radians()).tan() + 0.25 * case.width_m;
+            let ends_m = asked_m * libm::tan(0.5 * case.turn_deg.to_radians()) + 0.25 * case.width_m;
             let has_room =
                 case.widest_m() > 1.02 * asked_m && ends_m < DrivingLineConfig::default().max_setback_m;
             assert!(
@@ -131,10 +131,10 @@ fn a_line_that_keeps_the_turning_circle_stays_on_the_road() {
         // Inside the turn both roads' edges are this far from the middle of the corner, and the kerb cuts it off.
         let half_rad = 0.5 * case.turn_deg.to_radians();
         let apex = line.curve.at(0.5 * line.curve.length_m()).0;
-        let bisector = Vector2::new(-half_rad.sin(), -case.side * half_rad.cos());
-        let kerb_m = 0.5 * case.width_m / half_rad.cos() + KERB_M * (1.0 / half_rad.cos() - 1.0);
+        let bisector = Vector2::new(-libm::sin(half_rad), -case.side * libm::cos(half_rad));
+        let kerb_m = 0.5 * case.width_m / libm::cos(half_rad) + KERB_M * (1.0 / libm::cos(half_rad) - 1.0);
         let (apex_m, beside_m) = (apex.coords.dot(&bisector), 0.5 * case.vehicle.width_m);
         assert!(apex_m < kerb_m - beside_m, "{}: {apex_m} of {kerb_m}", case.describe());
-        assert!(apex_m > -0.5 * case.width_m / half_rad.cos(), "{}: {apex_m}", case.describe());
+        assert!(apex_m > -0.5 * case.width_m / libm::cos(half_rad), "{}: {apex_m}", case.describe());
     }
 }

@@ -186,7 +186,7 @@ fn followed_pct(records: &[FrameRecord], truth: &[TruthRecord]) -> Option<f64> {
         wanted += 1;
         let is_near = record.feature.as_ref().is_some_and(|feature| {
             Some(feature.id) == truth.feature_id
-                && (feature.forward_m - forward_m).hypot(feature.left_m - left_m) <= FOLLOWED_WITHIN_M
+                && libm::hypot(feature.forward_m - forward_m, feature.left_m - left_m) <= FOLLOWED_WITHIN_M
         });
         followed += u32::from(is_near);
     }

@@ -62,7 +62,8 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     assert!((mount.yaw_rad.to_degrees() - YAW_DEG).abs() < 0.2, "{mount:?}");
 
     let truth = read_truth(&folder.path().join("drive/truth.jsonl")).unwrap();
-    let steps = truth.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m));
+    let steps =
+        truth.windows(2).map(|pair| libm::hypot(pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m));
     let distance_m: f64 = steps.sum();
     let speed_mps = distance_m / (truth.last().unwrap().t_s - truth[0].t_s);
     call_line(&format!("{line} --speed-mps {speed_mps}")).done();

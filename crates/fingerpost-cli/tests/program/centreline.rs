@@ -22,7 +22,7 @@ fn the_streets_middle_is_found_and_steered_beside() {
             missing += 1;
             continue;
         };
-        errors_m.push((centreline.offset_m + truth.y_m / truth.heading_rad.cos()).abs());
+        errors_m.push((centreline.offset_m + truth.y_m / libm::cos(truth.heading_rad)).abs());
         assert!((centreline.heading_rad + truth.heading_rad).abs() < 0.1, "frame {}", record.frame);
         // The vehicle keeps to the right, where it is: there is little to steer.
         assert!(

@@ -28,7 +28,7 @@ fn a_map_gives_every_frame_a_fix_with_a_route_and_without() {
             frames(&folder.path().join(run)).into_iter().filter_map(|record| record.fix).collect();
         assert_eq!(fixes.len(), 20, "{run}");
         for fix in &fixes {
-            let off_m = (fix.lat - 47.0).hypot((fix.lon - 9.500_1) * 0.68) * 111_000.0;
+            let off_m = libm::hypot(fix.lat - 47.0, (fix.lon - 9.500_1) * 0.68) * 111_000.0;
             assert!(off_m < 60.0 && fix.sigma_m < 25.0, "{run}: {fix:?}");
             assert!(fix.status.is_some_and(|status| status != FixStatus::Lost), "{run}: {fix:?}");
         }

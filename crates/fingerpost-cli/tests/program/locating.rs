@@ -81,7 +81,7 @@ fn gps_narrows_it_down() {
     assert_eq!(summary.gps.unwrap().places, 10);
     let fixes: Vec<FixLine> =
         from_json_lines(&fs::read_to_string(folder.path().join("out/fix.jsonl")).unwrap()).unwrap();
-    let distance_m = (fixes[20].lat - 47.21785).hypot((fixes[20].lon - 9.539_682) * 0.68) * 111_000.0;
+    let distance_m = libm::hypot(fixes[20].lat - 47.21785, (fixes[20].lon - 9.539_682) * 0.68) * 111_000.0;
     assert!(distance_m < 60.0, "{distance_m}");
     assert_eq!(fixes.iter().filter(|fix| fix.gps.is_some()).count(), 10);
 }

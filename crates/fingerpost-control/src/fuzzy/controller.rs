@@ -113,7 +113,7 @@ impl Controller for FuzzyController {
             self.limits.curvature_soon_per_m(situation, beside.on_path.along_m).ok_or(no_path)?;
         let end_m = situation.path.last().map_or(0.0, |point| point.along_m);
         let value = |input: &Input| match input {
-            Input::Offset => evidence.offset_m.atan2(look_ahead_m).to_degrees(),
+            Input::Offset => libm::atan2(evidence.offset_m, look_ahead_m).to_degrees(),
             Input::Heading => evidence.heading_rad.to_degrees(),
             Input::Bend => (curvature_per_m * look_ahead_m).to_degrees(),
             Input::Speed => situation.speed_mps,

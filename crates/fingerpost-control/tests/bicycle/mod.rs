@@ -30,9 +30,9 @@ impl Bicycle {
             let acceleration =
                 ((command.speed_mps - self.speed_mps) / 0.3).clamp(-2.0 * limits.deceleration_mps2, 1.5);
             self.speed_mps = (self.speed_mps + acceleration * dt_s).max(0.0);
-            self.heading_rad += self.speed_mps * self.steer_rad.tan() / limits.wheelbase_m * dt_s;
-            self.forward_m += self.speed_mps * self.heading_rad.cos() * dt_s;
-            self.left_m += self.speed_mps * self.heading_rad.sin() * dt_s;
+            self.heading_rad += self.speed_mps * libm::tan(self.steer_rad) / limits.wheelbase_m * dt_s;
+            self.forward_m += self.speed_mps * libm::cos(self.heading_rad) * dt_s;
+            self.left_m += self.speed_mps * libm::sin(self.heading_rad) * dt_s;
         }
     }
 }

@@ -138,7 +138,7 @@ fn picture_scores(found: &[Vec<f64>], labelled: &[Vec<f64>], rows: &[f64]) -> [f
     let accuracies: Vec<f64> = labelled
         .iter()
         .map(|lane| {
-            let within_px = POINT_WITHIN_PX / slant(lane, rows).atan().cos();
+            let within_px = POINT_WITHIN_PX / libm::cos(libm::atan(slant(lane, rows)));
             found.iter().map(|found| share(found, lane, within_px)).fold(0.0, f64::max)
         })
         .collect();

@@ -42,7 +42,7 @@ impl Numbers {
     }
 
     pub(crate) fn normal(&mut self, sigma: f64) -> f64 {
-        (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (TAU * self.unit()).cos() * sigma
+        (-2.0 * libm::log(1.0 - self.unit())).sqrt() * libm::cos(TAU * self.unit()) * sigma
     }
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn drawn(osm: &OsmData, shift_m: f64, beside_m: f64, numbers: &mut Nu
         let off = shift + Vector2::new(numbers.normal(beside_m), numbers.normal(beside_m));
         let metres_per_deg = 111_320.0;
         node.at.lat_deg += off.y / metres_per_deg;
-        node.at.lon_deg += off.x / (metres_per_deg * node.at.lat_deg.to_radians().cos());
+        node.at.lon_deg += off.x / (metres_per_deg * libm::cos(node.at.lat_deg.to_radians()));
     }
     drawn
 }
@@ -156,7 +156,7 @@ pub(crate) fn drive(road: &Road, faults: Faults, numbers: &mut Numbers) -> Vec<(
         let place_m = Point2::from(round(along_m) + Vector2::new(-ahead.y, ahead.x) * offset_m);
         let look = |at_m: f64| {
             let chord = round(at_m + 3.0) - round(at_m - 3.0);
-            chord.y.atan2(chord.x)
+            libm::atan2(chord.y, chord.x)
         };
         let bend = (0..4)
             .map(|i| along_m + 5.0 * f64::from(i))
@@ -164,7 +164,7 @@ pub(crate) fn drive(road: &Road, faults: Faults, numbers: &mut Numbers) -> Vec<(
         let bend = bend.fold(1e-3, f64::max);
         let wanted_mps = (SIDEWAYS_MPS2 / bend).sqrt().clamp(2.5, FASTEST_MPS);
         speed_mps += (wanted_mps - speed_mps).clamp(-3.0 * ROW_S, 1.5 * ROW_S);
-        let heading_rad = ahead.y.atan2(ahead.x) + slope;
+        let heading_rad = libm::atan2(ahead.y, ahead.x) + slope;
         let (moved_m, turned_rad) = before.map_or((0.0, 0.0), |before: Pose| {
             ((place_m - before.place_m).norm(), wrap(heading_rad - before.heading_rad))
         });

@@ -113,7 +113,7 @@ fn a_yard_is_no_road_and_the_road_is_found_again_behind_it() {
         let left = Vector2::new(-ahead.y, ahead.x);
         let circle = (0..80)
             .map(|i| f64::from(i) * std::f64::consts::TAU / 40.0)
-            .map(|angle| gate + (ahead * angle.sin() + left * (1.0 - angle.cos())) * radius_m);
+            .map(|angle| gate + (ahead * libm::sin(angle) + left * (1.0 - libm::cos(angle))) * radius_m);
         let on = |from_m: f64, to_m: f64| road.part(from_m, to_m).unwrap().points().to_vec();
         let points: Vec<Point2<f64>> =
             on(0.0, leaves_m).into_iter().chain(circle).chain(on(leaves_m, road.length_m())).collect();

@@ -76,6 +76,6 @@ fn a_node_dragged_by_five_metres_leads_nobody_astray() {
         let nodes = map.nodes.iter_mut().filter(|node| on_ways.contains(&node.id));
         let nearest = nodes.min_by(|a, b| off_m(a.at).total_cmp(&off_m(b.at))).unwrap();
         nearest.at.lat_deg += 3.0 / 111_320.0;
-        nearest.at.lon_deg -= 4.0 / (111_320.0 * nearest.at.lat_deg.to_radians().cos());
+        nearest.at.lon_deg -= 4.0 / (111_320.0 * libm::cos(nearest.at.lat_deg.to_radians()));
     });
 }

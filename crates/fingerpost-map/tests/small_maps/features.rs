@@ -65,9 +65,9 @@ fn a_right_turn_at_a_crossroads() {
     assert_eq!(roles, [ArmRole::Approach, ArmRole::Exit, ArmRole::Side, ArmRole::Side]);
     // Leaving the node: south, east, then anticlockwise from the exit north and west.
     for (arm, expected_rad) in junction.arms.iter().zip([-FRAC_PI_2, 0.0, FRAC_PI_2, PI]) {
-        let off_rad = (arm.bearing_rad - expected_rad).sin().abs();
+        let off_rad = libm::sin(arm.bearing_rad - expected_rad).abs();
         assert!(
-            off_rad < 0.15 && (arm.bearing_rad - expected_rad).cos() > 0.9,
+            off_rad < 0.15 && libm::cos(arm.bearing_rad - expected_rad) > 0.9,
             "{}",
             degrees(arm.bearing_rad)
         );
@@ -134,7 +134,7 @@ fn a_side_road_on_the_left_and_on_the_right() {
     assert_eq!((eastwards[0].id, eastwards[0].kind), (2, FeatureKind::SideRoad));
     assert_eq!(eastwards[0].name, "Main x Lane");
     let left_of_exit_rad =
-        |feature: &RouteFeature| (feature.arms[2].bearing_rad - feature.arms[1].bearing_rad).sin();
+        |feature: &RouteFeature| libm::sin(feature.arms[2].bearing_rad - feature.arms[1].bearing_rad);
     assert!(left_of_exit_rad(&eastwards[0]) > 0.9);
     let westwards = features(&graph, (190.0, 0.0), (5.0, 0.0), &FeatureOptions::default());
     assert!(left_of_exit_rad(&westwards[0]) < -0.9);
@@ -159,7 +159,7 @@ fn a_rounded_corner_is_one_bend_in_its_middle() {
     let mut town = Town::default().node(1, 0.0, 0.0);
     let mut nodes = vec![1];
     for step in 0..=8_i32 {
-        let (sin, cos) = (f64::from(step) * PI / 16.0).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(step) * PI / 16.0);
         town = town.node(i64::from(step) + 10, 100.0 + 10.0 * sin, 10.0 - 10.0 * cos);
         nodes.push(i64::from(step) + 10);
     }

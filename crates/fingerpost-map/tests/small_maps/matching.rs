@@ -34,7 +34,7 @@ fn track(corners: &[(f64, f64)], sigma_m: f64, seed: u64) -> Vec<LatLon> {
     let mut points = Vec::new();
     for ends in corners.windows(2) {
         let (dx, dy) = (ends[1].0 - ends[0].0, ends[1].1 - ends[0].1);
-        let steps = (dx.hypot(dy) / 8.0).ceil();
+        let steps = (libm::hypot(dx, dy) / 8.0).ceil();
         let mut step = 0.0;
         while step <= steps {
             let share = step / steps;

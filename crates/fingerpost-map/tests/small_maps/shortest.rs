@@ -22,7 +22,7 @@ fn floyd((places, streets): &Streets) -> Vec<Vec<f64>> {
     let count = places.len();
     let mut length_m = vec![vec![f64::INFINITY; count]; count];
     for &(from, to, is_one_way) in streets.iter().filter(|(from, to, _)| from != to) {
-        let street_m = (places[from].0 - places[to].0).hypot(places[from].1 - places[to].1);
+        let street_m = libm::hypot(places[from].0 - places[to].0, places[from].1 - places[to].1);
         length_m[from][to] = length_m[from][to].min(street_m);
         if !is_one_way {
             length_m[to][from] = length_m[to][from].min(street_m);
@@ -47,7 +47,7 @@ proptest! {
         let ends: Vec<usize> = (0..map.0.len()).filter(|&place| used(place)).collect();
         prop_assume!(ends.len() >= 2);
         // Places on one another would be one node to the planner and two to Floyd.
-        let apart = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) > 1.0;
+        let apart = |a: (f64, f64), b: (f64, f64)| libm::hypot(a.0 - b.0, a.1 - b.1) > 1.0;
         prop_assume!((0..map.0.len()).all(|a| (0..a).all(|b| apart(map.0[a], map.0[b]))));
         let mut town = Town::default();
         for (id, &(x, y)) in (0..).zip(&map.0) {

@@ -29,7 +29,7 @@ impl Canvas {
         let mut walked = 0.0;
         for ends in points.windows(2) {
             let (from, to) = (ends[0], ends[1]);
-            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            let length = libm::hypot(to[0] - from[0], to[1] - from[1]);
             // A line beyond any picture has no pieces that could be told apart.
             if !(length > 0.0 && length < 1e5) {
                 continue;
@@ -87,7 +87,7 @@ impl Canvas {
         // Corners less than two pixels apart cannot be seen.
         let corners = (std::f64::consts::TAU * radius_px / 2.0).ceil().clamp(12.0, 200.0);
         let points: Vec<[f64; 2]> = (0..=corners as usize)
-            .map(|i| (i as f64 / corners * std::f64::consts::TAU).sin_cos())
+            .map(|i| libm::sincos(i as f64 / corners * std::f64::consts::TAU))
             .map(|(sine, cosine)| [centre[0] + radius_px * cosine, centre[1] + radius_px * sine])
             .collect();
         self.polyline(&points, width_px, paint);
@@ -97,7 +97,7 @@ impl Canvas {
     pub(crate) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], width_px: f64, paint: Paint) {
         self.cover_segment(from, to, 0.5 * width_px);
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-        let length = dx.hypot(dy);
+        let length = libm::hypot(dx, dy);
         if length > 2.0 {
             let head = (HEAD_SHARE * length).min(MAX_HEAD_PX) / length;
             for side in [-0.5, 0.5] {
@@ -132,7 +132,7 @@ impl Canvas {
                 } else {
                     0.0
                 };
-                let distance = (px - along * dx).hypot(py - along * dy);
+                let distance = libm::hypot(px - along * dx, py - along * dy);
                 if distance < reach {
                     self.cover(x, y, reach - distance);
                 }

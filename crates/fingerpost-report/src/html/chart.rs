@@ -36,7 +36,7 @@ impl Scale {
     pub(crate) fn share(self, value: f64, [low, high]: [f64; 2]) -> f64 {
         match self {
             Self::Linear => (value - low) / (high - low),
-            Self::Logarithmic => (value.max(low) / low).ln() / (high / low).ln(),
+            Self::Logarithmic => libm::log(value.max(low) / low) / libm::log(high / low),
         }
     }
 
@@ -45,7 +45,7 @@ impl Scale {
         match self {
             Self::Linear => ticks(low, high, count),
             Self::Logarithmic => {
-                let (first, last) = (low.log10().ceil() as i32, high.log10().floor() as i32);
+                let (first, last) = (libm::log10(low).ceil() as i32, libm::log10(high).floor() as i32);
                 (first..=last).map(|power| 10_f64.powi(power)).collect()
             }
         }
@@ -184,7 +184,7 @@ pub(crate) fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     if !(least.is_finite() && least > 0.0) {
         return Vec::new();
     }
-    let power = 10_f64.powf(least.log10().floor());
+    let power = libm::pow(10_f64, libm::log10(least).floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= least).unwrap_or(least);
     let (first, last) = ((low / step).ceil() as i64, (high / step + 1e-9).floor() as i64);
     (first..=last).map(|k| k as f64 * step).collect()

@@ -81,7 +81,7 @@ pub(super) fn diagram(drive: &LocatedDrive) -> Markup {
     let most = converged.values().copied().max().unwrap_or(1);
     // From the middle of the colours on, which stands out from dark pages too.
     let heat = |rows: usize| {
-        let share = (rows as f64).ln() / (most.max(2) as f64).ln();
+        let share = libm::log(rows as f64) / libm::log(most.max(2) as f64);
         palette::css(palette::heat((90.0 + 150.0 * share).round() as u8))
     };
     let counted = [

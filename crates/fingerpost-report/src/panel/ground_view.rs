@@ -32,7 +32,7 @@ const MOST_TINT: f64 = 0.45;
 
 /// A colour of the ground with the log-odds that it is raised.
 fn tinted(colour: Rgb, raised: f64) -> Rgb {
-    let share = MOST_TINT * (raised.abs() / 2.0).tanh();
+    let share = MOST_TINT * libm::tanh(raised.abs() / 2.0);
     let tint = if raised > 0.0 { RAISED } else { LEVEL };
     [0, 1, 2].map(|i| ((1.0 - share) * f64::from(colour[i]) + share * f64::from(tint[i])).round() as u8)
 }
@@ -87,7 +87,7 @@ fn ellipse(
     let Some(root) = covariance.fixed_view::<2, 2>(0, 0).into_owned().cholesky() else { return };
     let corners: Vec<[f64; 2]> = (0..=ELLIPSE_CORNERS)
         .map(|i| i as f64 / ELLIPSE_CORNERS as f64 * std::f64::consts::TAU)
-        .map(|angle| root.l() * Vector2::new(angle.cos(), angle.sin()))
+        .map(|angle| root.l() * Vector2::new(libm::cos(angle), libm::sin(angle)))
         .map(|offset| plot.at((pose.translation.vector + offset * ELLIPSE_SIGMAS).into()))
         .collect();
     canvas.polyline(&corners, 1.5, paint);

@@ -241,7 +241,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
         one.feature = (state == TrackState::Tracking).then(|| fingerpost_format::FeatureRecord {
             id: 1,
             kind: "bend".to_owned(),
-            p: Some(0.5 + 0.4 * (frame as f64 * 0.37).sin()),
+            p: Some(0.5 + 0.4 * libm::sin(frame as f64 * 0.37)),
             sub: [("approach".to_owned(), 0.9), ("exit".to_owned(), (frame % 5) as f64 * 0.2)].into(),
             contrast: Default::default(),
             confidence: None,

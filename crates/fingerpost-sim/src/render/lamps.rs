@@ -113,7 +113,7 @@ impl Lamps {
         found.clear();
         let radius = (2.0 - 2.0 * cos).max(0.0).sqrt();
         found.extend(self.lamps.iter().filter(|lamp| {
-            let aside = (axis[0] - lamp.to[0]).hypot(axis[1] - lamp.to[1]) - radius - STREAK_SPREAD;
+            let aside = libm::hypotf(axis[0] - lamp.to[0], axis[1] - lamp.to[1]) - radius - STREAK_SPREAD;
             lamp.light[0] * streak(aside.max(0.0).powi(2)) > LEAST_LIGHT
         }));
     }

@@ -18,7 +18,7 @@ impl Simulator {
         let state = moment.state;
         let place = self.plane.wgs84_from_map(state.p_in_map);
         let target = self.targets.iter().find(|target| target.route_m > state.route_m);
-        let (sin, cos) = state.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(state.heading_rad);
         let in_vehicle = target.map(|target| {
             let offset = target.p_in_map - state.p_in_map;
             Vector2::new(cos * offset.x + sin * offset.y, cos * offset.y - sin * offset.x)

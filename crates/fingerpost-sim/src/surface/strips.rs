@@ -67,8 +67,8 @@ impl Strips {
             if draw(topic) >= 0.7 * self.share {
                 continue;
             }
-            let phase = (place.along_m / CRACK_WAVE_M + 6.3 * draw(topic + 1)).sin()
-                + 0.6 * (place.along_m * 1.7 / CRACK_WAVE_M + 6.3 * draw(topic + 2)).sin();
+            let phase = libm::sinf(place.along_m / CRACK_WAVE_M + 6.3 * draw(topic + 1))
+                + 0.6 * libm::sinf(place.along_m * 1.7 / CRACK_WAVE_M + 6.3 * draw(topic + 2));
             let middle_m = place.half_width_m * between(topic + 3, -0.9, 0.9) + CRACK_WANDERS_M * phase;
             let on_crack = covered(place.left_m - middle_m, CRACK_M, across_extent_m);
             colour = mixed(colour, BITUMEN, on_crack.clamp(0.0, 1.0));

@@ -78,7 +78,7 @@ fn lens_of(
     [width, height]: [usize; 2],
 ) -> Result<(Intrinsics, Distortion), GeometryError> {
     let field_rad = log_between(stream, ranges::FIELD_OF_VIEW_DEG).to_radians();
-    let edge = (0.5 * field_rad).tan();
+    let edge = libm::tan(0.5 * field_rad);
     let distortion = match lens {
         LensKind::Pinhole => Distortion::None,
         LensKind::Barrel => {
@@ -101,7 +101,8 @@ fn lens_of(
 /// Whether the picture's middle column shows the road from near enough to far enough.
 fn shows_a_street(camera: &Camera, mount: &Mount) -> bool {
     let shown = |ahead_m: f64| {
-        let on_road = nalgebra::Point2::new(mount.x_m + ahead_m, mount.y_m + ahead_m * mount.yaw_rad.tan());
+        let on_road =
+            nalgebra::Point2::new(mount.x_m + ahead_m, mount.y_m + ahead_m * libm::tan(mount.yaw_rad));
         camera.pixel_of_ground(on_road).is_some_and(|pixel| camera.contains(pixel))
     };
     shown(ranges::SHOWS_FROM_M) && shown(ranges::SHOWS_TO_M)

@@ -14,7 +14,7 @@ pub(super) fn as_built(osm: &OsmData, seed: u64) -> OsmData {
         let street = attributes.name.as_deref().map_or(mix(way.id as u64), |name| {
             name.bytes().fold(0, |hash, byte| mix(hash ^ u64::from(byte)))
         });
-        let factor = Stream::new(seed ^ 0x5749_4454, street).normal(ranges::WIDTH_LOG_SIGMA).exp();
+        let factor = libm::exp(Stream::new(seed ^ 0x5749_4454, street).normal(ranges::WIDTH_LOG_SIGMA));
         way.tags.insert("width".to_owned(), format!("{:.3}", factor * attributes.width_m));
     }
     built

@@ -43,7 +43,7 @@ impl MapFault {
                 for node in &mut known.nodes {
                     let arms = roads.node_index(node.id).map(|index| roads.nodes()[index].segments.len());
                     if arms.is_some_and(|arms| arms != 2) && chance(node.id) < MOVED {
-                        let (sin, cos) = (TAU * chance(mix(node.id as u64) as i64)).sin_cos();
+                        let (sin, cos) = libm::sincos(TAU * chance(mix(node.id as u64) as i64));
                         let p_in_map = roads.plane().map_from_wgs84(node.at);
                         node.at = roads.plane().wgs84_from_map(p_in_map + MOVED_M * Vector2::new(cos, sin));
                     }

@@ -107,7 +107,7 @@ fn streets_differ_from_their_tags_and_are_as_wide_all_along() {
         for (known, real) in town.ways.iter().zip(&built.ways) {
             let widths = [known, real].map(|way| RoadAttributes::from_tags(&way.tags));
             let [Some(known), Some(real)] = widths else { continue };
-            let log = (real.width_m / known.width_m).ln();
+            let log = libm::log(real.width_m / known.width_m);
             match known.name {
                 Some(name) => {
                     let first = *of_name.entry(name).or_insert(log);
@@ -159,7 +159,7 @@ fn the_truth_is_where_the_world_has_its_features() {
             let Some(id) = truth.feature_id else { continue };
             let node = &world.roads.nodes()[world.roads.node_index(id).unwrap()];
             let place = plane.map_from_wgs84(node.at);
-            let (sin, cos) = truth.heading_rad.sin_cos();
+            let (sin, cos) = libm::sincos(truth.heading_rad);
             let (forward, left) = (truth.feature_forward_m.unwrap(), truth.feature_left_m.unwrap());
             let claimed =
                 Point2::new(truth.x_m + cos * forward - sin * left, truth.y_m + sin * forward + cos * left);
@@ -178,7 +178,7 @@ fn vehicles_keep_to_the_road_and_their_side_of_it() {
         let (mut off_road, mut on_side, mut straight) = (0, 0, 0);
         for index in 0..simulator.frames() {
             let truth = simulator.truth(index);
-            let to_the_left = Vector2::new(-truth.heading_rad.sin(), truth.heading_rad.cos());
+            let to_the_left = Vector2::new(-libm::sin(truth.heading_rad), libm::cos(truth.heading_rad));
             let place = Point2::new(truth.x_m, truth.y_m);
             off_road += usize::from(!simulator.is_on_road(place));
             let wheels = [0.5, -0.5].map(|side| place + to_the_left * (side * world.config.vehicle.track_m));

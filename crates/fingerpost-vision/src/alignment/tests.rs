@@ -16,7 +16,8 @@ fn hills(width: usize, height: usize, at: impl Fn(f32, f32) -> [f32; 2]) -> Plan
     for y in 0..height {
         for (x, out) in picture.row_mut(y).iter_mut().enumerate() {
             let [u, v] = at(x as f32, y as f32);
-            *out = (120.0 + 50.0 * (0.31 * u + 0.1 * v).sin() + 50.0 * (0.23 * v - 0.05 * u).cos()) as u8;
+            *out = (120.0 + 50.0 * libm::sinf(0.31 * u + 0.1 * v) + 50.0 * libm::cosf(0.23 * v - 0.05 * u))
+                as u8;
         }
     }
     picture
@@ -90,8 +91,8 @@ fn plain_trust(corridor: &Corridor, [u, v]: [f32; 2], [right, down]: [f32; 2]) -
     let middle = corridor.middle[0] + corridor.middle[1] * v + corridor.middle[2] * v * v;
     if (u - middle).abs() <= corridor.half_width {
         1.0
-    } else if right.hypot(down) > 0.0 {
-        corridor.outside * down.atan2(right).cos().powi(8)
+    } else if libm::hypotf(right, down) > 0.0 {
+        corridor.outside * libm::cosf(libm::atan2f(down, right)).powi(8)
     } else {
         0.0
     }

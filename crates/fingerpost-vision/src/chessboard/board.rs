@@ -111,7 +111,7 @@ pub(super) fn placed(grey: PlaneView<'_, u8>, corners: Vec<[f64; 2]>, scale: f64
 
 /// Distance of each point to the nearest other one, pixels.
 fn spacing(points: &[[f64; 2]]) -> Vec<f64> {
-    let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let distance = |a: &[f64; 2], b: &[f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
     let nearest = |i: usize| {
         let others = points.iter().enumerate().filter(move |&(j, _)| j != i);
         others.map(|(_, other)| distance(&points[i], other)).fold(f64::INFINITY, f64::min)

@@ -41,7 +41,7 @@ impl Crossing {
 
     /// Whether light and dark are exchanged between the two, as between neighbours of a board.
     pub(super) fn is_opposite(&self, other: &Self) -> bool {
-        (2.0 * (self.light_rad - other.light_rad)).cos() < 0.0
+        libm::cos(2.0 * (self.light_rad - other.light_rad)) < 0.0
     }
 }
 
@@ -56,7 +56,8 @@ pub(super) fn crossing_near(grey: PlaneView<'_, u8>, near: [f64; 2]) -> Option<C
     let mut ring = [0.0; PLACES];
     for (place, value) in ring.iter_mut().enumerate() {
         let angle = place as f64 * 2.0 * PI / PLACES as f64;
-        *value = brightness(grey, [at[0] + RADIUS_PX * angle.cos(), at[1] + RADIUS_PX * angle.sin()])?;
+        *value =
+            brightness(grey, [at[0] + RADIUS_PX * libm::cos(angle), at[1] + RADIUS_PX * libm::sin(angle)])?;
     }
     // A crossing looks the same after half a turn.
     const HALF: usize = PLACES / 2;

@@ -116,8 +116,8 @@ impl Lattice {
             let expected: [f64; 2] =
                 std::array::from_fn(|i| ahead(next.at[i], second.at[i], third.map(|third| third[i])));
             let found = crossing_near(grey, expected)?;
-            let off = (found.at[0] - expected[0]).hypot(found.at[1] - expected[1]);
-            let apart = (found.at[0] - next.at[0]).hypot(found.at[1] - next.at[1]);
+            let off = libm::hypot(found.at[0] - expected[0], found.at[1] - expected[1]);
+            let apart = libm::hypot(found.at[0] - next.at[0], found.at[1] - next.at[1]);
             (off < MOST_OFF * apart && found.is_opposite(next)).then_some(found)
         })
     }

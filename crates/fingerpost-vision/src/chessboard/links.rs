@@ -36,7 +36,7 @@ fn nearest(grey: PlaneView<'_, u8>, crossings: &[Crossing], from: usize) -> [Opt
     let mut best: [Option<(f64, usize)>; 4] = [None; 4];
     for (to, there) in crossings.iter().enumerate() {
         let (right, down) = (there.at[0] - here.at[0], there.at[1] - here.at[1]);
-        let (way_px, heading_rad) = (right.hypot(down), down.atan2(right));
+        let (way_px, heading_rad) = (libm::hypot(right, down), libm::atan2(down, right));
         let along =
             here.directions_rad().into_iter().position(|edge| turn(edge, heading_rad, 2.0 * PI) < ASIDE_RAD);
         let Some(direction) = along.filter(|_| to != from) else { continue };
@@ -60,7 +60,7 @@ fn turn(a: f64, b: f64, period: f64) -> f64 {
 /// Whether one edge leads from one crossing to the other, light on the same side throughout.
 fn edge_between(grey: PlaneView<'_, u8>, a: &Crossing, b: &Crossing) -> bool {
     let way = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
-    let way_px = way[0].hypot(way[1]);
+    let way_px = libm::hypot(way[0], way[1]);
     let aside = (ASIDE_SHARE * way_px).min(MOST_ASIDE_PX) / way_px;
     let least = LEAST_STEP * a.contrast.min(b.contrast);
     let step = |share: f64| {

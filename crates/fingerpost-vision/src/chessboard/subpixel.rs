@@ -31,10 +31,10 @@ pub(super) fn refined(grey: PlaneView<'_, u8>, start: [f64; 2], reach: usize) ->
     for _ in 0..ITERATIONS {
         let step = step_to_corner(grey, corner, reach as isize)?;
         corner = [corner[0] + step[0], corner[1] + step[1]];
-        if (corner[0] - start[0]).hypot(corner[1] - start[1]) > reach as f64 {
+        if libm::hypot(corner[0] - start[0], corner[1] - start[1]) > reach as f64 {
             return None;
         }
-        if step[0].hypot(step[1]) < STILL_PX {
+        if libm::hypot(step[0], step[1]) < STILL_PX {
             break;
         }
     }
@@ -56,7 +56,7 @@ fn step_to_corner(grey: PlaneView<'_, u8>, [u, v]: [f64; 2], reach: isize) -> Op
             let at = row * side + column;
             let (x, y) = ((column as isize - 1 - reach) as f64, (row as isize - 1 - reach) as f64);
             // Pixels at the window's edge count e^-2 as much as one at the corner.
-            let weight = (-(x * x + y * y) / (reach * reach) as f64).exp();
+            let weight = libm::exp(-(x * x + y * y) / (reach * reach) as f64);
             let (gx, gy) = (patch[at + 1] - patch[at - 1], patch[at + side] - patch[at - side]);
             let (wxx, wxy, wyy) = (weight * gx * gx, weight * gx * gy, weight * gy * gy);
             xx += wxx;

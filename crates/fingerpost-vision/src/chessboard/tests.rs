@@ -38,7 +38,7 @@ impl View {
     fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let away = 1.0 + self.recede[0] * x + self.recede[1] * y;
         let (right, down) = (self.square_px * x / away, self.square_px * y / away);
-        let (sin, cos) = self.turn_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.turn_rad);
         let straight =
             [cos * right - sin * down + self.middle_px[0], sin * right + cos * down + self.middle_px[1]];
         let bent = 1.0 + self.bend * self.square_radius(straight);
@@ -53,7 +53,7 @@ impl View {
             let bent = 1.0 + self.bend * self.square_radius(straight);
             straight = [seen[0] / bent, seen[1] / bent];
         }
-        let (sin, cos) = self.turn_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.turn_rad);
         let (right, down) = (straight[0] - self.middle_px[0], straight[1] - self.middle_px[1]);
         let (a, b) =
             ((cos * right + sin * down) / self.square_px, (cos * down - sin * right) / self.square_px);
@@ -120,7 +120,7 @@ fn size() -> BoardSize {
 fn largest_error_px(view: &View) -> f64 {
     let found = find_chessboard(view.picture(COLUMNS, ROWS).view(), size()).unwrap();
     let truth = view.corners(COLUMNS, ROWS);
-    let distance = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let distance = |(a, b): (&[f64; 2], &[f64; 2])| libm::hypot(a[0] - b[0], a[1] - b[1]);
     found.iter().zip(&truth).map(distance).fold(0.0, f64::max)
 }
 
@@ -158,7 +158,7 @@ fn a_large_soft_picture_is_looked_at_in_a_smaller_size() {
     assert!(largest_lattice(soft.view()).unwrap().len() < 54);
     let found = find_chessboard(soft.view(), size()).unwrap();
     for (found, truth) in found.iter().zip(view.corners(COLUMNS, ROWS)) {
-        assert!((found[0] - truth[0]).hypot(found[1] - truth[1]) < 0.5, "{found:?} {truth:?}");
+        assert!(libm::hypot(found[0] - truth[0], found[1] - truth[1]) < 0.5, "{found:?} {truth:?}");
     }
 }
 
@@ -177,7 +177,7 @@ fn corners_come_in_one_order() {
             assert!(right[0] > 0.0, "{right:?} at {}", view.turn_rad);
             assert!(right[0] * down[1] - right[1] * down[0] > 0.0, "{right:?} {down:?}");
             let truth = view.corners(columns, rows);
-            let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            let distance = |a: &[f64; 2], b: &[f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
             let hit = |found: &[f64; 2]| truth.iter().any(|truth| distance(found, truth) < 0.2);
             assert!(found.iter().all(hit), "{found:?}");
         }

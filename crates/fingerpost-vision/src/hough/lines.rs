@@ -57,7 +57,7 @@ impl HoughLines {
     pub fn new(params: HoughParams) -> Result<Self, HoughError> {
         params.check()?;
         let normal = |angle: f64| {
-            [(angle.cos() / params.rho_step_px) as f32, (angle.sin() / params.rho_step_px) as f32]
+            [(libm::cos(angle) / params.rho_step_px) as f32, (libm::sin(angle) / params.rho_step_px) as f32]
         };
         Ok(Self {
             params,
@@ -86,7 +86,7 @@ impl HoughLines {
             return &self.lines;
         }
         // Bins on either side of rho 0 so that no pixel falls beyond, and one more at either end that gets no vote.
-        let diagonal_px = (edges.width() as f64).hypot(edges.height() as f64);
+        let diagonal_px = libm::hypot(edges.width() as f64, edges.height() as f64);
         let middle = (diagonal_px / self.params.rho_step_px).ceil() as usize + 1;
         let bins = 2 * middle + 1;
         self.vote(path, bins, middle);

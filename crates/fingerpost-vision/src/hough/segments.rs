@@ -29,7 +29,7 @@ impl Segment {
     /// Length, pixels.
     #[must_use]
     pub fn length_px(&self) -> f64 {
-        (self.end_px[0] - self.start_px[0]).hypot(self.end_px[1] - self.start_px[1])
+        libm::hypot(self.end_px[0] - self.start_px[0], self.end_px[1] - self.start_px[1])
     }
 }
 
@@ -199,16 +199,17 @@ impl HoughSegments {
 
 impl Course {
     fn of(line: HoughLine) -> Self {
-        let (sin, cos) = line.theta_rad.sin_cos();
+        let (sin, cos) = libm::sincos(line.theta_rad);
         let (axis, own, other) =
             if sin.abs() >= cos.abs() { (Axis::U, sin, cos) } else { (Axis::V, cos, sin) };
         let (offset_px, slope) = (line.rho_px / own, -other / own);
-        let fixed = [offset_px + 0.5, slope].map(|value| (value * f64::from(FRACTION_BITS).exp2()) as i64);
+        let fixed =
+            [offset_px + 0.5, slope].map(|value| (value * libm::exp2(f64::from(FRACTION_BITS))) as i64);
         Self { line, axis, offset_px, slope, fixed }
     }
 
     fn step_length_px(&self) -> f64 {
-        self.slope.hypot(1.0)
+        libm::hypot(self.slope, 1.0)
     }
 
     fn across(&self, along: usize) -> f64 {

@@ -20,7 +20,8 @@ fn plain_votes(picture: &Framed, params: HoughParams) -> BTreeMap<(usize, i64), 
             continue;
         }
         for (number, angle) in params.angles().enumerate() {
-            let [cos, sin] = [angle.cos(), angle.sin()].map(|part| (part / params.rho_step_px) as f32);
+            let [cos, sin] =
+                [libm::cos(angle), libm::sin(angle)].map(|part| (part / params.rho_step_px) as f32);
             let rho = (x as f32 * cos + y as f32 * sin).round_ties_even();
             *votes.entry((number, rho as i64)).or_insert(0) += 1;
         }
@@ -82,7 +83,7 @@ proptest! {
         let segments = finder.find(picture.view()).to_vec();
         for segment in &segments {
             prop_assert!(segment.length_px() >= min_length_px - 1e-9);
-            let (sin, cos) = segment.line.theta_rad.sin_cos();
+            let (sin, cos) = libm::sincos(segment.line.theta_rad);
             for [u, v] in [segment.start_px, segment.end_px] {
                 prop_assert!((u * cos + v * sin - segment.line.rho_px).abs() < 1e-9);
                 let near = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
@@ -122,7 +123,7 @@ fn drawn_segments_are_found_where_they_are_and_once_each() {
     let found = finder.find(picture.view());
     assert_eq!(found.len(), drawn.len(), "{found:#?}");
     for ends in drawn {
-        let apart = |one: [f64; 2], other: [f64; 2]| (one[0] - other[0]).hypot(one[1] - other[1]);
+        let apart = |one: [f64; 2], other: [f64; 2]| libm::hypot(one[0] - other[0], one[1] - other[1]);
         let same = |segment: &&Segment| {
             let there = apart(segment.start_px, ends[0]).max(apart(segment.end_px, ends[1]));
             let back = apart(segment.start_px, ends[1]).max(apart(segment.end_px, ends[0]));

@@ -12,7 +12,8 @@ fn plain(source: &RgbImage, block: Block, column: usize, row: usize) -> [f64; 3]
             (0..3).for_each(|channel| sums[channel] += f64::from(pixel[channel]));
         }
     }
-    let [r, g, b] = sums.map(|sum| (sum / (block.width * block.height) as f64 + f64::from(NOISE_FLOOR)).ln());
+    let [r, g, b] =
+        sums.map(|sum| libm::log(sum / (block.width * block.height) as f64 + f64::from(NOISE_FLOOR)));
     [(r + g + b) / 3.0, r - g, b - g]
 }
 

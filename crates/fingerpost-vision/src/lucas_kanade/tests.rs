@@ -9,9 +9,9 @@ fn texture(width: usize, height: usize, shift: [f32; 2], brightness: f32) -> Pla
     for y in 0..height {
         for (x, pixel) in plane.row_mut(y).iter_mut().enumerate() {
             let (u, v) = (x as f32 + shift[0], y as f32 + shift[1]);
-            let waves = (0.31 * u + 0.12 * v).sin()
-                + (0.23 * v - 0.17 * u).cos()
-                + (0.05 * u * 0.9 + 0.043 * v).sin();
+            let waves = libm::sinf(0.31 * u + 0.12 * v)
+                + libm::cosf(0.23 * v - 0.17 * u)
+                + libm::sinf(0.05 * u * 0.9 + 0.043 * v);
             *pixel = (120.0 + brightness + 35.0 * waves) as u8;
         }
     }
@@ -49,11 +49,11 @@ proptest! {
             prop_assert_eq!(track, &tracks[0]);
         }
         let track = tracks[0].unwrap();
-        let error = (track.to[0] - from[0] - moved.0).hypot(track.to[1] - from[1] - moved.1);
+        let error = libm::hypotf(track.to[0] - from[0] - moved.0, track.to[1] - from[1] - moved.1);
         prop_assert!(error < 0.1, "{error} px off: {track:?}");
         prop_assert!(track.residual < 2.0, "{track:?}");
         let coarse = tracker.track(&previous, &current, 1, from, [0.0, 0.0]).unwrap();
-        let error = (coarse.to[0] - from[0] - moved.0).hypot(coarse.to[1] - from[1] - moved.1);
+        let error = libm::hypotf(coarse.to[0] - from[0] - moved.0, coarse.to[1] - from[1] - moved.1);
         prop_assert!(error < 0.25, "{error} px off at half the size");
     }
 

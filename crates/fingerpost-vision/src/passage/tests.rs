@@ -25,7 +25,7 @@ fn plain(pixels: &[Pixel], x: usize) -> (f64, f64) {
     let f = [distance.min(3.0), y.into(), rg.into(), bg.into(), texture.into()];
     let sum: f64 = f64::from(offset) + f.iter().zip(w).map(|(f, w)| f * f64::from(w)).sum::<f64>();
     let other = sum.clamp(0.0, 1.0);
-    let edge = 1.5 * f64::from(slope) * (1.0 - 0.7 * (-distance).exp() * (1.0 - other));
+    let edge = 1.5 * f64::from(slope) * (1.0 - 0.7 * libm::exp(-distance) * (1.0 - other));
     (edge, 0.02 * (distance / (1.0 + distance / 2.0) + other))
 }
 

@@ -49,7 +49,7 @@ pub(super) fn stroke(polyline_px: &[[f64; 2]], width_px: f64, spans: &mut Vec<Sp
     for ends in polyline_px.windows(2) {
         let [from, to] = [ends[0], ends[1]];
         let along = [to[0] - from[0], to[1] - from[1]];
-        let length = along[0].hypot(along[1]);
+        let length = libm::hypot(along[0], along[1]);
         if length <= 0.0 {
             continue;
         }

@@ -25,7 +25,7 @@ pub(crate) fn end_point_difference(flow: &FlowField, name: &str, step: usize) ->
         .map(|(index, &[dx, dy])| {
             let (x, y) = (index % (WIDTH / step) * step, index / (WIDTH / step) * step);
             let [found_dx, found_dy] = flow.get(x, y).unwrap();
-            f64::from(found_dx - dx).hypot(f64::from(found_dy - dy))
+            libm::hypot(f64::from(found_dx - dx), f64::from(found_dy - dy))
         })
         .collect();
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;

@@ -37,7 +37,7 @@ impl FeaturePlace {
         };
         let left = Vector2::new(-direction.y, direction.x);
         let by_pose = self.across_by_pose(middle, left);
-        let across = road.heading_rad.cos();
+        let across = libm::cos(road.heading_rad);
         let innovation_m = road.offset_m * across - left.dot(&middle.coords);
         let to_innovation = self.covariance * by_pose.transpose();
         let variance = (by_pose * to_innovation).x + (road.sigma_m * across).powi(2);

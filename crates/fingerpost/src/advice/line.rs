@@ -178,7 +178,7 @@ impl LineFinder {
     /// Whether a feature's line of this frame is beside the one that is kept by more than both may be off, though the feature lies behind
     /// the vehicle by what is kept: its arms are out of view then but for the exit, and what is taken for them is something else.
     fn jumps(&self, kept: &Led, path: &[PathPoint], led: &Led) -> bool {
-        let most_m = GATE_SIGMAS * kept.sigma_m.hypot(led.sigma_m);
+        let most_m = GATE_SIGMAS * libm::hypot(kept.sigma_m, led.sigma_m);
         let apart_m = |place: Point2<f64>| {
             let feet = foot(path, place).zip(foot(&self.laid, place));
             feet.is_some_and(|(kept, fresh)| (kept.left_m - fresh.left_m).abs() > most_m)
@@ -262,12 +262,12 @@ impl LineFinder {
         match road.steer {
             Some(steer) if turns && steer.by == SteerBy::Road => {
                 // Round a corner that is no feature the road's surface alone leads, by one direction.
-                let curvature_per_m = 2.0 * steer.direction_rad.sin() / self.aim_m;
+                let curvature_per_m = 2.0 * libm::sin(steer.direction_rad) / self.aim_m;
                 arc(0.0, 0.0, curvature_per_m, [self.aim_m, STEP_M], path);
                 led.seen_m = self.aim_m;
             }
             steer => {
-                let across = lane_left_m / road.heading_rad.cos();
+                let across = lane_left_m / libm::cos(road.heading_rad);
                 // A line beside a curve has another curvature.
                 let curvature_per_m =
                     road.curvature_per_m / (1.0 - lane_left_m * road.curvature_per_m).max(0.1);
@@ -338,13 +338,13 @@ impl KnownWidth {
             self.on_map_m = arm.map(|arm| arm.width_m).or(self.on_map_m);
         }
         if let Some((road, on_map_m)) = road.filter(|road| road.sigma_m < SURE_SIGMA_M).zip(self.on_map_m) {
-            self.log_ratio += LEARNING * ((road.width_m / on_map_m).ln() - self.log_ratio);
+            self.log_ratio += LEARNING * (libm::log(road.width_m / on_map_m) - self.log_ratio);
         }
     }
 
     /// Whether a road's width is one that it may have.
     fn fits(&self, road: &Centreline) -> bool {
-        self.on_map_m.is_none_or(|on_map_m| road.width_m < MOST_WIDER * on_map_m * self.log_ratio.exp())
+        self.on_map_m.is_none_or(|on_map_m| road.width_m < MOST_WIDER * on_map_m * libm::exp(self.log_ratio))
     }
 }
 

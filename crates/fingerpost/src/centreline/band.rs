@@ -94,7 +94,7 @@ fn left(direction: Vector2<f64>) -> Vector2<f64> {
 
 /// A direction turned to the left.
 fn turned(direction: Vector2<f64>, by_rad: f64) -> Vector2<f64> {
-    let (sin, cos) = by_rad.sin_cos();
+    let (sin, cos) = libm::sincos(by_rad);
     direction * cos + left(direction) * sin
 }
 
@@ -107,10 +107,13 @@ impl Way {
     /// Straight to a corner, round it and straight on.
     pub(super) fn round(start: &RoadLine, corner_m: f64, turn_rad: f64, radius_m: f64) -> Self {
         let (size_rad, sign) = (turn_rad.abs(), turn_rad.signum());
-        let begin_m = corner_m - radius_m * (0.5 * size_rad).tan();
+        let begin_m = corner_m - radius_m * libm::tan(0.5 * size_rad);
         let start = (start.place, start.direction());
-        let place =
-            ahead(start, begin_m + radius_m * size_rad.sin(), sign * radius_m * (1.0 - size_rad.cos()));
+        let place = ahead(
+            start,
+            begin_m + radius_m * libm::sin(size_rad),
+            sign * radius_m * (1.0 - libm::cos(size_rad)),
+        );
         let turn = Turn {
             corner_m,
             turn_rad,
@@ -149,7 +152,7 @@ impl Way {
             (ahead(turn.exit, along_m - end_m, 0.0), turn.exit.1)
         } else {
             let (arc_rad, sign) = ((along_m - begin_m) / turn.radius_m, turn.turn_rad.signum());
-            let (sin, cos) = arc_rad.sin_cos();
+            let (sin, cos) = libm::sincos(arc_rad);
             let place = ahead(self.start, begin_m + turn.radius_m * sin, sign * turn.radius_m * (1.0 - cos));
             (place, direction * cos + left(direction) * (sign * sin))
         }
@@ -186,7 +189,10 @@ impl Way {
         let aim_m = left_m + keeping.share * (keeping.lane_left_m - left_m);
         let mut aims = stations[first..].iter().map(|(place, direction)| place + left(*direction) * aim_m);
         let reached = |place: &Point2<f64>| place.coords.norm() >= keeping.look_ahead_m;
-        aims.clone().find(reached).or_else(|| aims.next_back()).map_or(0.0, |place| place.y.atan2(place.x))
+        aims.clone()
+            .find(reached)
+            .or_else(|| aims.next_back())
+            .map_or(0.0, |place| libm::atan2(place.y, place.x))
     }
 }
 
@@ -261,7 +267,7 @@ impl Default for LogOdds {
     fn default() -> Self {
         let of_level = |level: usize| {
             let p = (level as f64 + 0.5) / 256.0;
-            (p / (1.0 - p)).ln().clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS)
+            libm::log(p / (1.0 - p)).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS)
         };
         Self(std::array::from_fn(of_level))
     }

@@ -187,7 +187,7 @@ impl Course {
         let carried = |curve: &Vector4<f64>, covariance: &Matrix4<f64>| {
             let mut carried = moved * curve;
             carried[0] -= pose.translation.y;
-            carried[1] = (carried[1].atan() - turn_rad).tan();
+            carried[1] = libm::tan(libm::atan(carried[1]) - turn_rad);
             (carried, moved * covariance * moved.transpose() + wandered)
         };
         (self.curve, self.covariance) = carried(&self.curve, &self.covariance);
@@ -284,7 +284,7 @@ impl Course {
     /// Begins anew with a straight road of the width of before, along a line whose offset (metres) and direction (radians) are so
     /// sure.
     pub(super) fn begin(&mut self, line: &RoadLine, [sigma_m, sigma_rad]: [f64; 2]) {
-        let slope = line.heading_rad.tan();
+        let slope = libm::tan(line.heading_rad);
         self.curve = Vector4::new(line.offset_m(), slope, 0.0, self.curve[3]);
         let slope_sigma = sigma_rad * (1.0 + slope * slope);
         let sigma = Vector4::new(sigma_m, slope_sigma, BEGIN_CURVATURE_SIGMA, BEGIN_WIDTH_SIGMA_M);
@@ -312,14 +312,14 @@ impl Course {
     pub(super) fn road(&self) -> Centreline {
         let [offset_m, slope, curvature_per_m, width_m] = self.curve.into();
         let sigma_m = self.covariance[(0, 0)].max(f64::MIN_POSITIVE).sqrt();
-        let heading_rad = slope.atan();
+        let heading_rad = libm::atan(slope);
         Centreline { offset_m, sigma_m, heading_rad, curvature_per_m, width_m, ..Centreline::default() }
     }
 
     /// The curve whether or not this frame's edges tell it; none where its offset is not known or not sure enough.
     pub(super) fn believed(&self) -> Option<Centreline> {
         let road = self.road();
-        (self.known && road.sigma_m <= MAX_SIGMA_M / road.heading_rad.cos()).then_some(road)
+        (self.known && road.sigma_m <= MAX_SIGMA_M / libm::cos(road.heading_rad)).then_some(road)
     }
 
     fn forget(&mut self) {
@@ -359,8 +359,8 @@ impl Course {
         for edge in self.fresh.iter().chain(&self.kept).filter(|edge| near(edge)) {
             let x = edge.place.x;
             let far = if self.moved { x / REACH_M } else { 0.0 };
-            let share = (-LN_2 * far * far).exp();
-            let outwards = edge.side * (curve[1] + curve[2] * x).hypot(1.0);
+            let share = libm::exp(-LN_2 * far * far);
+            let outwards = edge.side * libm::hypot(curve[1] + curve[2] * x, 1.0);
             add(row(x, outwards), edge.place.y, share / (edge.sigma_m * edge.sigma_m));
         }
         // Directions are coarse: they serve until places behind each other tell more.
@@ -385,13 +385,13 @@ impl Course {
 /// How far off an edge is, one standard deviation, metres: the less the road stands out from what is beside it, the more.
 fn edge_sigma_m(edge: &RoadEdge, forward_m: f64) -> f64 {
     let across_m = EDGE_SIGMA_M * (CLEAR_CONTRAST / edge.contrast).max(1.0) + AHEAD_SIGMA * forward_m;
-    across_m.hypot(edge.slope * PITCH_PER_M * forward_m * forward_m)
+    libm::hypot(across_m, edge.slope * PITCH_PER_M * forward_m * forward_m)
 }
 
 /// Whether an edge is where the curve has it.
 fn is_near(edge: &EdgePoint, curve: &Vector4<f64>, covariance: &Matrix4<f64>) -> bool {
     let x = edge.place.x;
-    let row = row(x, edge.side * (curve[1] + curve[2] * x).hypot(1.0));
+    let row = row(x, edge.side * libm::hypot(curve[1] + curve[2] * x, 1.0));
     let sigma_m = (row.transpose() * covariance * row)[0].max(0.0).sqrt();
     (curve.dot(&row) - edge.place.y).abs() <= MAX_RESIDUAL_M + 2.0 * sigma_m
 }
@@ -412,5 +412,5 @@ fn section_width_m(section: &SectionEvidence) -> Option<f64> {
     let (left, right) = left.zip(right)?;
     let slope = 0.5 * (left.slope + right.slope);
     // Across the road, not across the vehicle.
-    Some((left.left_m - right.left_m) / slope.hypot(1.0))
+    Some((left.left_m - right.left_m) / libm::hypot(slope, 1.0))
 }

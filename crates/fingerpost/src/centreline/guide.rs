@@ -71,6 +71,6 @@ impl<'a> Guide<'a> {
             .filter_map(aim)
             .find(|place| place.coords.norm() >= keeping.look_ahead_m)?;
         let variance = self.covariance.fixed_view::<2, 2>(0, 0).trace() / aim.coords.norm_squared();
-        Some((aim.y.atan2(aim.x), (variance + self.covariance[(2, 2)]).sqrt()))
+        Some((libm::atan2(aim.y, aim.x), (variance + self.covariance[(2, 2)]).sqrt()))
     }
 }

@@ -53,7 +53,7 @@ impl Centreline {
     /// How far left of the vehicle's centre line it is at some distance ahead, metres.
     pub fn left_m(&self, forward_m: f64) -> f64 {
         self.offset_m
-            + self.heading_rad.tan() * forward_m
+            + libm::tan(self.heading_rad) * forward_m
             + 0.5 * self.curvature_per_m * forward_m * forward_m
     }
 
@@ -64,7 +64,7 @@ impl Centreline {
 
     /// Standard deviation of its place across itself, metres.
     pub(super) fn across_sigma_m(&self) -> f64 {
-        self.sigma_m * self.heading_rad.cos()
+        self.sigma_m * libm::cos(self.heading_rad)
     }
 }
 

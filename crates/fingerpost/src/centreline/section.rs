@@ -53,7 +53,7 @@ impl Finder<'_> {
         };
         let forward_m = [x(rect.height as f64 - 0.5), x(-0.5)];
         let [middle_m, slope] = road.at(0.5 * (forward_m[0] + forward_m[1]));
-        let max_turn = self.config.max_heading_deg.to_radians().tan();
+        let max_turn = libm::tan(self.config.max_heading_deg.to_radians());
         let mut edges: [Option<RoadEdge>; 2] = [None; 2];
         for line in lines {
             let Some(course) = Course::of(line, rect) else { continue };
@@ -123,7 +123,7 @@ struct Course {
 impl Course {
     /// None for a line that lies across the section or misses it.
     fn of(line: &HoughLine, rect: Rect) -> Option<Self> {
-        let (sin, cos) = line.theta_rad.sin_cos();
+        let (sin, cos) = libm::sincos(line.theta_rad);
         if cos.abs() < sin.abs() {
             return None;
         }

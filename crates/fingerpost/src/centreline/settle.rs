@@ -38,7 +38,7 @@ pub(super) fn settle(
     let most = evidences.iter().map(|(evidence, _)| *evidence).fold(f64::NEG_INFINITY, f64::max);
     let (mut all, mut sum, mut squares) = (0.0, [0.0; 2], [0.0; 2]);
     for (evidence, off) in evidences {
-        let weight = (evidence - most).exp();
+        let weight = libm::exp(evidence - most);
         all += weight;
         for axis in [0, 1] {
             sum[axis] += weight * off[axis];

@@ -33,12 +33,12 @@ pub struct Corner {
 impl RoadLine {
     /// Its direction as a unit vector.
     pub(super) fn direction(&self) -> Vector2<f64> {
-        Vector2::new(self.heading_rad.cos(), self.heading_rad.sin())
+        Vector2::new(libm::cos(self.heading_rad), libm::sin(self.heading_rad))
     }
 
     /// How far left of the rear axle's middle it passes, metres; far away where it runs across the vehicle.
     pub(super) fn offset_m(&self) -> f64 {
-        self.place.y - self.place.x * self.heading_rad.tan()
+        self.place.y - self.place.x * libm::tan(self.heading_rad)
     }
 
     /// The same after the vehicle moved.
@@ -90,5 +90,5 @@ pub(super) fn middle_radius_m(width_m: f64) -> f64 {
 
 /// Length of the tangents of that arc, metres.
 pub(super) fn tangent_m(turn_rad: f64, width_m: f64) -> f64 {
-    middle_radius_m(width_m) * (0.5 * turn_rad.abs()).tan()
+    middle_radius_m(width_m) * libm::tan(0.5 * turn_rad.abs())
 }

@@ -106,18 +106,18 @@ impl Expected {
     }
 
     fn on(&self) -> f64 {
-        self.remembered.map_or(0.0, |(_, _, probability)| (0.5 * (1.0 - probability)).ln())
+        self.remembered.map_or(0.0, |(_, _, probability)| libm::log(0.5 * (1.0 - probability)))
     }
 
     /// Of a corner that far along, by that turn.
     fn corner(&self, corner_m: f64, turn_rad: f64) -> f64 {
         let Some((at_m, by_rad, probability)) = self.remembered else {
-            return (CORNERS_PER_M * EVERY_M / (2 * TURNS) as f64).ln();
+            return libm::log(CORNERS_PER_M * EVERY_M / (2 * TURNS) as f64);
         };
         let (off, turned) = ((corner_m - at_m) / EVERY_M, (turn_rad - by_rad) / TURN_STEP_RAD);
         // A step is a standard deviation: the density over the steps sums to 1.
-        let density = (-0.5 * (off * off + turned * turned)).exp() / std::f64::consts::TAU;
-        (probability * density + 0.5 * (1.0 - probability) / (WAYS - 1) as f64).ln()
+        let density = libm::exp(-0.5 * (off * off + turned * turned)) / std::f64::consts::TAU;
+        libm::log(probability * density + 0.5 * (1.0 - probability) / (WAYS - 1) as f64)
     }
 }
 
@@ -193,18 +193,18 @@ impl WayFinder {
     /// its arms; the weight of all those ends.
     fn weigh(&mut self, start: &RoadLine, tee_share: f64) -> f64 {
         let most = self.tried.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
-        self.tried.iter_mut().for_each(|(_, evidence)| *evidence = (*evidence - most).exp());
+        self.tried.iter_mut().for_each(|(_, evidence)| *evidence = libm::exp(*evidence - most));
         let mut tees = 0.0;
         let turned = -start.heading_rad / SWING_RAD;
         // Nobody turns far to one side on the way to the other.
-        let against = (-0.5 * turned * turned).exp();
+        let against = libm::exp(-0.5 * turned * turned);
         let [to_left, to_right] = if turned > 0.0 { [1.0, against] } else { [against, 1.0] };
         for place in 0..PLACES {
             let of = |turn: usize, side: usize| 1 + (place * TURNS + turn) * 2 + side;
             for turn in TEE_TURNS {
                 let pair = [of(turn, 0), of(TEE_TURNS_SUM - turn, 1)];
                 let [left, right] = pair.map(|way| self.tried[way].1);
-                let [left_arm, right_arm] = pair.map(|way| self.arms[way].exp());
+                let [left_arm, right_arm] = pair.map(|way| libm::exp(self.arms[way]));
                 let tee = tee_share * (left * right_arm + right * left_arm);
                 for way in pair {
                     self.tried[way].1 = (1.0 - tee_share) * self.tried[way].1 + 0.5 * tee;

@@ -47,7 +47,7 @@ impl Conic {
     pub(super) fn round_up_to(&mut self, radius_m: f64) {
         let [start, corner, end] = self.control;
         let turn_rad = (corner - start).angle(&(end - corner));
-        let arc = (0.5 * turn_rad).cos();
+        let arc = libm::cos(0.5 * turn_rad);
         let mut roundest = (self.tightest_radius_m(), *self);
         for i in 1..=WEIGHTS {
             if roundest.0 >= radius_m {
@@ -85,7 +85,7 @@ mod tests {
 
     /// A turn to the right by `turn_rad` with legs of `leg_m`.
     fn turn(turn_rad: f64, leg_m: f64) -> Conic {
-        let end = Point2::new(leg_m * (1.0 + turn_rad.cos()), -leg_m * turn_rad.sin());
+        let end = Point2::new(leg_m * (1.0 + libm::cos(turn_rad)), -leg_m * libm::sin(turn_rad));
         Conic::bezier([Point2::origin(), Point2::new(leg_m, 0.0), end])
     }
 
@@ -93,7 +93,7 @@ mod tests {
     fn a_bezier_curve_has_the_papers_radius() {
         for turn_rad in [0.6, 1.2, std::f64::consts::FRAC_PI_2, 2.2_f64] {
             let half = 0.5 * turn_rad;
-            let expected_m = 8.0 * half.cos().powi(2) / half.sin();
+            let expected_m = 8.0 * libm::cos(half).powi(2) / libm::sin(half);
             let curve = turn(turn_rad, 8.0);
             assert!((curve.tightest_radius_m() - expected_m).abs() < 1e-9, "{turn_rad}");
             assert!((curve.curvature_per_m(0.5) + 1.0 / expected_m).abs() < 1e-9, "to the right");
@@ -105,7 +105,7 @@ mod tests {
         for turn_rad in [0.6, std::f64::consts::FRAC_PI_2, 2.4_f64] {
             let mut curve = turn(turn_rad, 8.0);
             curve.round_up_to(f64::INFINITY);
-            let radius_m = 8.0 / (0.5 * turn_rad).tan();
+            let radius_m = 8.0 / libm::tan(0.5 * turn_rad);
             let centre = Point2::new(0.0, -radius_m);
             for i in 0..=10 {
                 let from_centre_m = (curve.at(0.1 * f64::from(i)) - centre).norm();
@@ -120,7 +120,7 @@ mod tests {
         curve.round_up_to(plain.tightest_radius_m());
         assert_eq!(curve, plain);
         curve.round_up_to(9.0);
-        let arc_m = 10.0 / 0.75_f64.tan();
+        let arc_m = 10.0 / libm::tan(0.75_f64);
         assert!(curve.tightest_radius_m() >= 9.0 && curve.tightest_radius_m() < arc_m - 0.1);
     }
 }

@@ -43,7 +43,7 @@ impl Corner {
         kerb_m: f64,
     ) -> Self {
         let turn_rad = wrap_angle(exit.direction_rad() - approach.direction_rad() + std::f64::consts::PI);
-        let cos = (0.5 * turn_rad.abs().min(SHARPEST_RAD)).cos();
+        let cos = libm::cos(0.5 * turn_rad.abs().min(SHARPEST_RAD));
         // From the lane's middle to the edge on the inside of the turn.
         let to_edge_m =
             |arm: &ArmModel| 0.5 * arm.width_m - turn_rad.signum() * vehicle.traffic.lane_left_m(arm.width_m);
@@ -91,7 +91,7 @@ impl Corner {
             let Some(corner) = crossing(start, end) else { break };
             let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
             let legs_m = [(corner - start.0).dot(&start.1), (end.0 - corner).dot(&end.1)];
-            let tangent_m = self.radius_m() * (0.5 * turn_rad).tan();
+            let tangent_m = self.radius_m() * libm::tan(0.5 * turn_rad);
             let wanted_m = [0, 1].map(|i| setbacks_m[i] + tangent_m - legs_m[i]);
             // Both legs stay as long as each other, or the curve is no arc.
             let short_m = [0, 1].map(|i| (wanted_m[i] - longest_m[i]).max(0.0));
@@ -119,8 +119,8 @@ impl Corner {
                     continue;
                 };
                 let turn_rad = wrap_angle(heading_of(end.1) - heading_of(start.1)).abs().min(SHARPEST_RAD);
-                let radius_m = legs_m[0].min(legs_m[1]) / (0.5 * turn_rad).tan();
-                let off = (radius_m / self.radius_m()).ln().abs();
+                let radius_m = legs_m[0].min(legs_m[1]) / libm::tan(0.5 * turn_rad);
+                let off = libm::log(radius_m / self.radius_m()).abs();
                 if best.is_none_or(|(least, _)| off < least) {
                     best = Some((off, [before_m, behind_m]));
                 }

@@ -86,7 +86,7 @@ impl DrivingLine {
     fn spare_m(&self, leg_m: f64) -> f64 {
         let [start, corner, end] = self.control;
         let turn_rad = (corner - start).angle(&(end - corner));
-        (leg_m - self.turning_radius_m * (0.5 * turn_rad).tan()).max(0.0)
+        (leg_m - self.turning_radius_m * libm::tan(0.5 * turn_rad)).max(0.0)
     }
 
     /// Goes on through the curve of the next feature.

@@ -41,7 +41,7 @@ fn drive(corner_m: f64, left: f64, off_m: f64) -> Vec<(Point2<f64>, f64, MapFix)
         let turns = place.x > corner_m - radius_m && heading.abs() < FRAC_PI_2 - 1e-3;
         let yaw_rate_rps = if turns { left * SPEED_MPS / radius_m } else { 0.0 };
         let middle = heading + 0.5 * yaw_rate_rps * DT_S;
-        place += SPEED_MPS * DT_S * nalgebra::Vector2::new(middle.cos(), middle.sin());
+        place += SPEED_MPS * DT_S * nalgebra::Vector2::new(libm::cos(middle), libm::sin(middle));
         heading = (heading + yaw_rate_rps * DT_S).clamp(-FRAC_PI_2, FRAC_PI_2);
         let vehicle = VehicleState {
             speed_mps: Some(SPEED_MPS),

@@ -75,14 +75,14 @@ impl CrossSections {
             let [level, raised] = [&forward[0], &forward[1]];
             let (level, raised) = (product(level, &backward[0]), product(raised, &backward[1]));
             let odds = |raised: f32, level: f32| raised.max(f32::MIN_POSITIVE) / level.max(f32::MIN_POSITIVE);
-            log_odds[place] = raised.zip_map(&level, |raised, level| odds(raised, level).ln());
+            log_odds[place] = raised.zip_map(&level, |raised, level| libm::logf(odds(raised, level)));
             weigh(&mut backward, seen);
             backward = step.backwards(&backward);
         }
         let mut level = 1.0;
         for log_odds in log_odds.iter_mut() {
             level *= 1.0 - step.kerb;
-            let unseen = ((1.0 - level) / level).ln();
+            let unseen = libm::logf((1.0 - level) / level);
             log_odds.apply(|log_odds| *log_odds = (*log_odds - unseen).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS));
         }
         log_odds
@@ -177,7 +177,7 @@ mod tests {
     fn seen(at_m: f64) -> Below {
         std::array::from_fn(|index| {
             let off = (height_m(index) - at_m) / HEIGHT_STEP_M;
-            (40.0 * (1.0 - (-0.5 * off * off).exp())) as u8
+            (40.0 * (1.0 - libm::exp(-0.5 * off * off))) as u8
         })
     }
 

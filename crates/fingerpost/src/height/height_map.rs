@@ -159,7 +159,7 @@ fn told(r: f32, expected: f32) -> i8 {
 
 /// Likelihood of each of a byte's log-likelihoods under the largest.
 pub(super) fn likelihoods() -> [f32; 256] {
-    std::array::from_fn(|below| (-(below as f32) / UNIT).exp())
+    std::array::from_fn(|below| libm::expf(-(below as f32) / UNIT))
 }
 
 /// Bits of a fixed-point number's fraction.

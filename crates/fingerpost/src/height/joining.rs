@@ -131,7 +131,7 @@ fn prior_of(priors: &[u8; ENTRIES], raised: i16) -> u8 {
 
 /// Probability of road, 256 standing for 1, of ground with such log-odds of being raised.
 fn road_by_height(raised: f64, level_beside: f64) -> u8 {
-    let beside = level_beside + (1.0 - level_beside) * raised.exp();
+    let beside = level_beside + (1.0 - level_beside) * libm::exp(raised);
     (256.0 / (1.0 + beside)).round() as u8
 }
 

@@ -67,7 +67,7 @@ impl ExpectedCorrelation {
 /// that of pairs of normal values of unit variance.
 pub(super) fn log_likelihood_ratio(r: f32, expected: f32) -> f32 {
     let unshared = 1.0 - expected * expected;
-    -(unshared.ln() + 2.0 * expected * (expected - r) / unshared)
+    -(libm::logf(unshared) + 2.0 * expected * (expected - r) / unshared)
 }
 
 #[cfg(test)]

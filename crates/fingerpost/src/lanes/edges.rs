@@ -185,8 +185,8 @@ impl LaneEdges {
             seen >= most
         });
         let texture = 4.0 * TEXTURE_FACTOR * common.unwrap_or(0) as f64;
-        let steps = (texture / config.canny_high).max(1.0).log(THRESHOLD_STEP).floor();
-        let high = config.canny_high * THRESHOLD_STEP.powf(steps);
+        let steps = (libm::log((texture / config.canny_high).max(1.0)) / libm::log(THRESHOLD_STEP)).floor();
+        let high = config.canny_high * libm::pow(THRESHOLD_STEP, steps);
         if (high - self.canny_high).abs() > 1e-9 {
             self.canny.set_params(params(config, high))?;
             self.canny_high = high;

@@ -17,7 +17,7 @@ impl EdgeOnRoad {
     /// How far to the left it is at a distance ahead of the rear axle, metres.
     pub fn left_m(&self, forward_m: f64) -> f64 {
         self.offset_m
-            + self.heading_rad.tan() * forward_m
+            + libm::tan(self.heading_rad) * forward_m
             + 0.5 * self.curvature_per_m * forward_m * forward_m
     }
 }

@@ -225,7 +225,7 @@ impl LaneFilter {
             }
         }
         self.mean_pitch_rad +=
-            (1.0 - (-dt_s / PITCH_MEAN_S).exp()) * (self.state[PITCH] - self.mean_pitch_rad);
+            (1.0 - libm::exp(-dt_s / PITCH_MEAN_S)) * (self.state[PITCH] - self.mean_pitch_rad);
     }
 
     /// Takes the points of a frame in and sets their weights.

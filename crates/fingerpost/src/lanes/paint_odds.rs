@@ -44,7 +44,7 @@ impl LogNormals {
     /// Logarithm of the ratio of paint's density to the other one.
     fn log_ratio(&self, value: f64) -> f64 {
         let middle = (self.paint * self.other).sqrt();
-        (self.paint / self.other).ln() * (value / middle).ln() / (self.spread * self.spread)
+        libm::log(self.paint / self.other) * libm::log(value / middle) / (self.spread * self.spread)
     }
 }
 
@@ -94,7 +94,7 @@ impl BarLooks {
         if !self.is_seen() {
             return 0.0;
         }
-        let level = |sum: f64| (sum / self.weight + 1.0).ln();
+        let level = |sum: f64| libm::log(sum / self.weight + 1.0);
         let PaintSides { inside, paint, outside } = self.sides;
         let [inside, paint, outside] = [inside, paint, outside].map(|colour| colour.map(level));
         let mean_square = |of: &dyn Fn(usize) -> f64| (0..3).map(|i| of(i) * of(i)).sum::<f64>() / 3.0;
@@ -103,8 +103,8 @@ impl BarLooks {
         let [paint_off, other_off] = OFF_LINE_SIGMAS;
         let squares = self.squares / self.weight;
         let off_line =
-            (other_off / paint_off).ln() - 0.5 * squares * (paint_off.powi(-2) - other_off.powi(-2));
-        SIDES_DIFFER.log_ratio(differ.hypot(SIDES_DIFFER_NOISE))
+            libm::log(other_off / paint_off) - 0.5 * squares * (paint_off.powi(-2) - other_off.powi(-2));
+        SIDES_DIFFER.log_ratio(libm::hypot(differ, SIDES_DIFFER_NOISE))
             + CONTRAST.log_ratio(contrast)
             + off_line
             + width(self.width_m / self.weight)
@@ -147,8 +147,8 @@ impl LineOdds {
         if bars.is_seen() {
             // A look that showed no bar on the line says nothing either way.
             let share = (bars.weight / looks).min(1.0);
-            let odds = (1.0 - OTHER_SHARE) * bars.log_odds().exp() + OTHER_SHARE;
-            self.log_odds += share * odds.ln() / SAME_PLACES;
+            let odds = (1.0 - OTHER_SHARE) * libm::exp(bars.log_odds()) + OTHER_SHARE;
+            self.log_odds += share * libm::log(odds) / SAME_PLACES;
         }
     }
 }
@@ -156,11 +156,11 @@ impl LineOdds {
 /// Logarithms of the odds that either line of a lane is painted, given those of its own looks. A road may be marked or not; on a
 /// marked one most lines are painted, on the other none is.
 pub(super) fn of_both(log_odds: [f64; 2]) -> [f64; 2] {
-    let odds = log_odds.map(f64::exp);
+    let odds = log_odds.map(libm::exp);
     [0, 1].map(|line: usize| {
         // What both show if the road is marked, against what they show if it is not, which is as likely.
         let other = PAINTED_SHARE * odds[1 - line] + 1.0 - PAINTED_SHARE;
-        (PAINTED_SHARE * odds[line] * other / ((1.0 - PAINTED_SHARE) * other + 1.0)).ln()
+        libm::log(PAINTED_SHARE * odds[line] * other / ((1.0 - PAINTED_SHARE) * other + 1.0))
     })
 }
 
@@ -169,10 +169,10 @@ fn width(width_m: f64) -> f64 {
     let any = 1.0 / (PAINT_WIDTH_M[1] - PAINT_WIDTH_M[0]);
     let bell = |middle_m: f64| {
         let off = (width_m - middle_m) / LINE_WIDTH_SPREAD_M;
-        (-0.5 * off * off).exp() / (LINE_WIDTH_SPREAD_M * std::f64::consts::TAU.sqrt())
+        libm::exp(-0.5 * off * off) / (LINE_WIDTH_SPREAD_M * std::f64::consts::TAU.sqrt())
     };
     let lines: f64 = LINE_WIDTHS_M.iter().zip(LINE_SHARES).map(|(&m, share)| share * (bell(m) - any)).sum();
-    ((any + lines) / any).ln()
+    libm::log((any + lines) / any)
 }
 
 #[cfg(test)]

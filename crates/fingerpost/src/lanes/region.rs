@@ -179,7 +179,8 @@ mod tests {
         };
         let mut boundaries = 0;
         for mean_mps in [31.6, 34.0, 36.0, 38.0, 40.0, 42.0] {
-            let hovering = (0..60).map(|i| (mean_mps + 0.8 * f64::from(i).sin(), 0.004 * f64::from(i).cos()));
+            let hovering =
+                (0..60).map(|i| (mean_mps + 0.8 * libm::sin(f64::from(i)), 0.004 * libm::cos(f64::from(i))));
             let mut region = LaneRegion::default();
             let rows: Vec<usize> =
                 hovering.clone().map(|(mps, pitch)| top_row(&mut region, mps, pitch)).collect();

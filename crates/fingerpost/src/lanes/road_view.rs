@@ -17,7 +17,7 @@ pub(super) struct RoadView<'a> {
 impl<'a> RoadView<'a> {
     /// `pitch_rad` is added to the mount's, positive nose down; a camera known by points stays as it is.
     pub(super) fn new(camera: &'a Camera, pitch_rad: f64) -> Self {
-        let (sine, cosine) = pitch_rad.sin_cos();
+        let (sine, cosine) = libm::sincos(pitch_rad);
         Self { camera, sine, cosine }
     }
 

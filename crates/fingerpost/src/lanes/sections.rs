@@ -64,7 +64,7 @@ impl LineCandidate {
     /// The angle inside the lane between the line and the picture's base, radians, 0 to pi.
     pub fn inner_angle_rad(&self) -> f64 {
         let inward = -self.side.outward() * (self.upper_px.u - self.lower_px.u);
-        (self.lower_px.v - self.upper_px.v).atan2(inward)
+        libm::atan2(self.lower_px.v - self.upper_px.v, inward)
     }
 }
 
@@ -148,12 +148,13 @@ impl SectionLines {
             if line.votes < least || self.candidates.len() - first == STRONGEST {
                 break;
             }
-            let cosine = line.theta_rad.cos();
+            let cosine = libm::cos(line.theta_rad);
             // Level lines meet no end of their section.
             if cosine.abs() < 0.05 {
                 continue;
             }
-            let column = |v: f64| rect.x as f64 + (line.rho_px - (v - upper) * line.theta_rad.sin()) / cosine;
+            let column =
+                |v: f64| rect.x as f64 + (line.rho_px - (v - upper) * libm::sin(line.theta_rad)) / cosine;
             let candidate = LineCandidate {
                 side,
                 section,
@@ -226,7 +227,7 @@ fn verdict(
     };
     let direction = far - near;
     // The camera's pitch makes lines seem to spread or to meet; the limit has twice the room for that.
-    let heading = (direction.y / direction.x.max(1e-6)).atan();
+    let heading = libm::atan(direction.y / direction.x.max(1e-6));
     if direction.x <= 0.0 || heading.abs() > 2.0 * config.max_heading_deg.to_radians() {
         return LineVerdict::Direction;
     }

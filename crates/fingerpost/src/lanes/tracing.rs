@@ -191,8 +191,8 @@ impl Tracer {
                     Some(EdgePoint {
                         side,
                         pixel: Pixel::new(paint.u, reading.row),
-                        sigma_px: COLUMN_SIGMA_PX.hypot(GROUND_SIGMA_M * reading.px_per_m) * faint,
-                        column_sigma_px: COLUMN_SIGMA_PX.hypot(speck_m * reading.px_per_m) * faint,
+                        sigma_px: libm::hypot(COLUMN_SIGMA_PX, GROUND_SIGMA_M * reading.px_per_m) * faint,
+                        column_sigma_px: libm::hypot(COLUMN_SIGMA_PX, speck_m * reading.px_per_m) * faint,
                         weight: 0.0,
                     })
                 }));

@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn a_body_that_swings_turns_the_camera_as_the_picture_shows() {
         let mut filter = TurnFilter::default();
-        let swing_rad = |frame: i32| 0.3 * DEGREE * (f64::from(frame) * 0.9).sin();
+        let swing_rad = |frame: i32| 0.3 * DEGREE * libm::sin(f64::from(frame) * 0.9);
         let mut worst_rad = 0.0_f64;
         for frame in 1..60 {
             let change = changed_by(swing_rad(frame) - swing_rad(frame - 1));

@@ -364,7 +364,7 @@ fn region(view: &GroundView, config: &FarnebackMotionConfig, halves: &mut Vec<us
 /// What no fit can promise: scale errors of a pitching vehicle and the accuracy of the flow itself.
 fn floor(previous_from_current: &Isometry2<f64>) -> Matrix3<f64> {
     let distance = (previous_from_current * Point2::origin()).coords.norm();
-    let along = FLOOR_M.hypot(SCALE_SIGMA * distance);
-    let turn = FLOOR_RAD.hypot(SCALE_SIGMA * previous_from_current.rotation.angle());
+    let along = libm::hypot(FLOOR_M, SCALE_SIGMA * distance);
+    let turn = libm::hypot(FLOOR_RAD, SCALE_SIGMA * previous_from_current.rotation.angle());
     Matrix3::from_diagonal(&Vector3::new(along * along, FLOOR_M * FLOOR_M, turn * turn))
 }

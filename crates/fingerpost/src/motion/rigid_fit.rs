@@ -181,7 +181,7 @@ fn procrustes(pairs: &[Pair]) -> Option<Isometry2<f64>> {
         cosine += pair.weight * a.dot(&b);
         sine += pair.weight * a.perp(&b);
     }
-    let rotation = Isometry2::rotation(sine.atan2(cosine));
+    let rotation = Isometry2::rotation(libm::atan2(sine, cosine));
     let moved = rotation * before;
     Some(Isometry2::new(after - moved, rotation.rotation.angle()))
 }

@@ -191,7 +191,7 @@ impl MountCalibrator {
                 return Err(CalibrationError::Uncertain { angle, sigma_deg, most_deg: MOST_SIGMA_DEG });
             }
         }
-        let away_deg = (mount.pitch_rad.cos() * mount.yaw_rad.cos()).acos() / DEGREE;
+        let away_deg = libm::acos(libm::cos(mount.pitch_rad) * libm::cos(mount.yaw_rad)) / DEGREE;
         if away_deg > MOST_AWAY_DEG {
             return Err(CalibrationError::NotForward { away_deg });
         }

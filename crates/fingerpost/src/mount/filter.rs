@@ -199,7 +199,7 @@ impl MountFilter {
         self.yaw.variance_rad2 += drift;
         self.roll.variance_rad2 += drift;
         let rest = (self.config.suspension_sigma_deg * DEGREE).powi(2);
-        let keep = (-1.0 / SUSPENSION_FRAMES).exp();
+        let keep = libm::exp(-1.0 / SUSPENSION_FRAMES);
         let PitchAndSuspension { mean, covariance, .. } = &mut self.pitch;
         let (change, noise) = match pitch_change {
             Some(seen) => (seen.angle_rad, seen.variance_rad2.max(CHANGE_FLOOR_RAD.powi(2))),

@@ -124,6 +124,6 @@ impl LaneWidth {
         let quarter = sorted.len() / 4;
         // Half the distance between the quartiles is 0.67 standard deviations.
         let scatter = (sorted[sorted.len() - 1 - quarter] - sorted[quarter]) / 1.35;
-        Some(Estimated { value: median, sigma: (scatter / (sorted.len() as f64).sqrt()).hypot(FLOOR_M) })
+        Some(Estimated { value: median, sigma: libm::hypot(scatter / (sorted.len() as f64).sqrt(), FLOOR_M) })
     }
 }

@@ -107,11 +107,11 @@ impl Sighting {
 pub(super) fn angles_of_travel(travel: &Unit<Vector3<f64>>, roll_rad: f64) -> (f64, f64) {
     let level = Mount::level(1.0).vehicle_from_camera().rotation * travel.into_inner();
     let rolled = Rotation3::from_axis_angle(&Vector3::x_axis(), roll_rad) * level;
-    (rolled.z.atan2(rolled.x), (-rolled.y).asin())
+    (libm::atan2(rolled.z, rolled.x), libm::asin(-rolled.y))
 }
 
 /// Pitch and roll of a mount that sees the road's normal (camera frame, towards the road) there.
 pub(super) fn angles_of_normal(normal: &Vector3<f64>) -> (f64, f64) {
     let level = Mount::level(1.0).vehicle_from_camera().rotation * normal.normalize();
-    (level.x.clamp(-1.0, 1.0).asin(), (-level.y).atan2(-level.z))
+    (libm::asin(level.x.clamp(-1.0, 1.0)), libm::atan2(-level.y, -level.z))
 }

@@ -138,7 +138,7 @@ impl SparseTracks {
                 else {
                     continue;
                 };
-                if (back.to[0] - from[0]).hypot(back.to[1] - from[1]) > MOST_RETURN_PX {
+                if libm::hypotf(back.to[0] - from[0], back.to[1] - from[1]) > MOST_RETURN_PX {
                     continue;
                 }
             }

@@ -156,7 +156,7 @@ fn joining_observations_weighs_them_by_their_variance() {
 fn a_long_bend_turns_no_camera() {
     for (left, yaw_deg) in [(1.0_f64, 0.0), (-1.0, 0.0), (1.0, 0.6)] {
         let (step_m, turn_rad) = (5.0 / 30.0, left * 5.0 / 30.0 / 25.0);
-        let chord_m = Vector2::new((0.5 * turn_rad).cos(), (0.5 * turn_rad).sin()) * step_m;
+        let chord_m = Vector2::new(libm::cos(0.5 * turn_rad), libm::sin(0.5 * turn_rad)) * step_m;
         let previous_from_current = Isometry2::new(chord_m, turn_rad);
         let camera = Point2::new(AHEAD_M, 0.0);
         let moved_m = previous_from_current.rotation.inverse() * (previous_from_current * camera - camera);
@@ -164,7 +164,7 @@ fn a_long_bend_turns_no_camera() {
         let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
         drive(&mut filter, 60, [0.5, yaw_deg, 0.0]);
         for frame in 0..150 {
-            let inwards_deg = moved_m.y.atan2(moved_m.x) / DEGREE;
+            let inwards_deg = libm::atan2(moved_m.y, moved_m.x) / DEGREE;
             let estimate = filter.observe(&angles(frame, [0.5, yaw_deg - inwards_deg, 0.0]), &bend);
             assert_eq!(estimate.fault, None, "{left}, frame {frame}");
             assert!((estimate.yaw_rad / DEGREE - yaw_deg).abs() < 0.2, "{left}, frame {frame}: {estimate:?}");

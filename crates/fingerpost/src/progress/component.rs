@@ -154,7 +154,7 @@ impl Component {
 
 /// Density of a Gaussian of this variance at `from_mean` from its mean.
 pub(super) fn gaussian(from_mean: f64, variance: f64) -> f64 {
-    (-0.5 * from_mean * from_mean / variance).exp() / (2.0 * PI * variance).sqrt()
+    libm::exp(-0.5 * from_mean * from_mean / variance) / (2.0 * PI * variance).sqrt()
 }
 
 fn normal_density(at: f64) -> f64 {

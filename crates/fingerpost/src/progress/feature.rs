@@ -96,7 +96,7 @@ impl Component {
         let (expected_m, before) = self.predicted(&PROGRESS);
         let innovation_m = route_m - expected_m;
         let fit = (variance / (before + variance)).sqrt()
-            * (-0.5 * innovation_m * innovation_m / (before + variance)).exp();
+            * libm::exp(-0.5 * innovation_m * innovation_m / (before + variance));
         Self { weight: self.weight * likelihood * fit, ..self.measured(&PROGRESS, route_m, variance) }
     }
 

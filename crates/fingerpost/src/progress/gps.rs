@@ -140,7 +140,7 @@ impl Progress {
 
 /// The vehicle may be elsewhere, at `foot`, and the receiver right.
 fn found_elsewhere(elsewhere: &Elsewhere, foot: &Foot, untold_share: f64, noise: &Noise) -> Component {
-    let sigma_m = noise.gps_slow_m.hypot(noise.gps_white_m);
+    let sigma_m = libm::hypot(noise.gps_slow_m, noise.gps_white_m);
     let weight = untold_share * (1.0 - JUMP_SHARE) * foot.weight * elsewhere.density(foot.along_m, sigma_m);
     // As after a fix when nothing was known: the progress errs as GPS does.
     let unknown_m = 1e3 * sigma_m;

@@ -94,7 +94,7 @@ fn are_same(a: &Component, b: &Component) -> bool {
         return false;
     }
     let both = (a.covariance + b.covariance) * 0.5 + apart * apart.transpose() * 0.25;
-    let size = |covariance: &Matrix3<f64>| covariance.determinant().max(f64::MIN_POSITIVE).ln();
+    let size = |covariance: &Matrix3<f64>| libm::log(covariance.determinant().max(f64::MIN_POSITIVE));
     0.5 * size(&both) - 0.25 * (size(&a.covariance) + size(&b.covariance)) < SAME_LOSS
 }
 

@@ -39,17 +39,17 @@ impl Noise {
     /// The same of a receiver of which nothing is known: its error may keep or change from fix to fix, and either part may be all of it.
     pub(crate) fn of_any_receiver(config: &RouteProgressConfig) -> Self {
         let noise = Self::new(config);
-        let gps_m = noise.gps_slow_m.hypot(noise.gps_white_m);
+        let gps_m = libm::hypot(noise.gps_slow_m, noise.gps_white_m);
         Self { gps_slow_m: gps_m, gps_white_m: gps_m, ..noise }
     }
 
     /// Share of the scale error that is left after this distance.
     pub(super) fn scale_kept(&self, forward_m: f64) -> f64 {
-        (-forward_m.abs() / SCALE_LENGTH_M).exp()
+        libm::exp(-forward_m.abs() / SCALE_LENGTH_M)
     }
 
     /// Share of the slow error of GPS that is left after this time.
     pub(super) fn gps_kept(&self, dt_s: f64) -> f64 {
-        (-dt_s / GPS_TIME_S).exp()
+        libm::exp(-dt_s / GPS_TIME_S)
     }
 }

@@ -74,7 +74,7 @@ impl Fused {
         if evidence.sample_use == SampleUse::Unseen {
             return self.told.is_some_and(|told| told >= COLOURS_TELL);
         }
-        let log_odds = |p: f64| (p / (1.0 - p)).ln();
+        let log_odds = |p: f64| libm::log(p / (1.0 - p));
         // A probability of 8 bits is never quite 1.
         let told = log_odds(evidence.sample_probability.clamp(0.002, 0.998))
             - log_odds(self.prior.clamp(0.002, 0.998));

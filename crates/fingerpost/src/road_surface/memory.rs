@@ -147,7 +147,7 @@ impl Memory {
         let middle_m = 0.5 * (view.grid().near_m() + view.grid().far_m());
         let [forward, left, yaw] = [0, 1, 2].map(|axis| motion.covariance[(axis, axis)].max(0.0));
         let off_m = (forward + left + middle_m * middle_m * yaw).sqrt();
-        let kept = (-moved_m / self.config.fade_m - off_m * off_m / (SHARP_M * SHARP_M)).exp();
+        let kept = libm::exp(-moved_m / self.config.fade_m - off_m * off_m / (SHARP_M * SHARP_M));
         self.map.carry(&motion.previous_from_current);
         self.map.fade(kept);
         kept

@@ -215,7 +215,7 @@ impl Aligner {
 /// believed the less the more the arms with two edges are wider or narrower than it says.
 fn assumed_width(config: &AlignmentConfig, map_width_m: f64, wider: Option<f64>) -> (f64, f64) {
     let beyond = (wider.unwrap_or(1.0) - 1.0).abs() - config.width_sigma_share;
-    (map_width_m, map_width_m * config.width_sigma_share.hypot(beyond.max(0.0)))
+    (map_width_m, map_width_m * libm::hypot(config.width_sigma_share, beyond.max(0.0)))
 }
 
 /// The mean; none of nothing.
@@ -234,13 +234,13 @@ fn line(
 ) -> Option<LineMeasurement> {
     let (innovation_m, seen_sigma_m) = match piece.edges {
         [Some(left), Some(right)] => {
-            (0.5 * (left.left_m + right.left_m), 0.5 * left.sigma_m.hypot(right.sigma_m))
+            (0.5 * (left.left_m + right.left_m), 0.5 * libm::hypot(left.sigma_m, right.sigma_m))
         }
-        [Some(edge), None] => (edge.left_m - 0.5 * width_m, edge.sigma_m.hypot(0.5 * width_sigma_m)),
-        [None, Some(edge)] => (edge.left_m + 0.5 * width_m, edge.sigma_m.hypot(0.5 * width_sigma_m)),
+        [Some(edge), None] => (edge.left_m - 0.5 * width_m, libm::hypot(edge.sigma_m, 0.5 * width_sigma_m)),
+        [None, Some(edge)] => (edge.left_m + 0.5 * width_m, libm::hypot(edge.sigma_m, 0.5 * width_sigma_m)),
         [None, None] => return None,
     };
-    let own_sigma_m = config.sigma_m.hypot(seen_sigma_m);
+    let own_sigma_m = libm::hypot(config.sigma_m, seen_sigma_m);
     let CrossSection { p_in_vehicle, left, .. } = piece.section;
     Some(LineMeasurement {
         p_in_feature: vehicle_from_feature.inverse() * p_in_vehicle,

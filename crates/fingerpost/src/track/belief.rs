@@ -135,7 +135,7 @@ impl BeliefTracker {
         } else {
             let by_bus = |forward_mps: f64| Travel::Speed {
                 forward_mps,
-                sigma_mps: (SPEED_SIGMA_SHARE * forward_mps).hypot(SPEED_SIGMA_MPS),
+                sigma_mps: libm::hypot(SPEED_SIGMA_SHARE * forward_mps, SPEED_SIGMA_MPS),
             };
             self.route.advance(moved.speed_mps.map_or(Travel::Unknown, by_bus), dt_s);
             self.leave_ground();

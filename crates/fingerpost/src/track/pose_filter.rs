@@ -88,8 +88,10 @@ impl PoseFilter {
     pub fn predict(&mut self, motion: &Motion) {
         let current_from_previous = motion.previous_from_current.inverse();
         self.vehicle_from_feature = current_from_previous * self.vehicle_from_feature;
-        let (cosine, sine) =
-            (current_from_previous.rotation.angle().cos(), current_from_previous.rotation.angle().sin());
+        let (cosine, sine) = (
+            libm::cos(current_from_previous.rotation.angle()),
+            libm::sin(current_from_previous.rotation.angle()),
+        );
         let p = self.vehicle_from_feature.translation.vector;
         let by_pose = Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
         let by_motion = Matrix3::new(-cosine, sine, p.y, -sine, -cosine, -p.x, 0.0, 0.0, -1.0);
@@ -99,7 +101,7 @@ impl PoseFilter {
                 &Vector3::new(PROCESS_M, PROCESS_M, PROCESS_RAD).map(|sigma| sigma * sigma),
             );
         let driven_m = motion.previous_from_current.translation.vector.norm();
-        self.with_pitch = (-driven_m / PITCH_LASTS_M).exp() * (by_pose * self.with_pitch);
+        self.with_pitch = libm::exp(-driven_m / PITCH_LASTS_M) * (by_pose * self.with_pitch);
     }
 
     /// Takes a measurement in, unless it is too far off.

@@ -61,7 +61,8 @@ fn place(map: &Matrix3<f64>, p: Point2<f64>) -> Point2<f64> {
 fn moved(map: &Matrix3<f64>, pose: &Isometry2<f64>) -> Isometry2<f64> {
     let node = place(map, Point2::from(pose.translation.vector));
     let along = place(map, pose * Point2::new(1.0, 0.0)) - node;
-    let heading_rad = if along.norm_squared() > 0.0 { along.y.atan2(along.x) } else { pose.rotation.angle() };
+    let heading_rad =
+        if along.norm_squared() > 0.0 { libm::atan2(along.y, along.x) } else { pose.rotation.angle() };
     Isometry2::new(Vector2::new(node.x, node.y), heading_rad)
 }
 

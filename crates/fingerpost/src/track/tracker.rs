@@ -273,7 +273,8 @@ impl FeatureTracker for Tracker {
             match (followed.route_m(&self.stops), &evidence.decision) {
                 (Some((route_m, sigma_m)), Decision::Detected) => {
                     let expected = self.progress.belief_m();
-                    self.found_off = expected.map(|(mean_m, of_m)| (route_m - mean_m, of_m.hypot(sigma_m)));
+                    self.found_off =
+                        expected.map(|(mean_m, of_m)| (route_m - mean_m, libm::hypot(of_m, sigma_m)));
                     self.progress.observe_found(feature_m, route_m, sigma_m);
                 }
                 (Some((route_m, sigma_m)), _) => self.progress.observe(route_m, sigma_m),

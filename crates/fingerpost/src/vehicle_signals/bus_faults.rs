@@ -92,7 +92,7 @@ fn winding(numbers: &mut Numbers, metres: f64) -> Vec<[f64; 2]> {
         let frames = (seconds / DT_S) as usize;
         for frame in 0..frames {
             // As a road's bends are laid out: in and out without a step.
-            let into = (PI * frame as f64 / frames as f64).sin();
+            let into = libm::sin(PI * frame as f64 / frames as f64);
             rows.push([speed, speed * curvature * into]);
             driven_m += speed * DT_S;
         }

@@ -354,7 +354,7 @@ impl Display for FixWords<'_> {
         let Some(gps) = &self.evidence.gps else { return Ok(()) };
         let [east_m, north_m] = gps.innovation_m;
         let believed = if gps.believed { "" } else { " and not believed" };
-        write!(f, "; GPS {:.1} m off{believed}", east_m.hypot(north_m))
+        write!(f, "; GPS {:.1} m off{believed}", libm::hypot(east_m, north_m))
     }
 }
 

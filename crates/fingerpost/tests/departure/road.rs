@@ -28,7 +28,7 @@ impl Random {
     /// Normally spread with standard deviation 1.
     pub(crate) fn normal(&mut self) -> f64 {
         let (radius, angle) = (self.between(1e-12, 1.0), self.between(0.0, TAU));
-        (-2.0 * radius.ln()).sqrt() * angle.cos()
+        (-2.0 * libm::log(radius)).sqrt() * libm::cos(angle)
     }
 
     pub(crate) fn happens(&mut self, probability: f64) -> bool {
@@ -53,7 +53,7 @@ impl Correlated {
     }
 
     fn step(&mut self, random: &mut Random, dt_s: f64) -> f64 {
-        let kept = (-dt_s / self.time_s).exp();
+        let kept = libm::exp(-dt_s / self.time_s);
         self.value = kept * self.value + (1.0 - kept * kept).sqrt() * self.sigma * random.normal();
         self.value
     }
@@ -75,12 +75,12 @@ pub(crate) struct Place {
 
 impl Place {
     pub(crate) fn heading_rad(&self, speed_mps: f64) -> f64 {
-        (self.lateral_mps / speed_mps).clamp(-0.5, 0.5).asin()
+        libm::asin((self.lateral_mps / speed_mps).clamp(-0.5, 0.5))
     }
 
     /// How far the outer sides of the front wheels are from the left and the right edge of lane 0.
     pub(crate) fn clearance_m(&self, road: &Road, speed_mps: f64) -> [f64; 2] {
-        let across_m = self.left_m + self.heading_rad(speed_mps).tan() * FRONT_AXLE_M
+        let across_m = self.left_m + libm::tan(self.heading_rad(speed_mps)) * FRONT_AXLE_M
             - 0.5 * road.curvature_per_m * FRONT_AXLE_M * FRONT_AXLE_M;
         [1.0, -1.0].map(|sign| 0.5 * (road.lane_width_m - WIDTH_M) - sign * across_m)
     }
@@ -190,7 +190,7 @@ impl Driver {
     pub(crate) fn keeping_mps(&self, t_s: f64, place: &Place, middle_m: f64) -> f64 {
         let wave = |&(high_m, rate, phase): &(f64, f64, f64)| {
             let angle = rate * t_s + phase;
-            (high_m * angle.sin(), high_m * rate * angle.cos())
+            (high_m * libm::sin(angle), high_m * rate * libm::cos(angle))
         };
         let (wish_m, wish_mps) =
             self.waves.iter().map(wave).fold((middle_m, 0.0), |(m, mps), (dm, dmps)| (m + dm, mps + dmps));
@@ -199,7 +199,7 @@ impl Driver {
 
     /// Moves the vehicle on towards a speed across.
     pub(crate) fn steer(&self, place: &mut Place, wish_mps: f64, dt_s: f64) {
-        place.lateral_mps += (wish_mps - place.lateral_mps) * (1.0 - (-dt_s / self.lag_s).exp());
+        place.lateral_mps += (wish_mps - place.lateral_mps) * (1.0 - libm::exp(-dt_s / self.lag_s));
         place.left_m += place.lateral_mps * dt_s;
     }
 }

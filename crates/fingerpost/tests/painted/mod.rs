@@ -103,7 +103,7 @@ pub fn route(junction: &Junction<'_>) -> (Route, Vector2<f64>) {
     let at = |&(x, y): &Place| plane.wgs84_from_map(Point2::new(x, y));
     let arm = |role: ArmRole, points: &[Place]| Arm {
         role,
-        bearing_rad: points[1].1.atan2(points[1].0),
+        bearing_rad: libm::atan2(points[1].1, points[1].0),
         points: points.iter().map(at).collect(),
         width_m: junction.width_m,
         surface: None,
@@ -140,7 +140,7 @@ pub fn route_past(sides: &[(f64, Place)], [start, end]: [f64; 2], width_m: f64) 
         let behind = sides.get(i + 1).map_or(end, |next| next.0);
         let arm = |role: ArmRole, (x, y): Place| Arm {
             role,
-            bearing_rad: (y - north).atan2(x),
+            bearing_rad: libm::atan2(y - north, x),
             points: vec![at(0.0, north), at(x, y)],
             width_m,
             surface: None,

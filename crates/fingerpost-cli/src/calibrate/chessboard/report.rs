@@ -177,5 +177,5 @@ fn left_out(name: &str, rms_px: Option<f64>, reason: String) -> Picture {
 
 fn tilt_deg(camera_from_board: &Isometry3<f64>) -> f64 {
     let normal = camera_from_board.rotation * Vector3::z();
-    normal.z.abs().min(1.0).acos().to_degrees()
+    libm::acos(normal.z.abs().min(1.0)).to_degrees()
 }

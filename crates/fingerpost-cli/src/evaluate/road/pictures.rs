@@ -87,9 +87,9 @@ impl GroundViews {
 }
 
 fn assumed_camera((width, height): (usize, usize), from_row: f64) -> Result<Camera> {
-    let f = 0.5 * width as f64 / (0.5 * ASSUMED_WIDTH_RAD).tan();
+    let f = 0.5 * width as f64 / libm::tan(0.5 * ASSUMED_WIDTH_RAD);
     let (cx, cy) = (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0));
-    let pitch_rad = ((cy - from_row * height as f64) / f).atan();
+    let pitch_rad = libm::atan((cy - from_row * height as f64) / f);
     let mount = Mount { pitch_rad, ..Mount::level(ASSUMED_HEIGHT_M) };
     Ok(Camera::calibrated(width, height, Intrinsics { fx: f, fy: f, cx, cy }, Distortion::None, mount)?)
 }

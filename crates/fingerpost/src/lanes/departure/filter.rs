@@ -231,7 +231,7 @@ impl LateralFilter {
     /// Direction and curvature of an edge, at a speed that lets them say something.
     fn take_direction(&mut self, config: &DepartureConfig, edge: &EdgeOnRoad, mps: f64, dt_s: f64) {
         let of_heading = RowVector5::new(0.0, 0.0, -1.0 / mps, 1.0, 0.0);
-        let innovation = edge.heading_rad.tan() - (of_heading * self.state)[0];
+        let innovation = libm::tan(edge.heading_rad) - (of_heading * self.state)[0];
         let sigma_rad = config.heading_sigma_deg.to_radians();
         self.update(&of_heading, innovation, sigma_rad * sigma_rad, alike(HEADING_CORRELATION_S, dt_s));
 

@@ -65,7 +65,10 @@ pub(super) fn lay_limits(
             let bent = (curvature_per_m * place.x).clamp(-most_bent_rad, most_bent_rad);
             let beside = |left_m: f64| view.pixel_of_ground(Point2::new(place.x, left_m));
             let at_horizon = |heading: f64| {
-                view.pixel_of_ground(Point2::new(HORIZON_M * heading.cos(), HORIZON_M * heading.sin()))
+                view.pixel_of_ground(Point2::new(
+                    HORIZON_M * libm::cos(heading),
+                    HORIZON_M * libm::sin(heading),
+                ))
             };
             let bends_to_m = place.x.min(most_bent_rad / curvature_per_m.abs());
             let way_m = bent * (place.x - 0.5 * bends_to_m);
@@ -141,8 +144,9 @@ impl RowLimits {
     /// angles with a safety range). Unlike where it comes to the horizon this tells what is nearly level.
     fn has_direction(&self, x: f32, y: f32, slope: f32) -> bool {
         let up = y - self.horizon_row;
-        let [right_rad, left_rad] = [self.horizon_to, self.horizon_from].map(|column| up.atan2(column - x));
-        let along_rad = 1.0_f32.atan2(slope);
+        let [right_rad, left_rad] =
+            [self.horizon_to, self.horizon_from].map(|column| libm::atan2f(up, column - x));
+        let along_rad = libm::atan2f(1.0_f32, slope);
         along_rad > right_rad - DIRECTION_RAD && along_rad < left_rad + DIRECTION_RAD
     }
 }

@@ -27,7 +27,7 @@ impl PitchSwing {
             (seen.angle_rad, swing_rad2 / (swing_rad2 + seen_rad2))
         });
         Self {
-            returned: (1.0 - share) * (1.0 - (-dt_s / PITCH_RETURN_S).exp()),
+            returned: (1.0 - share) * (1.0 - libm::exp(-dt_s / PITCH_RETURN_S)),
             seen_rad: share * angle_rad,
             variance_rad2: (1.0 - share) * swing_rad2,
         }

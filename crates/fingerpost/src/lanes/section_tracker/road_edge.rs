@@ -49,7 +49,7 @@ impl RoadEdge {
     pub(super) fn write(&self, edge: &mut LaneEdge) {
         edge.offset_m = self.offset_m;
         edge.offset_sigma_m = self.offset_sigma_m;
-        edge.heading_rad = self.slope.atan();
+        edge.heading_rad = libm::atan(self.slope);
         edge.curvature_per_m = self.curvature_per_m;
     }
 }

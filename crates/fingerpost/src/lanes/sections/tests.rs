@@ -26,7 +26,7 @@ impl Line {
     }
 
     fn at(self, ahead_m: f64) -> Point2<f64> {
-        Point2::new(ahead_m, self.left_m + self.heading_deg.to_radians().tan() * ahead_m)
+        Point2::new(ahead_m, self.left_m + libm::tan(self.heading_deg.to_radians()) * ahead_m)
     }
 
     /// Its column in a row.
@@ -162,7 +162,7 @@ fn directions_up_to_twice_the_largest_heading_are_possible() {
             (-28.0, LineVerdict::NotInnermost),
             (33.0, LineVerdict::Direction),
         ] {
-            let rise_m = 3.0 * f64::tan(f64::to_radians(heading_deg));
+            let rise_m = 3.0 * libm::tan(f64::to_radians(heading_deg));
             let line = candidate(side, (6.0, 2.0 * sign), (9.0, 2.0 * sign + rise_m));
             assert_eq!(judged(&line, None), expected, "{side:?}, {heading_deg} degrees");
         }
@@ -217,7 +217,7 @@ fn inner_angles_mirror_and_grow_towards_the_vehicle() {
         let (left, right) = (angle_deg(Side::Left, left_m), angle_deg(Side::Right, -left_m));
         assert!((left - right).abs() < 1e-6, "{left_m} m: {left} and {right}");
         // Seen from 1.3 m, a line so far aside rises by 1.3 m over that.
-        let expected = f64::atan2(1.3, left_m).to_degrees();
+        let expected = libm::atan2(1.3, left_m).to_degrees();
         assert!((left - expected).abs() < 1.0, "{left_m} m: {left}, not {expected}");
     }
     // A line that leads outwards leans beyond the upright.

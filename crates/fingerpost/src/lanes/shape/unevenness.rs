@@ -111,7 +111,7 @@ impl Unevenness {
 /// How alike two places are that lie so far apart, square metres.
 fn covariance_m2(apart_m: f64) -> f64 {
     let lengths = 3.0_f64.sqrt() / ALIKE_M * apart_m.abs();
-    UNEVEN_M * UNEVEN_M * (1.0 + lengths) * (-lengths).exp()
+    UNEVEN_M * UNEVEN_M * (1.0 + lengths) * libm::exp(-lengths)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

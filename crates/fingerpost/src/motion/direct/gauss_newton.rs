@@ -99,7 +99,7 @@ pub(super) fn align(
         estimate.displacement = changed(&estimate.displacement, &change);
         estimate.agreeing = f64::from(sums.hessian[0][0] / sums.unweighted.max(f32::MIN_POSITIVE));
         estimate.brightness = brightness(residuals, estimate.brightness);
-        let step_m = change[0].hypot(change[1]) + REACH_M * change[2].abs();
+        let step_m = libm::hypot(change[0], change[1]) + REACH_M * change[2].abs();
         estimate.has_converged = step_m < SMALL_STEP_PX * raster.metres_per_pixel;
         if estimate.has_converged || left == 0 {
             estimate.seen_turn = seen_turn;

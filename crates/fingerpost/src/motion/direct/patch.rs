@@ -69,8 +69,8 @@ impl Patch {
         let viewpoint = view.viewpoint();
         let scale = grid.metres_per_pixel();
         let pixels = |length_m: f64| (length_m / scale).round() as usize;
-        let finest = (FINEST_M / scale).log2().ceil().max(0.0) as usize;
-        let coarsest = ((COARSEST_M / scale).log2().floor().max(0.0) as usize).max(finest);
+        let finest = libm::log2(FINEST_M / scale).ceil().max(0.0) as usize;
+        let coarsest = (libm::log2(COARSEST_M / scale).floor().max(0.0) as usize).max(finest);
 
         let bottom = pixels(grid.far_m() - view.nearest_seen_m()).min(grid.rows());
         let (middle, half) = (grid.columns() / 2, pixels(0.5 * config.width_m));

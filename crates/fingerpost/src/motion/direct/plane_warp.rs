@@ -140,7 +140,7 @@ impl Raster {
         // Left of the vehicle's axis by c x^2 / 2, with x = ahead - scale v.
         let bend = 0.5 * curvature_per_m;
         let left = [bend * ahead * ahead - self.corner.y, -2.0 * bend * ahead * scale, bend * scale * scale];
-        let straightness = (-(curvature_per_m / LOOKS_ASIDE_PER_M).powi(2)).exp();
+        let straightness = libm::exp(-(curvature_per_m / LOOKS_ASIDE_PER_M).powi(2));
         Corridor {
             middle: left.map(|coefficient| (-coefficient / scale) as f32),
             half_width: (CORRIDOR_HALF_WIDTH_M / scale) as f32,

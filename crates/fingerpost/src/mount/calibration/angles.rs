@@ -109,7 +109,7 @@ fn mean_of_drive(seen: &[Estimated], floor: f64) -> Estimated {
     let squares: f64 = blocks.iter().map(|(block, weight)| (weight * (block - mean)).powi(2)).sum();
     let count = blocks.len() as f64;
     let of_mean = if count > 1.0 { (squares * count / (count - 1.0)).sqrt() / total } else { scatter };
-    Estimated { value: mean, sigma: of_mean.hypot(floor) }
+    Estimated { value: mean, sigma: libm::hypot(of_mean, floor) }
 }
 
 /// Two estimates of the same angle as one.

@@ -43,7 +43,7 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>) -> Option<Way> {
     // Differences of neighbours show the noise of a frame.
     let noise: f64 =
         seen.iter().skip(1).zip(&steps).filter_map(|(seen, step)| Some((*seen)? - step)).map(|d| d * d).sum();
-    let sigma = (noise.sqrt() / heights).hypot(LENGTH_FLOOR);
+    let sigma = libm::hypot(noise.sqrt() / heights, LENGTH_FLOOR);
     Some(Way { heights, sigma_share: sigma })
 }
 

@@ -33,7 +33,7 @@ impl Feet {
     pub(super) fn of(route: &Polyline, p_in_map: Point2<f64>, noise: &Noise) -> Self {
         let none = Foot { along_m: 0.0, beside_m: f64::INFINITY, weight: 0.0 };
         let mut feet = Self { feet: [none; MOST_FEET], len: 0, nearest_m: f64::INFINITY };
-        let sigma_m = noise.gps_slow_m.hypot(noise.gps_white_m);
+        let sigma_m = libm::hypot(noise.gps_slow_m, noise.gps_white_m);
         let (mut nearest, mut farthest_m) = (none, f64::INFINITY);
         for foot in distances(route, p_in_map) {
             feet.nearest_m = feet.nearest_m.min(foot.beside_m);
@@ -50,7 +50,7 @@ impl Feet {
         let nearest_m = feet.nearest_m;
         for foot in &mut feet.feet {
             let more_m2 = foot.beside_m * foot.beside_m - nearest_m * nearest_m;
-            foot.weight = (-0.5 * more_m2 / (sigma_m * sigma_m)).exp();
+            foot.weight = libm::exp(-0.5 * more_m2 / (sigma_m * sigma_m));
         }
         feet
     }

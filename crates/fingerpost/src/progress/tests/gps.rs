@@ -156,7 +156,7 @@ fn errors_with_gps_are_as_large_as_the_belief_says() {
             let forward_m = 10.0 / (1.0 + scale_error);
             progress.advance(Travel::Measured { forward_m, sigma_m: 0.05 }, 1.0);
             true_m += 10.0;
-            let kept = (-1.0_f64 / 100.0).exp();
+            let kept = libm::exp(-1.0_f64 / 100.0);
             error_m = kept * error_m + slow_m * (1.0 - kept * kept).sqrt() * numbers.normal();
             let fix_m = true_m + error_m + progress.noise.gps_white_m * numbers.normal();
             progress.observe_gps(&route, Point2::new(fix_m, 2.0));

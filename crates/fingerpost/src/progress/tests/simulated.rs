@@ -46,7 +46,7 @@ fn drive_past_features(seed: u64, course: Scale, drive: &mut Drive) {
         let forward_m = 0.5;
         true_m += forward_m;
         if course == Scale::Changing {
-            let kept = (-forward_m / 2000.0_f64).exp();
+            let kept = libm::exp(-forward_m / 2000.0_f64);
             scale_error =
                 kept * scale_error + config().drift_share * (1.0 - kept * kept).sqrt() * numbers.normal();
         }

@@ -22,13 +22,13 @@ pub(super) struct SensorModel {
 
 impl SensorModel {
     pub(super) fn new(config: &MemoryConfig) -> Self {
-        let log_odds = |p: f64| (p / (1.0 - p)).ln();
+        let log_odds = |p: f64| libm::log(p / (1.0 - p));
         let limited = |p: usize| (p as f64 / 255.0).clamp(config.doubt, 1.0 - config.doubt);
         let prior = (-MAX_UNITS..=MAX_UNITS).step_by(2);
         Self {
             log_odds: std::array::from_fn(|p| (UNIT * log_odds(limited(p))).round() as i16),
             prior: prior
-                .map(|units| (256.0 / (1.0 + (f64::from(-units) / UNIT).exp())).round() as u8)
+                .map(|units| (256.0 / (1.0 + libm::exp(f64::from(-units) / UNIT))).round() as u8)
                 .collect(),
             min_known: (UNIT * log_odds(config.min_known)).round() as i32,
             keep_seen: config.keep_seen,

@@ -41,7 +41,7 @@ impl Measured {
             let outwards = if side == 0 { 1.0 } else { -1.0 };
             // The radius of a real kerb is anybody's guess within half.
             let pavement_sigma_m = PAVEMENT_LASTS * section.pavement_sigma_m[side];
-            let sigma_m = EDGE_SIGMA_M.hypot(0.5 * flare_m).hypot(pavement_sigma_m);
+            let sigma_m = libm::hypot(libm::hypot(EDGE_SIGMA_M, 0.5 * flare_m), pavement_sigma_m);
             Some(Edge { left_m: measured_m - outwards * flare_m, sigma_m })
         });
         Self { section, along_m, edges }
@@ -86,7 +86,7 @@ pub(super) fn heading(pieces: &[Measured]) -> Option<(f64, f64)> {
         slope(pieces.iter().filter_map(move |piece| Some((piece.along_m, sharp(piece)?.left_m))))
     };
     match (side(0), side(1)) {
-        (Some(left), Some(right)) => Some((0.5 * (left.0 + right.0), 0.5 * left.1.hypot(right.1))),
+        (Some(left), Some(right)) => Some((0.5 * (left.0 + right.0), 0.5 * libm::hypot(left.1, right.1))),
         (left, right) => left.or(right),
     }
 }
@@ -101,7 +101,7 @@ pub(super) fn slope_by_pose(pieces: &[Measured], node: Point2<f64>) -> RowVector
         return RowVector3::new(0.0, 0.0, 1.0);
     };
     let (left, far_left) = (first.section.left, last.section.left);
-    let turned_rad = left.perp(&far_left).atan2(left.dot(&far_left));
+    let turned_rad = libm::atan2(left.perp(&far_left), left.dot(&far_left));
     let apart_m = last.along_m - first.along_m;
     let curvature_per_m = if apart_m > 0.0 { turned_rad / apart_m } else { 0.0 };
     let middle = &pieces[pieces.len() / 2].section;
@@ -124,7 +124,7 @@ fn slope(edge: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
     let slope = sum(|x, y| x * y) / spread;
     let unexplained = (sum(|_, y| y * y) - slope * slope * spread).max(0.0);
     let scatter_m = (unexplained / (count - 2.0).max(1.0)).sqrt();
-    Some((slope.atan(), EDGE_SIGMA_M.max(scatter_m) / spread.sqrt()))
+    Some((libm::atan(slope), EDGE_SIGMA_M.max(scatter_m) / spread.sqrt()))
 }
 
 #[cfg(test)]

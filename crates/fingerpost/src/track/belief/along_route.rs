@@ -38,14 +38,14 @@ impl Expected {
         progress.components().map(|component| Self {
             ahead_m: stop.model.route_m - component.mean_m,
             sigma_m: component.sigma_m.max(LEAST_SIGMA_M),
-            log_weight: component.weight.ln(),
+            log_weight: libm::log(component.weight),
         })
     }
 
     /// Logarithm of its share of the probability per metre of a node this far ahead.
     pub(super) fn log_per_m(&self, ahead_m: f64) -> f64 {
         let off = (ahead_m - self.ahead_m) / self.sigma_m;
-        self.log_weight - self.sigma_m.ln() - LN_SQRT_TAU - 0.5 * off * off
+        self.log_weight - libm::log(self.sigma_m) - LN_SQRT_TAU - 0.5 * off * off
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn expected_at(
     ahead_m: f64,
 ) -> Expected {
     let elsewhere_per_m = progress.elsewhere_per_m(stop.model.route_m - ahead_m).max(f64::MIN_POSITIVE);
-    let log_weight = elsewhere_per_m.ln() + ANYWHERE_SIGMA_M.ln() + LN_SQRT_TAU;
+    let log_weight = libm::log(elsewhere_per_m) + libm::log(ANYWHERE_SIGMA_M) + LN_SQRT_TAU;
     let anywhere = Expected { ahead_m, sigma_m: ANYWHERE_SIGMA_M, log_weight };
     expected.iter().copied().fold(anywhere, |best, next| {
         if next.log_per_m(ahead_m) > best.log_per_m(ahead_m) { next } else { best }
@@ -82,7 +82,7 @@ impl SeenAlong {
         let joint = 1.0 / precision + before;
         let off_m = seen_m - prior.ahead_m;
         // The evidence is the integral of the likelihood with the prior, which is a Gaussian of the two variances.
-        let log_likelihood = log_ratio + 0.5 * off_m * off_m / joint + 0.5 * (joint * precision).ln();
+        let log_likelihood = log_ratio + 0.5 * off_m * off_m / joint + 0.5 * libm::log(joint * precision);
         Self { ahead_m: seen_m, sigma_m: (1.0 / precision).sqrt(), log_likelihood }
     }
 
@@ -94,16 +94,17 @@ impl SeenAlong {
 
     /// Logarithm of how much likelier the ground is if what is seen there may also be none of the route's features.
     pub(super) fn log_clutter(&self) -> f64 {
-        let log_share = CLUTTER_PER_M.ln() + self.log_likelihood + LN_SQRT_TAU + self.sigma_m.ln();
-        log_share.max(0.0) + (-log_share.abs()).exp().ln_1p()
+        let log_share =
+            libm::log(CLUTTER_PER_M) + self.log_likelihood + LN_SQRT_TAU + libm::log(self.sigma_m);
+        log_share.max(0.0) + libm::log1p(libm::exp(-log_share.abs()))
     }
 
     /// As the progress takes it, whose map has errors of its own.
     pub(super) fn on_map(&self, log_clutter: f64) -> FeaturePlace {
-        let sigma_m = self.sigma_m.hypot(NODE_SIGMA_M);
+        let sigma_m = libm::hypot(self.sigma_m, NODE_SIGMA_M);
         let log_likelihood = (self.log_likelihood - log_clutter).min(MOST_LOG_LIKELIHOOD);
         FeaturePlace {
-            likelihood: log_likelihood.exp() * self.sigma_m / sigma_m,
+            likelihood: libm::exp(log_likelihood) * self.sigma_m / sigma_m,
             ahead_m: self.ahead_m,
             sigma_m,
         }

@@ -225,7 +225,7 @@ impl FeatureBelief {
             // Where the road bends a vehicle is turned as one a little before or behind may be.
             let heading = |m: f64| seen.stop.model.vehicle_from_feature(before_m + m, 0.0, 0.0).rotation;
             let bends_rad = heading(TURNS_WITHIN_M).angle_to(&heading(-TURNS_WITHIN_M)).abs();
-            let heading_sigma_rad = HEADING_SIGMA_RAD.hypot(0.5 * bends_rad);
+            let heading_sigma_rad = libm::hypot(HEADING_SIGMA_RAD, 0.5 * bends_rad);
             let sigmas = [expected.sigma_m, BESIDE_SIGMA_M, heading_sigma_rad];
             (Isometry2::new(mean, here.rotation.angle()), sigmas)
         });
@@ -236,7 +236,7 @@ impl FeatureBelief {
         for arm in 0..MOST_ARMS {
             sigma[WIDTHS + arm] = config.alignment.width_sigma_share;
             sigma[OFFSETS + arm] = OFFSET_SIGMA_M;
-            mean[CORNERS + arm] = config.alignment.kerb_radius_m.max(LEAST_RADIUS_M).ln();
+            mean[CORNERS + arm] = libm::log(config.alignment.kerb_radius_m.max(LEAST_RADIUS_M));
             sigma[CORNERS + arm] = CORNER_LOG_SIGMA;
         }
         [sigma[PITCH], sigma[ROLL]] = seen.attitude_sigma_rad;
@@ -318,7 +318,7 @@ impl FeatureBelief {
             }
             let nearest_m = looked_for.map_or(ahead_m, |([nearest_m, _], _)| nearest_m);
             looked_for =
-                Some(([nearest_m, ahead_m], MAP_WRONG + (1.0 - MAP_WRONG) * unlikely.exp().max(UNSEEN)));
+                Some(([nearest_m, ahead_m], MAP_WRONG + (1.0 - MAP_WRONG) * libm::exp(unlikely).max(UNSEEN)));
         }
         self.looked_for = looked_for.filter(|_| self.carried.is_none());
     }
@@ -342,8 +342,8 @@ impl FeatureBelief {
     /// Gives every place its probability against that of a plain road.
     fn weigh(&mut self, in_view: f64) {
         let best = self.places.iter().map(|place| place.log_share).fold(0.0, f64::max);
-        let there = |place: &Place| (1.0 - MAP_WRONG) * (place.log_share - best).exp();
-        let nowhere = (1.0 - (1.0 - MAP_WRONG) * in_view) * (-best).exp();
+        let there = |place: &Place| (1.0 - MAP_WRONG) * libm::exp(place.log_share - best);
+        let nowhere = (1.0 - (1.0 - MAP_WRONG) * in_view) * libm::exp(-best);
         let total = nowhere + self.places.iter().map(there).sum::<f64>();
         for place in &mut self.places {
             place.weight = there(place) / total.max(f64::MIN_POSITIVE);

@@ -71,7 +71,9 @@ impl Fitter {
             }
             let Some(cholesky) = curvature.cholesky() else { break };
             let step = cholesky.solve(&slope);
-            let far = (step[FORWARD].hypot(step[LEFT]) / STEP[0]).max(step[HEADING].abs() / STEP[1]).max(1.0);
+            let far = (libm::hypot(step[FORWARD], step[LEFT]) / STEP[0])
+                .max(step[HEADING].abs() / STEP[1])
+                .max(1.0);
             let tried = unknowns + step / far;
             let (tried_likelihood, tried_gradient, tried_information) = near.linearised(shape, &tried);
             let tried_posterior = tried_likelihood + log_prior(&tried);
@@ -98,10 +100,10 @@ impl Fitter {
             || (Information::from_diagonal(&prior.sigma.map(|sigma| sigma * sigma)), 0.0),
             |cholesky| {
                 let factor = cholesky.l();
-                (cholesky.inverse(), (0..UNKNOWNS).map(|i| 2.0 * factor[(i, i)].ln()).sum())
+                (cholesky.inverse(), (0..UNKNOWNS).map(|i| 2.0 * libm::log(factor[(i, i)])).sum())
             },
         );
-        let prior_determinant: f64 = precision.iter().map(|precision| precision.ln()).sum();
+        let prior_determinant: f64 = precision.iter().map(|precision| libm::log(*precision)).sum();
         let log_evidence = posterior - 0.5 * (log_determinant - prior_determinant);
         Fit { unknowns, covariance, log_evidence }
     }
@@ -112,7 +114,7 @@ fn edges_moved_m(a: &Unknowns, b: &Unknowns) -> f64 {
     let off = |i: usize| (a[i] - b[i]).abs();
     let place_m = off(FORWARD).max(off(LEFT)).max(8.0 * wrap_angle(off(HEADING)).abs());
     (0..MOST_ARMS).fold(place_m, |most_m, arm| {
-        let corner_m = (a[CORNERS + arm].exp() - b[CORNERS + arm].exp()).abs();
+        let corner_m = (libm::exp(a[CORNERS + arm]) - libm::exp(b[CORNERS + arm])).abs();
         most_m.max(4.0 * off(WIDTHS + arm)).max(0.5 * corner_m)
     })
 }
@@ -144,7 +146,7 @@ mod tests {
         mean[FORWARD] = 12.0;
         [sigma[FORWARD], sigma[LEFT], sigma[HEADING]] = [3.0, 2.0, 0.15];
         for arm in 0..MOST_ARMS {
-            mean[CORNERS + arm] = 4.0_f64.ln();
+            mean[CORNERS + arm] = libm::log(4.0_f64);
             (sigma[WIDTHS + arm], sigma[OFFSETS + arm]) = (0.16 * rest_sigma, 0.3 * rest_sigma);
         }
         (sigma[PITCH], sigma[ROLL], sigma[SCALE]) =
@@ -176,7 +178,10 @@ mod tests {
     fn truth(place: [f64; 3], radii_m: [f64; 3]) -> Unknowns {
         let mut truth = Unknowns::zeros();
         [truth[FORWARD], truth[LEFT], truth[HEADING]] = place;
-        radii_m.into_iter().enumerate().for_each(|(arm, radius_m)| truth[CORNERS + arm] = radius_m.ln());
+        radii_m
+            .into_iter()
+            .enumerate()
+            .for_each(|(arm, radius_m)| truth[CORNERS + arm] = libm::log(radius_m));
         truth
     }
 

@@ -101,7 +101,7 @@ impl GroundMemory {
         self.map_from_vehicle *= previous_from_current;
         self.map_from_vehicle.rotation.renormalize();
         let moved_m = previous_from_current.translation.vector.norm();
-        let [looks, trust] = [KEPT_LOOKS_M, FADING_M].map(|over_m| (-moved_m / over_m).exp() as f32);
+        let [looks, trust] = [KEPT_LOOKS_M, FADING_M].map(|over_m| libm::exp(-moved_m / over_m) as f32);
         for cell in &mut self.cells {
             cell.looks *= looks;
             cell.trust *= trust;
@@ -176,7 +176,7 @@ impl Cell {
     fn look(&mut self, p: f64, trust: f64) {
         // Half a level of 255, where the detector's own odds would be endless.
         let p = p.clamp(0.002, 0.998);
-        let log_odds = ((p / (1.0 - p)).ln() - DETECTOR_BIAS).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
+        let log_odds = (libm::log(p / (1.0 - p)) - DETECTOR_BIAS).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
         let (before, looks) = (f64::from(self.looks), f64::from(self.looks) + trust);
         self.log_odds = ((f64::from(self.log_odds) * before + log_odds * trust) / looks) as f32;
         self.looks = looks as f32;

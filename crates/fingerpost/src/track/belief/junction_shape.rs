@@ -143,7 +143,7 @@ impl JunctionShape {
         let corner = |i: usize| {
             let next = arms[(i + 1) % count];
             let between = (next.direction_rad() - arms[i].direction_rad()).rem_euclid(TAU);
-            (count > 1 && between < STRAIGHT_RAD && between > 0.2).then(|| -between.cos())
+            (count > 1 && between < STRAIGHT_RAD && between > 0.2).then(|| -libm::cos(between))
         };
         let strips = (0..count).map(|i| Strip {
             pieces: pieces(arms[i]),
@@ -167,9 +167,9 @@ impl JunctionShape {
             radius_m: [0.0; MOST_ARMS],
         };
         for (i, arm) in self.arms.iter().enumerate() {
-            outline.half_m[i] = arm.half_width_m * unknowns[WIDTHS + i].exp();
+            outline.half_m[i] = arm.half_width_m * libm::exp(unknowns[WIDTHS + i]);
             outline.offset_m[i] = unknowns[OFFSETS + i];
-            outline.radius_m[i] = unknowns[CORNERS + i].exp();
+            outline.radius_m[i] = libm::exp(unknowns[CORNERS + i]);
         }
         outline
     }
@@ -374,7 +374,7 @@ pub(super) mod tests {
     /// Corners of this radius.
     fn unknowns(radius_m: f64) -> Unknowns {
         let mut unknowns = Unknowns::zeros();
-        (0..MOST_ARMS).for_each(|arm| unknowns[CORNERS + arm] = radius_m.ln());
+        (0..MOST_ARMS).for_each(|arm| unknowns[CORNERS + arm] = libm::log(radius_m));
         unknowns
     }
 

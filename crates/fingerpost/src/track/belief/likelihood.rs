@@ -154,7 +154,8 @@ impl NearGround {
             let place = cell.at(unknowns);
             let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
             let normal = vehicle_from_feature.rotation * edge.by_place;
-            let (term, by_distance) = cell.term(edge.distance_m, SHARP_M.hypot(cell.blur_m * normal.x));
+            let (term, by_distance) =
+                cell.term(edge.distance_m, libm::hypot(SHARP_M, cell.blur_m * normal.x));
             by_stretch[edge.stretch] += term;
             let by_distance = self.shows[edge.stretch] * by_distance;
             if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
@@ -201,12 +202,12 @@ const HIDDEN: f64 = 0.05;
 
 /// Log-likelihood of a stretch that shows with this one, or is hidden and then says nothing; and the probability that it shows.
 fn shown_or_hidden(log_likelihood: f64) -> (f64, f64) {
-    let odds_hidden = HIDDEN / (1.0 - HIDDEN) * (-log_likelihood).exp();
+    let odds_hidden = HIDDEN / (1.0 - HIDDEN) * libm::exp(-log_likelihood);
     let shows = 1.0 / (1.0 + odds_hidden);
     let sum = if odds_hidden > 1.0 {
-        HIDDEN.ln() + (1.0 / odds_hidden).ln_1p()
+        libm::log(HIDDEN) + libm::log1p(1.0 / odds_hidden)
     } else {
-        (1.0 - HIDDEN).ln() + log_likelihood + odds_hidden.ln_1p()
+        libm::log(1.0 - HIDDEN) + log_likelihood + libm::log1p(odds_hidden)
     };
     (sum, shows)
 }
@@ -238,7 +239,7 @@ impl Parts {
 
 impl Witness {
     fn new(cell: &GroundCell, viewpoint: Viewpoint, row_rad: f64) -> Self {
-        let odds = cell.log_odds.exp();
+        let odds = libm::exp(cell.log_odds);
         let Viewpoint { foot, height_m } = viewpoint;
         let from_foot = cell.place - foot;
         let (ahead_m, left_m) = (cell.seen_ahead_m, from_foot.y);
@@ -249,7 +250,7 @@ impl Witness {
         Self {
             place: cell.place,
             odds,
-            log_anywhere: (ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE).ln(),
+            log_anywhere: libm::log(ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE),
             blur_m: BLURRED_ROWS * row_rad * (ahead_m * ahead_m + height_m * height_m) / height_m,
             witnesses: cell.trust * CELL_M * CELL_M / WITNESS_M2,
             moves: [pitch, roll, from_foot],
@@ -267,7 +268,7 @@ impl Witness {
         if distance_m > BESIDE_M {
             return (0.0, 0.0);
         }
-        let on_road = 1.0 / (1.0 + (distance_m / soft_m).clamp(-30.0, 30.0).exp());
+        let on_road = 1.0 / (1.0 + libm::exp((distance_m / soft_m).clamp(-30.0, 30.0)));
         let contrast = 1.0 - ROAD_UNLIKE - BESIDE_ALIKE;
         let alike = BESIDE_ALIKE + contrast * on_road;
         let by_alike = (self.odds - 1.0) / (alike * self.odds + 1.0 - alike);
@@ -277,6 +278,6 @@ impl Witness {
 
     /// Log-likelihood where this share of the ground looks like road, against ground of which nothing is known.
     fn log_likelihood(&self, alike: f64) -> f64 {
-        self.witnesses * ((alike * self.odds + 1.0 - alike).ln() - self.log_anywhere)
+        self.witnesses * (libm::log(alike * self.odds + 1.0 - alike) - self.log_anywhere)
     }
 }

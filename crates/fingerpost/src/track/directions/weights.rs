@@ -115,7 +115,7 @@ impl Weight {
         self.next = sighting.index + 1;
         let per_m = match (self.unplaced.take(), sighting.off) {
             (Some(unplaced), _) => unplaced.begun_before(driven_m + sighting.ahead_m),
-            (None, Some((off_m, sigma_m))) => normal(off_m, sigma_m.hypot(PLACE_SIGMA_M)),
+            (None, Some((off_m, sigma_m))) => normal(off_m, libm::hypot(sigma_m, PLACE_SIGMA_M)),
             (None, None) => CLUTTER_PER_M,
         };
         self.factor *= FOUND * per_m / CLUTTER_PER_M;
@@ -124,7 +124,7 @@ impl Weight {
 
 /// The normal distribution's density.
 fn normal(off: f64, sigma: f64) -> f64 {
-    (-0.5 * (off / sigma).powi(2)).exp() / (TAU.sqrt() * sigma)
+    libm::exp(-0.5 * (off / sigma).powi(2)) / (TAU.sqrt() * sigma)
 }
 
 #[cfg(test)]
