@@ -33,13 +33,16 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
         ),
     );
     let out = folder.path().join("run");
-    for (threads, what) in [
-        (None, "run without --video, both on all cores"),
-        (Some("1"), "run without --video, both with one thread"),
+    for (threads, decoder, promised, what) in [
+        (None, "libraries", Some(PROMISED_SHARE), "run without --video, both on all cores"),
+        (Some("1"), "libraries", Some(PROMISED_SHARE), "run without --video, both with one thread"),
+        (None, "ffmpeg", None, "decoded by the program ffmpeg, both on all cores"),
+        (Some("1"), "ffmpeg", None, "decoded by the program ffmpeg, both with one thread"),
     ] {
         let ours = whole_command("fingerpost run", frames, || {
             let mut command = Command::new(program);
             command.arg("run").arg(&video).arg("--camera").arg(&camera).arg("--out").arg(&out);
+            command.args(["--decoder", decoder]);
             command.args(threads.iter().flat_map(|threads| ["--threads", threads]));
             command
         });
@@ -53,7 +56,7 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
         // A turn is one command.
         let once = Effort { rounds: effort.rounds.min(5), turn_ms: 0.0 };
         let measured = side_by_side(once, &mut [ours, theirs])?;
-        section.rows.push(Row::new(what, &size, measured, Some(PROMISED_SHARE)));
+        section.rows.push(Row::new(what, &size, measured, promised));
     }
     Ok(section)
 }

@@ -10,8 +10,8 @@ use fingerpost::road_surface::SurfaceFile;
 use fingerpost::{Config, Sensors};
 use fingerpost_format::TruthRecord;
 use fingerpost_io::{
-    FfmpegPrograms, FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoError,
-    read_camera, read_truth,
+    FfmpegPrograms, FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoDecoder,
+    VideoError, read_camera, read_truth,
 };
 use fingerpost_map::{LatLon, Route};
 use fingerpost_record::FrameTime;
@@ -112,6 +112,11 @@ pub(crate) struct RunArgs {
     /// on it.
     #[arg(long, value_name = "N")]
     threads: Option<Threads>,
+    /// What decodes a video file: FFmpeg's libraries in this process, where they can, or the program ffmpeg. Results do not
+    /// depend on it.
+    #[cfg(feature = "libav")]
+    #[arg(long, value_enum, value_name = "NAME", default_value = "libraries")]
+    decoder: DecoderName,
     /// Instructions of the processor that are used at the most, to compare speeds; the best it has by default. Results do
     /// not depend on it.
     #[arg(long, value_name = "NAME")]
@@ -143,7 +148,30 @@ enum Viewer {
     Foxglove,
 }
 
+/// What decodes videos.
+#[cfg(feature = "libav")]
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum DecoderName {
+    /// FFmpeg's libraries.
+    Libraries,
+    /// The program ffmpeg.
+    Ffmpeg,
+}
+
 impl RunArgs {
+    #[cfg(feature = "libav")]
+    fn decoder(&self) -> VideoDecoder {
+        match self.decoder {
+            DecoderName::Libraries => VideoDecoder::Libraries,
+            DecoderName::Ffmpeg => VideoDecoder::Program,
+        }
+    }
+
+    #[cfg(not(feature = "libav"))]
+    fn decoder(&self) -> VideoDecoder {
+        VideoDecoder::default()
+    }
+
     fn threads(&self) -> Option<NonZeroUsize> {
         self.threads.map(|Threads(count)| count)
     }
@@ -178,6 +206,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         sampling: args.choice.sampling(),
         live: args.choice.liveness(),
         threads: args.threads(),
+        decoder: args.decoder(),
         programs: programs.clone(),
     };
     let source = FrameSource::open(&args.input, &options)?;

@@ -1,7 +1,7 @@
 //! The programs ffmpeg and ffprobe as child processes.
 //!
 //! Codecs, containers, network streams and cameras are ffmpeg's trade; this crate talks to it through pipes, so that
-//! nothing of it is linked in and pictures in folders need none of it.
+//! nothing of it is linked in, unless the feature `libav` asks for that, and pictures in folders need none of it.
 
 use std::{
     io::{self, ErrorKind, Read},

@@ -73,7 +73,7 @@ pub use tether::TETHER_ARGUMENT;
 #[cfg(unix)]
 pub use tether::become_tethered;
 pub use tuning_folder::{TuningFolder, TuningFolderError};
-pub use video::Liveness;
+pub use video::{Liveness, VideoDecoder};
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
 pub use whole_file::{remove_abandoned, write_file};

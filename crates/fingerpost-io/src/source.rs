@@ -15,7 +15,7 @@ use crate::{
     picture_file::{PictureFileError, read_picture_into},
     picture_folder::{PictureFolder, PictureFolderError},
     sampling::{Sampler, Sampling},
-    video::{Liveness, Pace, VideoPicture, VideoReader},
+    video::{Liveness, Pace, Video, VideoDecoder, VideoPicture},
 };
 
 /// Frame rate of a folder of pictures without times, where none is given: that of many recorded drives.
@@ -34,6 +34,8 @@ pub struct SourceOptions {
     /// Threads that decode, ffmpeg's with them. With one, pictures are decoded when they are asked for; with more, ahead.
     /// None: as many as the machine runs at once. Pictures do not depend on it.
     pub threads: Option<NonZeroUsize>,
+    /// What decodes video.
+    pub decoder: VideoDecoder,
     /// The programs that decode video.
     pub programs: FfmpegPrograms,
 }
@@ -103,7 +105,7 @@ pub struct FrameSource {
 #[derive(Debug)]
 enum Input {
     Pictures(PictureFrames),
-    Video { video: Box<VideoReader>, next_index: u64, sampler: Sampler },
+    Video { video: Video, next_index: u64, sampler: Sampler },
 }
 
 /// The pictures of a folder.
@@ -152,11 +154,11 @@ impl FrameSource {
             Ok(Self { input, fps, sampling })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
-            let video = VideoReader::open(input, &options.programs, options.threads, pace)?;
+            let video = Video::open(input, &options.programs, options.threads, pace, options.decoder)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
             // What comes of a live input has been chosen already.
             let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
-            Ok(Self { input: Input::Video { video: Box::new(video), next_index: 0, sampler }, fps, sampling })
+            Ok(Self { input: Input::Video { video, next_index: 0, sampler }, fps, sampling })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }

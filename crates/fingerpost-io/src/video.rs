@@ -15,7 +15,10 @@
 //! Limits: of a recording, a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
 //! varying rate (some telephones) are timed as if theirs were constant.
 
+mod any;
 mod decode_log;
+#[cfg(feature = "libav")]
+mod libraries;
 mod live;
 mod pipe;
 mod ppm;
@@ -48,7 +51,8 @@ use crate::{
     waiting::Patience,
 };
 
-pub use self::live::Liveness;
+pub(crate) use self::any::Video;
+pub use self::{any::VideoDecoder, live::Liveness};
 
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
@@ -211,10 +215,7 @@ impl VideoReader {
 
     /// Frames that there should be: those that the container counts and shows, or those that fill the duration that it states.
     pub(crate) fn expected_length(&self) -> Option<u64> {
-        match self.expected {
-            Expected::Counted(frames) | Expected::Estimated(frames) => Some(frames),
-            Expected::Unknown => None,
-        }
+        self.expected.frames()
     }
 
     /// What ffmpeg complained about last.
@@ -290,11 +291,7 @@ impl VideoReader {
             broken_frame => broken_frame,
         };
         let failed = !self.ffmpeg.wait(|| false).is_ok_and(|status| status.success());
-        let short = match self.expected {
-            Expected::Counted(counted) => frames < counted,
-            Expected::Estimated(estimated) => frames.saturating_add(1) < estimated,
-            Expected::Unknown => true,
-        };
+        let short = self.expected.is_short(frames);
         let cause = match (broken_frame, self.log.complaint(), self.expected) {
             (_, Some(said), _) if failed || short => said,
             (Some(cause), ..) => cause.to_string(),

@@ -33,6 +33,9 @@ impl Rate {
 /// What of a stream ffprobe is asked to show.
 const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION:format=format_name";
 
+/// The container that may count frames which are not shown, as ffprobe calls it.
+pub(super) const HIDING_CONTAINER: &str = "mov";
+
 /// Most that ffprobe answers, bytes; what is asked of one stream has some hundred.
 const MAX_ANSWER_BYTES: u64 = 1 << 20;
 
@@ -55,18 +58,18 @@ struct Container {
 /// The stream of moving pictures in a video.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Stream {
-    avg_frame_rate: Option<String>,
-    r_frame_rate: Option<String>,
-    nb_frames: Option<String>,
-    duration: Option<String>,
+    pub(super) avg_frame_rate: Option<String>,
+    pub(super) r_frame_rate: Option<String>,
+    pub(super) nb_frames: Option<String>,
+    pub(super) duration: Option<String>,
     #[serde(default)]
-    tags: Tags,
+    pub(super) tags: Tags,
     /// Whether the container may count frames that are not shown, as a cut without coding anew leaves them in front.
     #[serde(skip)]
-    hides_frames: bool,
-    pix_fmt: Option<String>,
-    color_space: Option<String>,
-    color_range: Option<String>,
+    pub(super) hides_frames: bool,
+    pub(super) pix_fmt: Option<String>,
+    pub(super) color_space: Option<String>,
+    pub(super) color_range: Option<String>,
 }
 
 /// Frames that there should be.
@@ -80,11 +83,30 @@ pub(super) enum Expected {
     Unknown,
 }
 
+impl Expected {
+    /// How many.
+    pub(super) const fn frames(self) -> Option<u64> {
+        match self {
+            Self::Counted(frames) | Self::Estimated(frames) => Some(frames),
+            Self::Unknown => None,
+        }
+    }
+
+    /// Whether `frames` are fewer.
+    pub(super) const fn is_short(self, frames: u64) -> bool {
+        match self {
+            Self::Counted(counted) => frames < counted,
+            Self::Estimated(estimated) => frames.saturating_add(1) < estimated,
+            Self::Unknown => true,
+        }
+    }
+}
+
 /// What Matroska says of a stream.
 #[derive(Debug, Default, Deserialize)]
-struct Tags {
+pub(super) struct Tags {
     #[serde(rename = "DURATION")]
-    duration: Option<String>,
+    pub(super) duration: Option<String>,
 }
 
 impl Stream {
@@ -108,7 +130,7 @@ impl Stream {
         }
         let probe: Probe = serde_json::from_slice(&answer)
             .map_err(|cause| unreadable(&format!("ffprobe's answer is not understood: {cause}")))?;
-        let hides_frames = probe.format.format_name.split(',').any(|name| name == "mov");
+        let hides_frames = probe.format.format_name.split(',').any(|name| name == HIDING_CONTAINER);
         let stream = probe.streams.into_iter().next().map(|stream| Self { hides_frames, ..stream });
         stream.ok_or_else(|| unreadable("there are no moving pictures in it"))
     }

@@ -5,7 +5,8 @@ use std::io::{self, BufRead, ErrorKind, Read};
 
 use fingerpost_vision::{
     colour::{Yuv420, YuvCoding, rgb_from_yuv420},
-    picture::RgbImage,
+    error::PictureError,
+    picture::{PlaneView, RgbImage},
 };
 
 use crate::picture_file::MAX_SIDE_PX;
@@ -53,9 +54,15 @@ impl Y4mReader {
         rgb.resize(luma * RgbImage::CHANNELS, 0);
         let (y, differences) = self.planes.split_at(luma);
         let (u, v) = differences.split_at(difference);
-        let no_picture = |cause: fingerpost_vision::error::PictureError| invalid(&cause.to_string());
+        let no_picture = |cause: PictureError| invalid(&cause.to_string());
         let mut picture = RgbImage::from_vec(width, height, rgb).map_err(no_picture)?;
-        rgb_from_yuv420(Yuv420 { width, height, y, u, v }, self.coding, &mut picture).map_err(no_picture)?;
+        let y = PlaneView::new(y, width, height, width).map_err(no_picture)?;
+        let half = |plane| {
+            let (width, height) = (width.div_ceil(2), height.div_ceil(2));
+            PlaneView::new(plane, width, height, width).map_err(no_picture)
+        };
+        let planes = Yuv420 { y, u: half(u)?, v: half(v)? };
+        rgb_from_yuv420(planes, self.coding, &mut picture).map_err(no_picture)?;
         Ok(Some(picture))
     }
 }

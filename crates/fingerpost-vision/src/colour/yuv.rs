@@ -18,7 +18,7 @@ mod avx512;
 mod tests;
 
 use crate::error::{PictureError, check_size};
-use crate::picture::{RgbImage, check_length};
+use crate::picture::{PlaneView, RgbImage};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::InstructionSet;
 use crate::simd::{CodePath, simd_kernel};
@@ -50,19 +50,15 @@ pub struct YuvCoding {
     pub range: YuvRange,
 }
 
-/// A picture as luma and colour differences at half its size: planar YUV 4:2:0, tightly packed.
+/// A picture as luma and colour differences at half its size: planar YUV 4:2:0, as decoders hold it.
 #[derive(Debug, Clone, Copy)]
 pub struct Yuv420<'a> {
-    /// Width, pixels.
-    pub width: usize,
-    /// Height, pixels.
-    pub height: usize,
-    /// Luma, `width * height`.
-    pub y: &'a [u8],
-    /// Blue difference, half of `width` times half of `height`, each rounded up.
-    pub u: &'a [u8],
+    /// Luma, of the picture's size.
+    pub y: PlaneView<'a, u8>,
+    /// Blue difference, half as wide and half as high, each rounded up.
+    pub u: PlaneView<'a, u8>,
     /// Red difference, of the same size.
-    pub v: &'a [u8],
+    pub v: PlaneView<'a, u8>,
 }
 
 /// Bits behind the point of the sums: the most with which every factor fits 16 bits.
@@ -123,9 +119,10 @@ impl Factors {
 ///
 /// ```
 /// use fingerpost_vision::colour::{Yuv420, YuvCoding, YuvMatrix, YuvRange, rgb_from_yuv420};
-/// use fingerpost_vision::picture::RgbImage;
+/// use fingerpost_vision::picture::{PlaneView, RgbImage};
 /// let coding = YuvCoding { matrix: YuvMatrix::Bt601, range: YuvRange::Limited };
-/// let planes = Yuv420 { width: 2, height: 1, y: &[16, 235], u: &[128], v: &[128] };
+/// let neutral = PlaneView::new(&[128], 1, 1, 1)?;
+/// let planes = Yuv420 { y: PlaneView::new(&[16, 235], 2, 1, 2)?, u: neutral, v: neutral };
 /// let mut image = RgbImage::new(2, 1);
 /// rgb_from_yuv420(planes, coding, &mut image)?;
 /// assert_eq!(image.as_slice(), &[0, 0, 0, 255, 255, 255]);
@@ -133,8 +130,7 @@ impl Factors {
 /// ```
 ///
 /// # Errors
-/// [`PictureError::BufferLength`] when a plane has not its size, [`PictureError::SizeMismatch`] when `image` has not the
-/// picture's.
+/// [`PictureError::SizeMismatch`] when a plane or `image` has not its size.
 pub fn rgb_from_yuv420(
     planes: Yuv420<'_>,
     coding: YuvCoding,
@@ -149,17 +145,15 @@ fn convert(
     coding: YuvCoding,
     image: &mut RgbImage,
 ) -> Result<(), PictureError> {
-    let Yuv420 { width, height, y, u, v } = planes;
-    let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
-    check_length(width, height, 1, y.len())?;
-    check_length(half_width, half_height, 1, u.len())?;
-    check_length(half_width, half_height, 1, v.len())?;
+    let Yuv420 { y, u, v } = planes;
+    let (width, height) = y.size();
+    let half = (width.div_ceil(2), height.div_ceil(2));
+    check_size("blue difference", half, u.size())?;
+    check_size("red difference", half, v.size())?;
     check_size("picture to convert into", (width, height), image.size())?;
     let factors = Factors::new(coding);
     for (row, rgb) in (0..height).zip(image.pixels_mut().chunks_exact_mut(width.max(1))) {
-        let half = row / 2 * half_width..(row / 2 + 1) * half_width;
-        let y = &y[row * width..(row + 1) * width];
-        convert_row(path, y, &u[half.clone()], &v[half], &factors, rgb);
+        convert_row(path, y.row(row), u.row(row / 2), v.row(row / 2), &factors, rgb);
     }
     Ok(())
 }

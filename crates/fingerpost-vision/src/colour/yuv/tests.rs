@@ -34,6 +34,16 @@ fn exact([y, u, v]: [u8; 3], coding: YuvCoding) -> [f64; 3] {
     [red, green, blue].map(|value| (255.0 * value).clamp(0.0, 255.0))
 }
 
+fn view<'a>((width, height): (usize, usize), plane: &'a [u8]) -> PlaneView<'a, u8> {
+    PlaneView::new(plane, width, height, width).unwrap()
+}
+
+/// Planes without anything between their rows.
+fn packed<'a>(size: (usize, usize), y: &'a [u8], u: &'a [u8], v: &'a [u8]) -> Yuv420<'a> {
+    let half = (size.0.div_ceil(2), size.1.div_ceil(2));
+    Yuv420 { y: view(size, y), u: view(half, u), v: view(half, v) }
+}
+
 #[test]
 fn every_colour_is_the_exact_one_but_for_ties() {
     for coding in CODINGS {
@@ -69,7 +79,8 @@ proptest! {
         let half = width.div_ceil(2) * height.div_ceil(2);
         let (y, rest) = values.split_at(width * height);
         let (u, rest) = rest.split_at(half);
-        let planes = Yuv420 { width, height, y, u, v: &rest[..half] };
+        let v = &rest[..half];
+        let planes = packed((width, height), y, u, v);
         let factors = Factors::new(CODINGS[coding]);
         for path in CodePath::available() {
             let mut image = RgbImage::new(width, height);
@@ -77,7 +88,7 @@ proptest! {
             for row in 0..height {
                 for col in 0..width {
                     let at = row / 2 * width.div_ceil(2) + col / 2;
-                    let expected = rgb_of([y[row * width + col], u[at], planes.v[at]], &factors);
+                    let expected = rgb_of([y[row * width + col], u[at], v[at]], &factors);
                     prop_assert_eq!(image.get(col, row), Some(expected), "{:?} ({}, {})", path, col, row);
                 }
             }
@@ -86,18 +97,32 @@ proptest! {
 }
 
 #[test]
+fn what_lies_between_the_rows_of_planes_is_not_looked_at() {
+    let coding = CODINGS[0];
+    let mut padded = RgbImage::new(3, 2);
+    let y = PlaneView::new(&[90, 91, 92, 7, 7, 93, 94, 95], 3, 2, 5).unwrap();
+    let (u, v) = ([100, 120, 7], [140, 90, 7]);
+    let [u_view, v_view] = [&u, &v].map(|plane| PlaneView::new(plane, 2, 1, 3).unwrap());
+    rgb_from_yuv420(Yuv420 { y, u: u_view, v: v_view }, coding, &mut padded).unwrap();
+    let mut tight = RgbImage::new(3, 2);
+    let planes = packed((3, 2), &[90, 91, 92, 93, 94, 95], &u[..2], &v[..2]);
+    rgb_from_yuv420(planes, coding, &mut tight).unwrap();
+    assert_eq!(padded, tight);
+}
+
+#[test]
 fn planes_of_wrong_sizes_are_refused() {
     let coding = CODINGS[0];
-    let planes = Yuv420 { width: 3, height: 3, y: &[9; 9], u: &[1; 4], v: &[1; 4] };
+    let planes = packed((3, 3), &[9; 9], &[1; 4], &[1; 4]);
     let mut image = RgbImage::new(3, 3);
     rgb_from_yuv420(planes, coding, &mut image).unwrap();
+    let [narrow, low] = [(1, 2), (2, 1)].map(|size| view(size, &[1; 4]));
     for wrong in [
-        Yuv420 { y: &[9; 8], ..planes },
-        Yuv420 { u: &[1; 3], ..planes },
-        Yuv420 { v: &[1; 5], ..planes },
-        Yuv420 { width: usize::MAX, ..planes },
+        Yuv420 { y: view((3, 2), &[9; 9]), ..planes },
+        Yuv420 { u: narrow, ..planes },
+        Yuv420 { v: low, ..planes },
     ] {
-        assert!(matches!(rgb_from_yuv420(wrong, coding, &mut image), Err(PictureError::BufferLength { .. })));
+        assert!(matches!(rgb_from_yuv420(wrong, coding, &mut image), Err(PictureError::SizeMismatch { .. })));
     }
     let refused = rgb_from_yuv420(planes, coding, &mut RgbImage::new(3, 2));
     assert!(matches!(refused, Err(PictureError::SizeMismatch { .. })));
