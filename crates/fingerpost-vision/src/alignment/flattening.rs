@@ -30,10 +30,23 @@ pub struct Flattening {
     means: Plane<f32>,
     /// Means of the blocks at the height of a row of pixels.
     across: Vec<f32>,
-    /// Between which blocks each column of pixels lies, and how far towards the second.
-    columns: Vec<(usize, usize, f32)>,
+    /// Neighbouring columns of pixels that lie between the same blocks.
+    runs: Vec<ColumnRun>,
+    /// How far each column of pixels lies towards the second of its blocks.
+    shares: Vec<f32>,
+    /// Of each column of pixels, over the rows of a block: the sum of the grey, and the number of seen pixels.
+    column_sums: Vec<u32>,
+    column_counts: Vec<u32>,
     /// The mean at each pixel of a row.
     row: Vec<f32>,
+}
+
+/// So many neighbouring columns of pixels lie between these blocks.
+#[derive(Debug, Clone, Copy)]
+struct ColumnRun {
+    left: usize,
+    right: usize,
+    count: usize,
 }
 
 impl Flattening {
@@ -49,7 +62,10 @@ impl Flattening {
             window: Vec::new(),
             means: Plane::default(),
             across: Vec::new(),
-            columns: Vec::new(),
+            runs: Vec::new(),
+            shares: Vec::new(),
+            column_sums: Vec::new(),
+            column_counts: Vec::new(),
             row: Vec::new(),
         }
     }
@@ -73,9 +89,8 @@ impl Flattening {
         let (columns, rows) = self.means.size();
         self.across.resize(columns, 0.0);
         self.row.resize(width, 0.0);
-        if self.columns.len() != width {
-            self.columns.clear();
-            self.columns.extend((0..width).map(|x| between(x, self.block_px, columns)));
+        if self.shares.len() != width {
+            self.take_columns(width, columns);
         }
         for y in 0..height {
             let (above, below, share) = between(y, self.block_px, rows);
@@ -83,10 +98,22 @@ impl Flattening {
             for (out, (&above, &below)) in self.across.iter_mut().zip(above.iter().zip(below)) {
                 *out = above + (below - above) * share;
             }
-            for (out, &(left, right, share)) in self.row.iter_mut().zip(&self.columns) {
-                *out = self.across[left] + (self.across[right] - self.across[left]) * share;
-            }
+            lay_between(path, &self.across, &self.runs, &self.shares, &mut self.row);
             take_off(path, &self.row, grey.row(y), flat.row_mut(y));
+        }
+    }
+
+    /// Notes between which blocks the columns of pixels lie.
+    fn take_columns(&mut self, width: usize, columns: usize) {
+        self.runs.clear();
+        self.shares.clear();
+        for x in 0..width {
+            let (left, right, share) = between(x, self.block_px, columns);
+            self.shares.push(share);
+            match self.runs.last_mut() {
+                Some(run) if (run.left, run.right) == (left, right) => run.count += 1,
+                _ => self.runs.push(ColumnRun { left, right, count: 1 }),
+            }
         }
     }
 
@@ -95,9 +122,20 @@ impl Flattening {
         let (columns, rows) = (width.div_ceil(self.block_px), height.div_ceil(self.block_px));
         self.sums.reset(columns, rows, 0);
         self.counts.reset(columns, rows, 0);
-        for y in 0..height {
-            let row = y / self.block_px;
-            add_row(path, self.block_px, grey.row(y), self.sums.row_mut(row), self.counts.row_mut(row));
+        for row in 0..rows {
+            // Down the columns first: these sums are made for many columns at once.
+            for of_column in [&mut self.column_sums, &mut self.column_counts] {
+                of_column.clear();
+                of_column.resize(width, 0);
+            }
+            for y in row * self.block_px..((row + 1) * self.block_px).min(height) {
+                add_row(path, grey.row(y), &mut self.column_sums, &mut self.column_counts);
+            }
+            for (of_column, of_block) in
+                [(&self.column_sums, self.sums.row_mut(row)), (&self.column_counts, self.counts.row_mut(row))]
+            {
+                add_across(path, self.block_px, of_column, of_block);
+            }
         }
     }
 
@@ -161,10 +199,42 @@ fn between(pixel: usize, block_px: usize, blocks: usize) -> (usize, usize, f32) 
 }
 
 simd_kernel! {
-    fn add_row(block_px: usize, grey: &[u8], sums: &mut [u32], counts: &mut [u32]) {
-        for ((block, sum), count) in grey.chunks(block_px).zip(sums).zip(counts) {
-            *sum += block.iter().map(|&grey| u32::from(grey)).sum::<u32>();
-            *count += block.iter().map(|&grey| u32::from(grey != 0)).sum::<u32>();
+    fn add_row(grey: &[u8], sums: &mut [u32], counts: &mut [u32]) {
+        for ((&grey, sum), count) in grey.iter().zip(sums).zip(counts) {
+            *sum += u32::from(grey);
+            *count += u32::from(grey != 0);
+        }
+    }
+}
+
+simd_kernel! {
+    fn add_across(block_px: usize, of_column: &[u32], of_block: &mut [u32]) {
+        for (columns, sum) in of_column.chunks(block_px).zip(of_block) {
+            // Blocks of a known width are added in registers.
+            *sum = match columns {
+                [a, b, c, d] => a + b + c + d,
+                _ => columns.iter().sum(),
+            };
+        }
+    }
+}
+
+simd_kernel! {
+    /// Lays what is given at the blocks' middles between them, along a row.
+    fn lay_between(at_blocks: &[f32], runs: &[ColumnRun], shares: &[f32], row: &mut [f32]) {
+        let (mut shares, mut row) = (shares, row);
+        for run in runs {
+            let (from, to) = (at_blocks[run.left], at_blocks[run.right]);
+            let step = to - from;
+            let Some((of_run, others)) = shares.split_at_checked(run.count) else { return };
+            let Some((out, rest)) = row.split_at_mut_checked(run.count) else { return };
+            // Runs of a known length need no loop.
+            if let (Ok(shares), Ok(out)) = (<&[f32; 4]>::try_from(of_run), <&mut [f32; 4]>::try_from(&mut *out)) {
+                *out = shares.map(|share| from + step * share);
+            } else {
+                out.iter_mut().zip(of_run).for_each(|(out, share)| *out = from + step * share);
+            }
+            (shares, row) = (others, rest);
         }
     }
 }

@@ -169,6 +169,26 @@ impl Template {
         }
     }
 
+    /// Takes over every `step`-th group of points of another template, for a look that need not be as sure; what it has no
+    /// directions of cannot be stepped along.
+    pub fn thin(&mut self, all: &Self, step: usize) {
+        let step = step.max(1);
+        for (some, all) in [
+            (&mut self.u, &all.u),
+            (&mut self.v, &all.v),
+            (&mut self.grey, &all.grey),
+            (&mut self.trust, &all.trust),
+        ] {
+            some.clear();
+            some.reserve(all.capacity().div_ceil(step));
+            some.extend(all.iter().step_by(step));
+        }
+        // All groups but the last are full.
+        let is_last_taken = all.u.len().saturating_sub(1).is_multiple_of(step);
+        let missing = if is_last_taken { all.u.len() * LANES - all.points } else { 0 };
+        self.points = self.u.len() * LANES - missing;
+    }
+
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -354,3 +354,22 @@ fn nothing_seen_is_no_residual_and_nothing_panics() {
     residuals.measure(&template, &Target::default(), &lost, Brightness::default(), 0.0);
     assert!(residuals.seen < 0.5 && residuals.sums(&template).hessian[0][0].abs() < 1e-9);
 }
+
+#[test]
+fn a_thinned_template_has_every_other_group_of_points() {
+    let grey = hills(90, 60, |u, v| [u, v]);
+    for (width, step) in [(90, 2), (71, 2), (52, 2), (40, 3), (90, 1)] {
+        let (mut all, mut some) = (Template::default(), Template::default());
+        all.choose(&grey, Rect { x: 0, y: 0, width, height: 41 }, 4, &Corridor::EVERYWHERE);
+        some.thin(&all, step);
+        let kept: Vec<[f32; 2]> = (0..all.len())
+            .filter(|point| (point / LANES).is_multiple_of(step))
+            .filter_map(|p| all.place(p))
+            .collect();
+        assert_eq!(some.len(), kept.len(), "{width} {step}");
+        assert!(kept.iter().enumerate().all(|(point, place)| some.place(point) == Some(*place)));
+    }
+    let mut some = Template::default();
+    some.thin(&Template::default(), 2);
+    assert!(some.is_empty());
+}

@@ -82,6 +82,8 @@ const STANDING_QUALITY: f64 = 0.5;
 const UNSURE: f64 = 0.3;
 /// Levels, from the finest on, that such a search is followed by.
 const FINE_LEVELS: usize = 2;
+/// Every so many-th group of the finest points takes part in the search: what it finds is aligned, and weighed by all of them.
+const SEARCHED_EVERY: usize = 2;
 /// How far around the expected motion it is searched for, standard deviations.
 const REACH_SIGMAS: f64 = 3.0;
 /// A motion that was searched for must cost less than the expected one by this factor.
@@ -155,8 +157,8 @@ impl DirectMotion {
         let coarsest = patch.levels.last()?;
         let (views, turn_before_rad) = (Views::default(), self.turn.turn_rad());
         let displaced = |motion| Displacement::of(motion, turn_before_rad);
-        let mut cost_of =
-            |motion| cost(coarsest, residuals, &displaced(motion), &views, Brightness::default());
+        let points = (coarsest, &coarsest.template);
+        let mut cost_of = |motion| cost(points, residuals, &displaced(motion), &views, Brightness::default());
         let found = start(&mut cost_of, last.current_from_previous, last.bearable);
         self.travel = self.travel.after(attitude);
         let travel = self.travel;
@@ -240,11 +242,13 @@ impl Begun<'_> {
             return Some((aligned, start));
         }
         let finest = patch.levels.get(patch.finest)?;
+        patch.some_points.thin(&finest.template, SEARCHED_EVERY);
+        let points = (finest, &patch.some_points);
         let cost_of = |motion| {
             if is_too_short(&motion) {
                 return f64::INFINITY;
             }
-            cost(finest, residuals, &displaced(motion), views, Brightness::default())
+            cost(points, residuals, &displaced(motion), views, Brightness::default())
         };
         let reach_m = REACH_SIGMAS * expected.covariance[(0, 0)].max(0.0).sqrt();
         let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
@@ -309,7 +313,7 @@ fn show(
     evidence: &mut MotionEvidence,
 ) {
     let Some(level) = patch.levels.get(patch.finest) else { return };
-    cost(level, residuals, &estimate.displacement, views, estimate.brightness);
+    cost((level, &level.template), residuals, &estimate.displacement, views, estimate.brightness);
     let warp = level.raster.warp(&estimate.displacement, views);
     let ground = |pixel: [f32; 2]| {
         let pixel = patch.grid.ground_from_vehicle(level.raster.vehicle_from_pixel(pixel));

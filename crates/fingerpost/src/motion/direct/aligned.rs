@@ -59,7 +59,7 @@ pub(super) fn costs(
     let mut cost_when_moved = |shift_m| {
         let current_from_previous = Isometry2::translation(shift_m, 0.0) * displacement.current_from_previous;
         let displacement = Displacement { current_from_previous, ..displacement };
-        cost(level, residuals, &displacement, views, brightness)
+        cost((level, &level.template), residuals, &displacement, views, brightness)
     };
     let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M].map(&mut cost_when_moved);
     (cost_when_moved(0.0), shifted[0].min(shifted[1]))

@@ -58,6 +58,8 @@ pub(super) struct Patch {
     /// The newer frame as the camera sees it.
     seen_grey: Plane<u8>,
     flattening: Flattening,
+    /// Some of the points of the finest level, for a search among them.
+    pub(super) some_points: Template,
     /// Index of the finest level that is aligned.
     pub(super) finest: usize,
 }
@@ -94,6 +96,7 @@ impl Patch {
             area,
             region,
             levels: Vec::new(),
+            some_points: Template::default(),
             finest,
         };
         for level in 0..=coarsest {

@@ -1,6 +1,6 @@
 //! A start for the alignment: the vehicle stands, moves on as before, or whatever of many motions fits best.
 
-use fingerpost_vision::alignment::{Brightness, Residuals};
+use fingerpost_vision::alignment::{Brightness, Residuals, Template};
 use nalgebra::{Isometry2, Vector2};
 
 use super::curvature_per_m;
@@ -25,18 +25,18 @@ const FINE_STEP_M: f64 = 0.06;
 /// Least part of the template that must be led to seen pixels for a start to be judged.
 const MIN_SEEN: f32 = 0.5;
 
-/// How badly a displacement explains the newer picture: robust mean square of the residuals, grey levels squared; infinite
+/// How badly a displacement explains at a level what is newer by points of what is older: robust mean square of the residuals, grey levels squared; infinite
 /// where too little is seen.
 pub(super) fn cost(
-    level: &Level,
+    (level, template): (&Level, &Template),
     residuals: &mut Residuals,
     displacement: &Displacement,
     views: &Views,
     brightness: Brightness,
 ) -> f64 {
     let warp = level.raster.warp(displacement, views);
-    residuals.measure(&level.template, &level.target, &warp, brightness, FIRST_SCALE as f32);
-    if residuals.seen > 0.0 && residuals.seen >= MIN_SEEN * level.template.len() as f32 {
+    residuals.measure(template, &level.target, &warp, brightness, FIRST_SCALE as f32);
+    if residuals.seen > 0.0 && residuals.seen >= MIN_SEEN * template.len() as f32 {
         f64::from(residuals.square_sum / residuals.seen)
     } else {
         f64::INFINITY

@@ -12,7 +12,7 @@ use fingerpost_geometry::wrap_angle;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 
 use super::along_route::{Expected, SeenAlong, expected_at};
-use super::fit::{Fit, Fitter, Prior};
+use super::fit::{Fit, Fitter, Prior, Start};
 use super::junction_shape::{
     CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
 };
@@ -42,16 +42,13 @@ const SCAN_STEP_M: f64 = 0.5;
 const SCAN_SOFT_M: f64 = 0.4;
 /// The scan takes every so many-th square of cells: neighbours err together.
 const SCAN_EVERY: usize = 3;
-/// Most places that a scan adds, and that are kept.
+/// Of the best places of a scan that are not known so many take turns, one a scan; and most places that are kept.
 const SCANNED_PLACES: usize = 3;
 const MOST_PLACES: usize = 4;
 /// Places nearer to each other are one, metres.
 const SAME_PLACE_M: f64 = 0.7;
 /// A place of less weight is forgotten.
 const LEAST_WEIGHT: f64 = 1e-4;
-/// Rounds of a fit from a new start, and from what the last frame left.
-const ROUNDS: usize = 12;
-const WARM_ROUNDS: usize = 4;
 /// Distance driven after which the approach is scanned anew, metres.
 const SCAN_EVERY_M: f64 = 0.7;
 /// Once the curve has begun the approach no longer says how the vehicle is turned. What was known then is carried on, its
@@ -97,11 +94,12 @@ struct Place {
 pub(super) struct FeatureBelief {
     places: Vec<Place>,
     /// The plain road without the feature, as the last fit left it.
-    plain: Option<Unknowns>,
+    plain: Option<Start>,
     /// Pose and standard deviations that are carried on once the curve has begun.
     carried: Option<(Isometry2<f64>, [f64; 3])>,
     /// Metres driven since the approach was scanned; none before the first scan.
     since_scan_m: Option<f64>,
+    scans: usize,
     /// What the scan found: how far ahead, metres, and the log-likelihood there against that of a plain road.
     scanned: Vec<(f64, f64)>,
     /// The places as the progress sees them.
@@ -109,9 +107,6 @@ pub(super) struct FeatureBelief {
     /// Where ahead it would have been seen, metres, and the probability that it is there and was not.
     looked_for: Option<([f64; 2], f64)>,
 }
-
-/// Where a fit starts, and after how many rounds it ends.
-type Start = (Unknowns, usize);
 
 /// Memory that is reused from belief to belief.
 #[derive(Debug, Default)]
@@ -146,7 +141,7 @@ impl FeatureBelief {
             unknowns[HEADING] = pose.rotation.angle();
         };
         self.places.iter_mut().for_each(|place| carry(&mut place.fit.unknowns));
-        self.plain.iter_mut().for_each(carry);
+        self.plain.iter_mut().for_each(|plain| carry(&mut plain.unknowns));
         let moved = previous_from_current.translation.vector;
         if let Some((pose, _)) = &mut self.carried {
             *pose = current_from_previous * *pose;
@@ -178,29 +173,34 @@ impl FeatureBelief {
         expected.extend(Expected::by_progress(seen));
         let first_m = expected.first().map_or(0.5 * (seen.view_m[0] + seen.view_m[1]), |first| first.ahead_m);
         let here = self.prior(seen, &expected_at(seen, expected, first_m), first_m);
-        let (start, rounds) = self.plain.map_or((here.mean, ROUNDS), |plain| (plain, WARM_ROUNDS));
-        let plain = fitter.fit(ground, &stop.plain_shape, &here, &start, rounds);
-        self.plain = Some(plain.unknowns);
+        let start = self.plain.unwrap_or(Start::new(here.mean));
+        let Some(plain) = fitter.fit(ground, &stop.plain_shape, &here, &start, |_| false) else { return 0 };
+        self.plain = Some(plain.start());
         starts.clear();
-        starts.extend(self.places.iter().map(|place| (place.fit.unknowns, WARM_ROUNDS)));
-        let mut tried = starts.len();
+        starts.extend(self.places.iter().map(|place| place.fit.start()));
+        let known = starts.len();
+        let mut tried = known;
         if self.carried.is_none() && self.since_scan_m.is_none_or(|since_m| since_m >= SCAN_EVERY_M) {
             self.since_scan_m = Some(0.0);
             tried += self.scan(seen, &plain.unknowns, expected, (starts, scores));
         }
         self.places.clear();
-        for (start, rounds) in starts.iter() {
-            let before_m = stop.model.before_m(&pose_of(start));
+        let at = |unknowns: &Unknowns| pose_of(unknowns).translation.vector;
+        let is_same = |a: &Unknowns, b: &Unknowns| (at(a) - at(b)).norm() < SAME_PLACE_M;
+        for (index, start) in starts.iter().enumerate() {
+            let before_m = stop.model.before_m(&pose_of(&start.unknowns));
             let expected = expected_at(seen, expected, before_m);
             let prior = self.prior(seen, &expected, before_m);
-            let fit = fitter.fit(ground, &stop.shape, &prior, start, *rounds);
-            let at = |place: &Place| pose_of(&place.fit.unknowns).translation.vector;
+            let is_known = |unknowns: &Unknowns| {
+                index >= known && self.places.iter().any(|place| is_same(&place.fit.unknowns, unknowns))
+            };
+            let Some(fit) = fitter.fit(ground, &stop.shape, &prior, start, is_known) else { continue };
             let place = Place { fit, expected, log_share: f64::NEG_INFINITY, weight: 0.0 };
             // Beyond the view nothing speaks against a place: there the feature is not seen, which is weighed as a whole.
-            if at(&place).x > seen.view_m[1] - EDGE_ROOM_M {
+            if at(&place.fit.unknowns).x > seen.view_m[1] - EDGE_ROOM_M {
                 continue;
             }
-            match self.places.iter_mut().find(|other| (at(other) - at(&place)).norm() < SAME_PLACE_M) {
+            match self.places.iter_mut().find(|other| is_same(&other.fit.unknowns, &place.fit.unknowns)) {
                 Some(other) if other.log_evidence() < place.log_evidence() => *other = place,
                 Some(_) => {}
                 None => self.places.push(place),
@@ -275,14 +275,14 @@ impl FeatureBelief {
         }
         let tried = scores.len();
         keep_peaks(scores);
-        let known = starts.len();
-        for (unknowns, _) in scores.iter() {
-            let at = |unknowns: &Unknowns| pose_of(unknowns).translation.vector;
-            let is_known = starts.iter().any(|(start, _)| (at(start) - at(unknowns)).norm() < SAME_PLACE_M);
-            if !is_known && starts.len() < known + SCANNED_PLACES {
-                starts.push((*unknowns, ROUNDS));
-            }
-        }
+        let at = |unknowns: &Unknowns| pose_of(unknowns).translation.vector;
+        let is_known = |unknowns: &Unknowns| {
+            starts.iter().any(|start| (at(&start.unknowns) - at(unknowns)).norm() < SAME_PLACE_M)
+        };
+        scores.retain(|(unknowns, _)| !is_known(unknowns));
+        let turn = self.scans % scores.len().clamp(1, SCANNED_PLACES);
+        starts.extend(scores.get(turn).map(|(unknowns, _)| Start::new(*unknowns)));
+        self.scans += 1;
         tried
     }
 

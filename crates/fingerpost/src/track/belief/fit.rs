@@ -14,9 +14,33 @@ pub(super) struct Prior {
     pub(super) sigma: Unknowns,
 }
 
+/// Where a fit starts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Start {
+    pub(super) unknowns: Unknowns,
+    /// After so many rounds at the most it ends.
+    pub(super) rounds: usize,
+    /// How much shorter its first step is made: what the last fit of the same place came to.
+    pub(super) damping: f64,
+}
+
+impl Start {
+    /// A place that has not been fitted.
+    pub(super) const fn new(unknowns: Unknowns) -> Self {
+        Self { unknowns, rounds: ROUNDS, damping: FIRST_DAMPING }
+    }
+}
+
+/// Rounds of a fit from a new start, and from what the last frame left.
+const ROUNDS: usize = 12;
+const WARM_ROUNDS: usize = 4;
+const FIRST_DAMPING: f64 = 1e-2;
+
 /// A place where the feature may be.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
+    /// How much shorter the next step would be made.
+    damping: f64,
     /// The most probable values of the unknowns.
     pub(super) unknowns: Unknowns,
     pub(super) covariance: Information,
@@ -25,11 +49,18 @@ pub(super) struct Fit {
     pub(super) log_evidence: f64,
 }
 
+impl Fit {
+    /// To be fitted on where the ground has more to say.
+    pub(super) const fn start(&self) -> Start {
+        Start { unknowns: self.unknowns, rounds: WARM_ROUNDS, damping: self.damping }
+    }
+}
+
 /// Cells nearer to an edge than this are looked at in every round of a fit, metres: farther no place is moved.
 const NEAR_M: f64 = 1.0;
 /// Farthest that a round of a fit may move the place, metres, and turn it, radians: as far as an edge is felt.
 const STEP: [f64; 2] = [0.7, 0.1];
-/// A round that gains less ends the fit: a twentieth of a standard deviation.
+/// A round that gains less, or promises less, ends the fit: a twentieth of a standard deviation.
 const LEAST_GAIN: f64 = 1e-3;
 
 /// Fits the unknowns to the ground; its memory is reused from fit to fit.
@@ -39,26 +70,26 @@ pub(super) struct Fitter {
 }
 
 impl Fitter {
-    /// The most probable values about `start`, after at most so many rounds (Levenberg: A method for the solution of certain
-    /// non-linear problems in least squares, 1944).
+    /// The most probable values about `start` (Levenberg: A method for the solution of certain non-linear problems in least
+    /// squares, 1944); none where the way there leads to what `is_known`.
     pub(super) fn fit(
         &mut self,
         ground: &Ground,
         shape: &JunctionShape,
         prior: &Prior,
-        start: &Unknowns,
-        rounds: usize,
-    ) -> Fit {
+        start: &Start,
+        is_known: impl Fn(&Unknowns) -> bool,
+    ) -> Option<Fit> {
+        let Start { unknowns: start, rounds, mut damping } = *start;
         let near = &mut self.near;
-        near.take(ground, shape, start, NEAR_M);
-        let mut taken_at = *start;
+        near.take(ground, shape, &start, NEAR_M);
+        let mut taken_at = start;
         let precision = prior.sigma.map(|sigma| 1.0 / (sigma * sigma));
         let log_prior = |unknowns: &Unknowns| {
             let off = prior.off(unknowns);
             -0.5 * off.component_mul(&precision).dot(&off)
         };
-        let mut unknowns = *start;
-        let mut damping = 1e-2;
+        let mut unknowns = start;
         // The first look says which stretches show.
         near.linearised(shape, &unknowns);
         let (likelihood, mut gradient, mut information) = near.linearised(shape, &unknowns);
@@ -74,6 +105,10 @@ impl Fitter {
             let far = (libm::hypot(step[FORWARD], step[LEFT]) / STEP[0])
                 .max(step[HEADING].abs() / STEP[1])
                 .max(1.0);
+            // By the quadratic form that the step is the top of, before damping, it gains between half of this and all of it.
+            if slope.dot(&step) < LEAST_GAIN {
+                break;
+            }
             let tried = unknowns + step / far;
             let (tried_likelihood, tried_gradient, tried_information) = near.linearised(shape, &tried);
             let tried_posterior = tried_likelihood + log_prior(&tried);
@@ -85,6 +120,9 @@ impl Fitter {
             (unknowns, gradient, information) = (tried, tried_gradient, tried_information);
             posterior = tried_posterior;
             damping *= 0.3;
+            if is_known(&unknowns) {
+                return None;
+            }
             if edges_moved_m(&taken_at, &unknowns) > 0.5 * NEAR_M {
                 near.take(ground, shape, &unknowns, NEAR_M);
                 taken_at = unknowns;
@@ -105,7 +143,7 @@ impl Fitter {
         );
         let prior_determinant: f64 = precision.iter().map(|precision| libm::log(*precision)).sum();
         let log_evidence = posterior - 0.5 * (log_determinant - prior_determinant);
-        Fit { unknowns, covariance, log_evidence }
+        Some(Fit { damping, unknowns, covariance, log_evidence })
     }
 }
 
@@ -160,7 +198,9 @@ mod tests {
         let outline = shape.outline(truth);
         let cells: Vec<GroundCell> = (0..64)
             .flat_map(|row| {
-                (-40..40)
+                // As the memory lists them: every second one each way in turns.
+                (-40 + row % 2..40)
+                    .step_by(2)
                     .map(move |column| Point2::new(4.0 + CELL_M * f64::from(row), CELL_M * f64::from(column)))
             })
             .map(|place| {
@@ -171,8 +211,14 @@ mod tests {
             })
             .collect();
         let mut ground = Ground::default();
-        ground.take(cells.chunks(4), VIEWPOINT, 0.0025);
+        ground.take(cells.chunks(2), VIEWPOINT, 0.0025);
         ground
+    }
+
+    /// What is most probable after thirty rounds from the prior's mean.
+    fn fit(ground: &Ground, shape: &JunctionShape, prior: &Prior) -> Fit {
+        let start = Start { rounds: 30, ..Start::new(prior.mean) };
+        Fitter::default().fit(ground, shape, prior, &start, |_| false).unwrap()
     }
 
     fn truth(place: [f64; 3], radii_m: [f64; 3]) -> Unknowns {
@@ -195,7 +241,7 @@ mod tests {
         ] {
             let truth = truth(place, radii_m);
             let prior = prior(1.0);
-            let fit = Fitter::default().fit(&ground(&truth), &shape, &prior, &prior.mean, 30);
+            let fit = fit(&ground(&truth), &shape, &prior);
             let off = fit.unknowns - truth;
             for (axis, most) in [(FORWARD, 0.5), (LEFT, 0.3), (HEADING, 0.03)] {
                 let sigma = fit.covariance[(axis, axis)].sqrt();
@@ -214,10 +260,17 @@ mod tests {
         let ground = ground(&truth);
         let sigma_m = |rest: f64| {
             let prior = prior(rest);
-            Fitter::default().fit(&ground, &shape, &prior, &prior.mean, 30).covariance[(FORWARD, FORWARD)]
-                .sqrt()
+            fit(&ground, &shape, &prior).covariance[(FORWARD, FORWARD)].sqrt()
         };
         assert!(sigma_m(1e-3) < 0.5 * sigma_m(1.0), "{} {}", sigma_m(1e-3), sigma_m(1.0));
+    }
+
+    #[test]
+    fn a_fit_that_runs_into_a_known_place_ends() {
+        let (shape, truth) = (t_junction(), truth([13.0, 0.5, 0.0], [4.0; 3]));
+        let (ground, prior) = (ground(&truth), prior(1.0));
+        let is_known = |unknowns: &Unknowns| (unknowns[FORWARD] - truth[FORWARD]).abs() < 0.7;
+        assert!(Fitter::default().fit(&ground, &shape, &prior, &Start::new(prior.mean), is_known).is_none());
     }
 
     #[test]
@@ -251,7 +304,7 @@ mod tests {
         let shape = t_junction();
         let prior = prior(1.0);
         let empty = Ground::default();
-        let fit = Fitter::default().fit(&empty, &shape, &prior, &prior.mean, 10);
+        let fit = fit(&empty, &shape, &prior);
         assert!((fit.unknowns - prior.mean).norm() < 1e-9, "without ground the prior stands");
         assert!(fit.log_evidence.abs() < 1e-9, "and nothing speaks for or against it");
         let sigma_m = fit.covariance[(FORWARD, FORWARD)].sqrt();

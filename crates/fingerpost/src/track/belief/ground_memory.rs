@@ -13,6 +13,10 @@ use nalgebra::{Isometry2, Matrix3, Point2};
 
 /// Side of a cell, metres: the time of a fit grows with its inverse square, and an edge is soft over about as much.
 pub(super) const CELL_M: f64 = 0.25;
+/// Cells of a square of two by two that are seen, and their share of it: the others lie between four of them, and err with them.
+const SEEN_OF_SQUARE: [[i64; 2]; 2] = [[0, 0], [1, 1]];
+/// Ground that a cell speaks for, square metres.
+pub(super) const SPEAKS_FOR_M2: f64 = 2.0 * CELL_M * CELL_M;
 /// Cells along a side of the map: 32 m.
 const SIDE: i64 = 128;
 /// The middle of the map lies so far ahead of the vehicle, metres: what is behind was seen and is kept for a while.
@@ -141,7 +145,7 @@ impl GroundMemory {
             (0..SIDE / 2 - 1).flat_map(|row| (0..SIDE / 2 - 1).map(move |column| (row, column)))
         {
             let start = self.listed.len();
-            for [right, down] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            for [right, down] in SEEN_OF_SQUARE {
                 let at = [first[0] + 2 * column + right, first[1] + 2 * row + down];
                 let place = vehicle_from_map * Point2::from(at.map(|line| line as f64 * CELL_M));
                 let Some(cell) = self.cells.get_mut(index(at)) else { continue };

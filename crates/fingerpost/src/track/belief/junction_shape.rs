@@ -307,34 +307,43 @@ fn pieces(arm: &ArmModel) -> Vec<Piece> {
     pieces
 }
 
+impl Piece {
+    /// The direction to its left.
+    fn left(&self) -> Vector2<f64> {
+        Vector2::new(-self.along.y, self.along.x)
+    }
+}
+
 impl Strip {
     /// The place on the axis so far outwards, and what is left there.
     fn at(&self, along_m: f64) -> (Point2<f64>, Vector2<f64>) {
         let piece = self.pieces.iter().rev().find(|piece| piece.before_m <= along_m).or(self.pieces.first());
         piece.map_or((Point2::origin(), Vector2::y()), |piece| {
-            let left = Vector2::new(-piece.along.y, piece.along.x);
-            (piece.start + (along_m - piece.before_m) * piece.along, left)
+            (piece.start + (along_m - piece.before_m) * piece.along, piece.left())
         })
     }
 
     fn beside(&self, p: Point2<f64>) -> Beside {
         let last = self.pieces.len().saturating_sub(1);
-        let mut best: Option<(f64, Beside)> = None;
+        let mut nearest: Option<(f64, f64, f64, f64, &Piece)> = None;
         for (i, piece) in self.pieces.iter().enumerate() {
             let from = p - piece.start;
-            let (along_m, left) = (piece.along.dot(&from), Vector2::new(-piece.along.y, piece.along.x));
+            let along_m = piece.along.dot(&from);
             // The first piece goes on behind the node and the last one beyond its end.
             let least = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
             let most = if i == last { f64::INFINITY } else { piece.length_m };
             let off_m = along_m - along_m.clamp(least, most);
-            let left_m = left.dot(&from);
+            let left_m = piece.left().dot(&from);
             let squared = off_m * off_m + left_m * left_m;
-            if best.is_none_or(|(least, _)| squared < least) {
-                let left_m = if off_m == 0.0 { left_m } else { squared.sqrt().copysign(left_m) };
-                best = Some((squared, Beside { left_m, left, along_m: piece.before_m + along_m }));
+            if nearest.is_none_or(|(least, ..)| squared < least) {
+                nearest = Some((squared, off_m, left_m, along_m, piece));
             }
         }
-        best.map_or(NOWHERE, |(_, beside)| beside)
+        nearest.map_or(NOWHERE, |(squared, off_m, left_m, along_m, piece)| Beside {
+            left_m: if off_m == 0.0 { left_m } else { squared.sqrt().copysign(left_m) },
+            left: piece.left(),
+            along_m: piece.before_m + along_m,
+        })
     }
 }
 

@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use nalgebra::{Isometry2, Point2, SMatrix, Vector2};
 
-use super::ground_memory::{CELL_M, GroundCell};
+use super::ground_memory::{GroundCell, SPEAKS_FOR_M2};
 use super::junction_shape::{
-    FORWARD, HEADING, JunctionShape, LEFT, PITCH, ROLL, SCALE, STRETCHES, UNKNOWNS, Unknowns,
+    FORWARD, HEADING, JunctionShape, LEFT, MOST_ARMS, PITCH, ROLL, SCALE, STRETCHES, UNKNOWNS, Unknowns,
 };
 use crate::ground_view::Viewpoint;
 
@@ -75,6 +75,7 @@ pub(super) struct NearGround {
     rest: [f64; STRETCHES],
     /// Probability that each stretch shows, as of the last look.
     shows: [f64; STRETCHES],
+    blocks: Blocks,
 }
 
 impl Ground {
@@ -154,8 +155,7 @@ impl NearGround {
             let place = cell.at(unknowns);
             let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
             let normal = vehicle_from_feature.rotation * edge.by_place;
-            let (term, by_distance) =
-                cell.term(edge.distance_m, libm::hypot(SHARP_M, cell.blur_m * normal.x));
+            let (term, by_distance) = cell.term(edge.distance_m, softness_m(cell.blur_m * normal.x));
             by_stretch[edge.stretch] += term;
             let by_distance = self.shows[edge.stretch] * by_distance;
             if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
@@ -177,14 +177,9 @@ impl NearGround {
                 parts.push(index, by);
             }
             outline.each_derivative(&edge, |index, by| parts.push(index, by));
-            let weight = by_distance * by_distance / cell.witnesses;
-            for &(i, by_i) in parts.as_slice() {
-                gradient[i] += by_distance * by_i;
-                for &(j, by_j) in parts.as_slice() {
-                    information[(i, j)] += weight * by_i * by_j;
-                }
-            }
+            self.blocks.add(&parts, by_distance, by_distance * by_distance / cell.witnesses);
         }
+        self.blocks.empty_into(&mut gradient, &mut information);
         let mut sum = 0.0;
         for (stretch, shows) in by_stretch.into_iter().zip(&mut self.shows) {
             let (log_likelihood, probability) = shown_or_hidden(stretch);
@@ -212,28 +207,98 @@ fn shown_or_hidden(log_likelihood: f64) -> (f64, f64) {
     (sum, shows)
 }
 
+/// Softness of an edge that is blurred by so much besides, metres.
+fn softness_m(blurred_m: f64) -> f64 {
+    (SHARP_M * SHARP_M + blurred_m * blurred_m).sqrt()
+}
+
 /// Derivatives smaller than this share of a witness move nothing.
 const NEGLIGIBLE: f64 = 1e-4;
 /// Most unknowns that concern one cell: pose, camera, width and offset of two arms, a corner.
 const MOST_PARTS: usize = 12;
 
+/// Most kinds of cells: beside either edge of an arm, and in the corner between two, where one of both edges may not matter.
+const MOST_BLOCKS: usize = 5 * MOST_ARMS;
+
 /// The unknowns that concern a cell, with the derivatives of its distance.
 #[derive(Debug, Default)]
 struct Parts {
-    parts: [(usize, f64); MOST_PARTS],
+    indices: [usize; MOST_PARTS],
+    by: [f64; MOST_PARTS],
     count: usize,
 }
 
 impl Parts {
     fn push(&mut self, index: usize, by: f64) {
-        if let Some(part) = self.parts.get_mut(self.count) {
-            *part = (index, by);
+        if let (Some(place), Some(value)) = (self.indices.get_mut(self.count), self.by.get_mut(self.count)) {
+            (*place, *value) = (index, by);
             self.count += 1;
         }
     }
+}
 
-    fn as_slice(&self) -> &[(usize, f64)] {
-        &self.parts[..self.count]
+/// Sums over the cells that the same unknowns concern: as dense as they are, they need no look-ups.
+#[derive(Debug)]
+struct Block {
+    indices: [usize; MOST_PARTS],
+    count: usize,
+    gradient: [f64; MOST_PARTS],
+    information: [[f64; MOST_PARTS]; MOST_PARTS],
+}
+
+/// The sums of all cells, block by block; their memory is reused.
+#[derive(Debug, Default)]
+struct Blocks {
+    blocks: Vec<Block>,
+    used: usize,
+    last: usize,
+}
+
+impl Blocks {
+    /// Adds a cell whose log-likelihood changes by `slope` for a metre, and that weighs so much.
+    fn add(&mut self, parts: &Parts, slope: f64, weight: f64) {
+        let serves = |block: &Block| block.count == parts.count && block.indices == parts.indices;
+        if !self.blocks[..self.used].get(self.last).is_some_and(serves) {
+            self.last = self.blocks[..self.used].iter().position(serves).unwrap_or_else(|| self.begin(parts));
+        }
+        let Some(block) = self.blocks.get_mut(self.last) else { return };
+        for (sums, (gradient, by)) in
+            block.information.iter_mut().zip(block.gradient.iter_mut().zip(parts.by))
+        {
+            *gradient += slope * by;
+            let weighted = weight * by;
+            sums.iter_mut().zip(parts.by).for_each(|(sum, by)| *sum += weighted * by);
+        }
+    }
+
+    /// A new block for these unknowns; its place.
+    fn begin(&mut self, parts: &Parts) -> usize {
+        // So that no later look needs more memory.
+        self.blocks.reserve(MOST_BLOCKS.saturating_sub(self.blocks.len()));
+        let block = Block {
+            indices: parts.indices,
+            count: parts.count,
+            gradient: [0.0; MOST_PARTS],
+            information: [[0.0; MOST_PARTS]; MOST_PARTS],
+        };
+        match self.blocks.get_mut(self.used) {
+            Some(place) => *place = block,
+            None => self.blocks.push(block),
+        }
+        self.used += 1;
+        self.used - 1
+    }
+
+    /// Adds the sums to those of all unknowns, and forgets them.
+    fn empty_into(&mut self, gradient: &mut Unknowns, information: &mut Information) {
+        for block in &self.blocks[..self.used] {
+            let of_block = &block.indices[..block.count];
+            for ((&row, sums), by) in of_block.iter().zip(&block.information).zip(block.gradient) {
+                gradient[row] += by;
+                of_block.iter().zip(sums).for_each(|(&column, sum)| information[(row, column)] += sum);
+            }
+        }
+        self.used = 0;
     }
 }
 
@@ -252,7 +317,7 @@ impl Witness {
             odds,
             log_anywhere: libm::log(ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE),
             blur_m: BLURRED_ROWS * row_rad * (ahead_m * ahead_m + height_m * height_m) / height_m,
-            witnesses: cell.trust * CELL_M * CELL_M / WITNESS_M2,
+            witnesses: cell.trust * SPEAKS_FOR_M2 / WITNESS_M2,
             moves: [pitch, roll, from_foot],
         }
     }
