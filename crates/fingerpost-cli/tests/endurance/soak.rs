@@ -27,6 +27,8 @@ const MOST_GROWTH_KB: u64 = 8_192;
 /// What results take that wait to be written while a key frame is compressed, kilobytes: at most ten, of 0.7 MB each at this
 /// picture size, more where the allocator finds no gap for them.
 const MOST_WAITING_KB: u64 = 10_240;
+/// Memory of this size, bytes, is given back to the system as soon as it is freed, so that what is resident is what is held.
+const GIVEN_BACK_BYTES: &str = "131072";
 /// Files that are open for a moment while the results at the end are written.
 const MOST_MORE_FILES: usize = 4;
 /// Largest report.
@@ -104,6 +106,9 @@ fn run(pictures: &Path, drive: &Path, out: &Path) -> Vec<Sample> {
         .arg(drive.join("camera.toml"))
         .arg("--out")
         .arg(out)
+        // Else glibc learns from the first large buffer that is freed to keep such ones, and what once waited counts for ever.
+        .env("MALLOC_MMAP_THRESHOLD_", GIVEN_BACK_BYTES)
+        .env("MALLOC_TRIM_THRESHOLD_", GIVEN_BACK_BYTES)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
