@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::growth::Growth;
 use crate::machine::Machine;
 use crate::measure::Measured;
 
@@ -68,15 +69,19 @@ pub struct Section {
     pub note: String,
     pub rows: Vec<Row>,
     pub figures: Vec<Figure>,
+    pub growths: Vec<Growth>,
 }
 
 impl Section {
     pub fn new(title: &str, note: &str) -> Self {
-        Self { title: title.to_owned(), note: note.to_owned(), rows: Vec::new(), figures: Vec::new() }
+        let (title, note) = (title.to_owned(), note.to_owned());
+        Self { title, note, rows: Vec::new(), figures: Vec::new(), growths: Vec::new() }
     }
 
     pub fn holds(&self) -> bool {
-        self.rows.iter().all(Row::holds) && self.figures.iter().all(Figure::holds)
+        self.rows.iter().all(Row::holds)
+            && self.figures.iter().all(Figure::holds)
+            && self.growths.iter().all(Growth::holds)
     }
 }
 
@@ -100,6 +105,7 @@ impl Results {
             for figure in &section.figures {
                 text += &figure_line(figure);
             }
+            text.extend(section.growths.iter().map(Growth::lines));
         }
         text
     }
