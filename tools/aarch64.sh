@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Checks that the workspace compiles for 64-bit ARM, and runs the picture kernels' tests there, under an emulator on other machines: the
+# Checks that PACKAGEs, or else all of the workspace, compile for 64-bit ARM, and runs the picture kernels' tests there, under an emulator on other machines: the
 # kernels must give the bytes that they give on x86-64.
 #
-#     tools/aarch64.sh
+#     tools/aarch64.sh [PACKAGE...]
 #
 # Needs, where the machine is no 64-bit ARM, aarch64-linux-gnu-gcc and qemu-aarch64-static (Debian: gcc-aarch64-linux-gnu
 # libc6-dev-arm64-cross qemu-user-static), and Rust's library for ARM, which rustup adds where it is missing.
@@ -23,5 +23,9 @@ if [ "$(uname -m)" != aarch64 ]; then
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64-static -L /usr/aarch64-linux-gnu"
 fi
-cargo check --workspace --target "$target"
+packages=(--workspace)
+if [ $# -gt 0 ]; then
+    packages=("${@/#/--package=}")
+fi
+cargo check "${packages[@]}" --target "$target"
 cargo test --package fingerpost-vision --target "$target"
