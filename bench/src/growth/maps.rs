@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use anyhow::Result;
-use fingerpost::{Config, Pipeline, Sensors};
+use fingerpost::{Config, Pipeline};
 use fingerpost_locate::{Locator, MotionSample, Start, Traffic};
 use fingerpost_map::{
     FeatureOptions, LatLon, OsmData, OsmNode, OsmWay, RoadGraph, Route, TangentPlane, plan, read_route,
@@ -14,6 +14,7 @@ use fingerpost_map::{
 use nalgebra::Point2;
 
 use super::cost::{Cost, Growth, Powers};
+use super::views::frame_ms;
 use crate::footage::Footage;
 use crate::measure::{Effort, median};
 
@@ -90,14 +91,8 @@ pub fn routes(effort: Effort, footage: &Footage) -> Result<[Growth; 2]> {
             made = Some(Pipeline::new(&Config::default(), &footage.camera, Some(&route), Some(0.0)));
         });
         let Some(pipeline) = made else { continue };
-        let mut pipeline = pipeline?;
-        let mut laps_ms = Vec::new();
-        for frame in footage.frames.iter().cycle().take(effort.rounds * footage.frames.len()) {
-            let start = Instant::now();
-            pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
-            laps_ms.push(start.elapsed().as_secs_f64() * 1e3);
-        }
-        frames.push(Cost { size: features as f64, ms: median(&mut laps_ms), bytes: taken.bytes_max as f64 });
+        let ms = frame_ms(effort, &mut pipeline?, footage)?;
+        frames.push(Cost { size: features as f64, ms, bytes: taken.bytes_max as f64 });
     }
     Ok([
         Growth::new("reading a route, by its features", "features", reading, Powers { ms: 1.0, bytes: 1.0 }),

@@ -55,17 +55,22 @@ pub fn reaches(effort: Effort, footage: &Footage) -> Result<Growth> {
         let mut made = None;
         let taken = allocation_counter::measure(|| made = Some(started(&config, footage)));
         let Some(pipeline) = made else { continue };
-        let mut pipeline = pipeline?;
-        let mut laps_ms = Vec::new();
-        for frame in footage.frames.iter().cycle().take(effort.rounds * footage.frames.len()) {
-            let start = Instant::now();
-            pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
-            laps_ms.push(start.elapsed().as_secs_f64() * 1e3);
-        }
-        costs.push(Cost { size: far_m, ms: median(&mut laps_ms), bytes: taken.bytes_max as f64 });
+        let ms = frame_ms(effort, &mut pipeline?, footage)?;
+        costs.push(Cost { size: far_m, ms, bytes: taken.bytes_max as f64 });
     }
     let what = "frame of the whole method without a route, by the view's reach";
     Ok(Growth::new(what, "m", costs, Powers { ms: 1.0, bytes: 1.0 }))
+}
+
+/// The median time of a frame, milliseconds.
+pub fn frame_ms(effort: Effort, pipeline: &mut Pipeline, footage: &Footage) -> Result<f64> {
+    let mut laps_ms = Vec::new();
+    for frame in footage.frames.iter().cycle().take(effort.rounds * footage.frames.len()) {
+        let start = Instant::now();
+        pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
+        laps_ms.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(median(&mut laps_ms))
 }
 
 fn started(config: &Config, footage: &Footage) -> Result<Pipeline> {
