@@ -8,14 +8,17 @@
 
 mod correlation;
 mod detrending;
+mod likelihood;
+pub mod rise_chain;
 #[cfg(test)]
 mod tests;
 
 pub use self::correlation::{Correlation, HalfWindow, Rows};
 pub use self::detrending::Detrending;
+pub use self::likelihood::{LikelihoodLines, NOT_SEEN, log_likelihoods};
 
 use crate::picture::Plane;
-use crate::simd::{CodePath, simd_kernel};
+use crate::simd::{CodePath, rounded, simd_kernel, split};
 
 /// A grey value of a [`coarse`] view where nothing is seen.
 pub const UNSEEN: i16 = -1;
@@ -95,33 +98,47 @@ pub fn register(other: &Plane<i16>, registration: &impl Registration, registered
     }
 }
 
+/// Places of a row that are led to the other view together.
+const LANES: usize = 16;
+
 simd_kernel! {
     fn register_row(
         other: &[i16], width: usize, height: usize,
         column: [f32; 2], line: [f32; 2], below: [f32; 2], out: &mut [i16],
     ) {
         let (last_x, last_y) = (width as f32 - 1.0, height as f32 - 1.0);
-        for (at, out) in out.iter_mut().enumerate() {
-            let at = at as f32;
-            let w = below[0] + below[1] * at;
-            let (x, y) = ((column[0] + column[1] * at) / w, (line[0] + line[1] * at) / w);
-            *out = UNSEEN;
-            if !(x >= 0.0 && y >= 0.0 && x < last_x && y < last_y) {
-                continue;
+        for (block, out) in out.chunks_mut(LANES).enumerate() {
+            let (mut dx, mut dy) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+            let (mut start, mut is_inside) = ([0_u32; LANES], [false; LANES]);
+            for lane in 0..LANES {
+                let at = (block * LANES + lane) as f32;
+                let w = below[0] + below[1] * at;
+                let (x, y) = ((column[0] + column[1] * at) / w, (line[0] + line[1] * at) / w);
+                let inside = (x >= 0.0) & (y >= 0.0) & (x < last_x) & (y < last_y);
+                let (x, y) = if inside { (x, y) } else { (0.0, 0.0) };
+                let ((left, right_share), (top, lower_share)) = (split(x), split(y));
+                start[lane] = top * width as u32 + left;
+                is_inside[lane] = inside;
+                (dx[lane], dy[lane]) = (right_share, lower_share);
             }
-            let (left, top) = (x as usize, y as usize);
-            let start = top * width + left;
-            let (Some(&[a, b]), Some(&[c, d])) = (
-                other.get(start..start + 2).and_then(<[i16]>::as_array::<2>),
-                other.get(start + width..start + width + 2).and_then(<[i16]>::as_array::<2>),
-            ) else { continue };
-            if a.min(b).min(c).min(d) < 0 {
-                continue;
+            let (mut upper, mut lower) = ([[0_i16; 2]; LANES], [[UNSEEN; 2]; LANES]);
+            for lane in 0..LANES {
+                let from = other.get(start[lane] as usize..).and_then(|from| from.get(..width + 2));
+                if let Some(from) = from.filter(|_| is_inside[lane]) {
+                    upper[lane] = [from[0], from[1]];
+                    lower[lane] = [from[width], from[width + 1]];
+                }
             }
-            let (dx, dy) = (x - left as f32, y - top as f32);
-            let upper = f32::from(a) + dx * (f32::from(b) - f32::from(a));
-            let lower = f32::from(c) + dx * (f32::from(d) - f32::from(c));
-            *out = (upper + dy * (lower - upper) + 0.5) as i16;
+            let mut registered = [0_i16; LANES];
+            for lane in 0..LANES {
+                let ([a, b], [c, d]) = (upper[lane], lower[lane]);
+                let is_seen = (a | b | c | d) >= 0;
+                let [a, b, c, d] = [a, b, c, d].map(|corner| i32::from(corner) as f32);
+                let (upper, lower) = (a + dx[lane] * (b - a), c + dx[lane] * (d - c));
+                let between = rounded(upper + dy[lane] * (lower - upper)) as i16;
+                registered[lane] = if is_seen { between } else { UNSEEN };
+            }
+            out.copy_from_slice(&registered[..out.len()]);
         }
     }
 }

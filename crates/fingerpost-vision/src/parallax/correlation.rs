@@ -34,7 +34,7 @@ impl Rows {
     pub const ALL: Self = Self { first: 0, step: 1 };
 
     /// Those of them that a view of this height has.
-    pub fn of(self, height: usize) -> impl Iterator<Item = usize> {
+    pub fn of(self, height: usize) -> impl ExactSizeIterator<Item = usize> {
         (self.first..height).step_by(self.step.max(1))
     }
 

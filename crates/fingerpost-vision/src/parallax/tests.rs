@@ -2,6 +2,8 @@
 
 use super::correlation::{add_products, correlate_row, scale_row, sum_across};
 use super::detrending::departures;
+use super::likelihood::likelihood_row;
+use super::rise_chain::{LANES, RiseChain, RiseSteps};
 use super::*;
 
 fn texture(column: usize, row: usize) -> i16 {
@@ -76,6 +78,31 @@ fn the_correlation_is_one_at_the_true_shift_and_small_elsewhere() {
 }
 
 #[test]
+fn a_height_is_as_likely_as_its_line_says_between_two_shifts() {
+    let lines = LikelihoodLines { offset: &[-3.0, -3.0, -3.0, -3.0], slope: &[20.0, 20.0, 2000.0, 20.0] };
+    let mut out = [0; 4];
+    log_likelihoods([&[0.4, 0.0, 0.9, -0.5], &[0.8, 0.0, 0.9, -0.5]], 0.25, lines, &mut out);
+    assert_eq!(out, [7, NOT_SEEN, 127, -3], "20 times 0.5 less 3; unseen; at most; below 0 counts as 0");
+}
+
+/// Likelihoods of five heights at so many places: 1 at the height `of` a place, 0.01 elsewhere, in every row.
+fn heights(places: usize, of: impl Fn(usize) -> usize) -> Vec<[[f32; LANES]; 5]> {
+    let at = |place| std::array::from_fn(|height| [if height == of(place) { 1.0 } else { 0.01 }; LANES]);
+    (0..places).map(at).collect()
+}
+
+#[test]
+fn a_rise_lies_before_the_places_behind_it_and_a_drift_is_none() {
+    let steps = RiseSteps { rise: 0.01, drift: 0.05 };
+    let mut chain = RiseChain::<5, 2, 3>::default();
+    let risen = chain.odds(&steps, &heights(20, |place| if place < 10 { 1 } else { 3 })).to_vec();
+    assert!(risen[..10].iter().all(|odds| odds[0] < 0.1 && odds[LANES - 1] < 0.1), "{risen:?}");
+    assert!(risen[10..].iter().all(|odds| odds[0] > 10.0 && odds[LANES - 1] > 10.0), "{risen:?}");
+    let drifted = chain.odds(&steps, &heights(20, |place| place / 5));
+    assert!(drifted.iter().all(|odds| odds[0] < 1.0), "{drifted:?}");
+}
+
+#[test]
 fn every_path_gives_the_same_numbers() {
     let a: Vec<i16> = (0..131).map(|i| texture(i, 3) - 512).collect();
     let b: Vec<i16> = (0..131).map(|i| texture(i, 5) - 512).collect();
@@ -93,7 +120,12 @@ fn every_path_gives_the_same_numbers() {
         let mut laid = vec![0; 40];
         let other: Vec<i16> = (0..60 * 20).map(|i| texture(i % 60, i / 60)).collect();
         register_row(path, &other, 60, 20, [3.3, 1.1], [7.2, 0.13], [1.0, 0.002], &mut laid);
-        (across, scales, correlated, departed, laid)
+        let mut likelihoods = vec![0; 121];
+        likelihood_row(path, &correlated, &scales, 0.3, &scales, &correlated, &mut likelihoods);
+        let seen = heights(30, |place| texture(place, 7) as usize % 5);
+        let mut chain = RiseChain::<5, 2, 3>::default();
+        let odds = chain.odds_with(path, &RiseSteps { rise: 0.01, drift: 0.05 }, &seen).to_vec();
+        (across, scales, correlated, departed, laid, likelihoods, odds)
     };
     let portable = of(CodePath::PORTABLE);
     CodePath::available().for_each(|path| assert_eq!(of(path), portable, "{path:?}"));
