@@ -11,6 +11,7 @@
 //! across the view, so one that crosses the way ahead shows by the ground's height alone.
 
 mod cross_section;
+mod height_likelihoods;
 mod height_map;
 mod joining;
 mod laid_over;
@@ -197,7 +198,9 @@ impl HeightStage {
             return;
         }
         let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
-        self.map.add(&self.sweep, raster, region, viewpoint);
+        if let Some(likelihoods) = self.sweep.likelihoods(raster) {
+            self.map.add(likelihoods, raster, region, viewpoint);
+        }
     }
 }
 

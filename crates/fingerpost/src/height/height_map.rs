@@ -3,9 +3,8 @@
 use fingerpost_geometry::GroundGrid;
 use nalgebra::{Point2, Vector2};
 
+use super::height_likelihoods::{HeightLikelihoods, UNIT};
 use super::laid_over::{Raster, Region};
-use super::sweep::{Correlations, Sweep};
-use super::texture_noise::{EXPECTED, log_likelihood_ratio};
 use crate::ground_view::Viewpoint;
 use crate::motion::Motion;
 use crate::still_cells::StillCells;
@@ -15,10 +14,6 @@ pub(super) const HEIGHTS: usize = 24;
 pub(super) const HEIGHT_STEP_M: f64 = 0.025;
 /// Height of the lowest, metres over the plane of the strip ahead: a road that falls by 3 % beyond its crown.
 pub(super) const LOWEST_M: f64 = -0.30;
-/// Units of a height's log-likelihood.
-const UNIT: f32 = 8.0;
-/// Pairs of a window's cells that are independent witnesses, over the cells of the map that a window covers.
-const WITNESSES: f32 = 1.0;
 /// Cells before a place and behind it that are taken together with it, a window's half length: kerbs run along the way.
 const POOLED: i32 = 2;
 /// Eighths of what a cell says that are left when it is seen anew: looks at one place share their texture.
@@ -29,35 +24,11 @@ pub(super) type Heights = [i8; HEIGHTS];
 /// By how much each height's is below the greatest.
 pub(super) type Below = [u8; HEIGHTS];
 
-/// Steps of correlations that are told apart.
-const CORRELATIONS: usize = 128;
-
 /// The map.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct HeightMap {
     cells: StillCells<Heights>,
     grid: Option<GroundGrid>,
-    /// Log-likelihood by the correlation that is expected and the one that is found.
-    told: [[i8; CORRELATIONS]; EXPECTED],
-}
-
-impl Default for HeightMap {
-    fn default() -> Self {
-        let told = std::array::from_fn(|expected| {
-            let expected = expected as f32 / EXPECTED as f32;
-            std::array::from_fn(|step| told(step as f32 / (CORRELATIONS - 1) as f32, expected))
-        });
-        Self { cells: StillCells::default(), grid: None, told }
-    }
-}
-
-/// How a sweep tells of one height.
-#[derive(Debug, Clone, Copy)]
-struct Reading<'a> {
-    correlations: Correlations<'a>,
-    /// Rows and columns from the camera's foot to where a place is shown, for a metre of its true distance.
-    rows_a_metre: f32,
-    columns_a_metre: f32,
 }
 
 /// Height of one of the heights over the plane, metres.
@@ -82,9 +53,14 @@ impl HeightMap {
         self.cells.carry(&motion.previous_from_current);
     }
 
-    /// Takes in what a sweep of part of a view shows.
-    pub(super) fn add(&mut self, sweep: &Sweep, raster: Raster, region: Region, viewpoint: Viewpoint) {
-        let Some(readings) = readings(sweep, raster, viewpoint) else { return };
+    /// Takes in the log-likelihoods of part of a view.
+    pub(super) fn add(
+        &mut self,
+        likelihoods: &HeightLikelihoods,
+        raster: Raster,
+        region: Region,
+        viewpoint: Viewpoint,
+    ) {
         let vehicle_from_map = self.cells.map_from_vehicle.inverse();
         let cell_m = self.cells.cell_m;
         let left_m = |column: usize| raster.left_m((region.first_column + column) as f64);
@@ -102,25 +78,22 @@ impl HeightMap {
         let left = (raster.column_at(viewpoint.foot.y) - region.first_column as f64 + 0.5) as f32;
         let along = (vehicle_from_map.rotation * Vector2::x() * cell_m).cast::<f32>();
         let mask = self.cells.cells.width() as i64 - 1;
-        for (index, reading) in readings.iter().enumerate() {
+        for (index, of_height) in likelihoods.of_heights().enumerate() {
+            let [rows_a_metre, columns_a_metre] = cells_a_metre(height_m(index), raster, viewpoint);
             for y in limits[1].0..=limits[1].1 {
                 let middle = Point2::new(limits[0].0 as f64 + 0.5, y as f64 + 0.5) * cell_m;
                 let start = (vehicle_from_map * middle - viewpoint.foot).cast::<f32>();
                 let line = self.cells.cells.row_mut((y & mask) as usize);
-                let row = (top + reading.rows_a_metre * start.x, reading.rows_a_metre * along.x);
-                let column = (left + reading.columns_a_metre * start.y, reading.columns_a_metre * along.y);
-                let Correlations { columns, rows, .. } = reading.correlations;
-                let (from, to) = meeting(within(row, rows), within(column, columns));
+                let row = (top + rows_a_metre * start.x, rows_a_metre * along.x);
+                let column = (left + columns_a_metre * start.y, columns_a_metre * along.y);
+                let (from, to) = meeting(within(row, region.rows), within(column, region.columns));
                 let [row, column] = [row, column].map(|(start, step)| (fixed(start), fixed(step)));
                 for on in from..to.min(limits[0].1 - limits[0].0 + 1) {
                     let [row, column] = [row.0 + row.1 * on, column.0 + column.1 * on];
                     let place = ((column >> FIXED_BITS) as usize, (row >> FIXED_BITS) as usize);
-                    let Some(r) = reading.correlations.at(place.0, place.1) else { continue };
+                    let Some(log_likelihood) = of_height.at(place.0, place.1) else { continue };
                     let Some(heights) = line.get_mut(((limits[0].0 + on) & mask) as usize) else { continue };
-                    let step = ((r * (CORRELATIONS - 1) as f32) as i32).max(0) as usize;
-                    let expected = sweep.expected(place.0, place.1);
-                    let told = self.told.get(expected).map_or(0, |told| told[step.min(CORRELATIONS - 1)]);
-                    let sum = i16::from(heights[index]) * KEPT_EIGHTHS / 8 + i16::from(told);
+                    let sum = i16::from(heights[index]) * KEPT_EIGHTHS / 8 + i16::from(log_likelihood);
                     heights[index] = sum.clamp(i16::from(i8::MIN), i16::from(i8::MAX)) as i8;
                 }
             }
@@ -152,11 +125,6 @@ impl HeightMap {
     }
 }
 
-/// Log-likelihood in units of a place's height by its correlation there, against that of a height at which it is not.
-fn told(r: f32, expected: f32) -> i8 {
-    (UNIT * WITNESSES * log_likelihood_ratio(r, expected)) as i8
-}
-
 /// Likelihood of each of a byte's log-likelihoods under the largest.
 pub(super) fn likelihoods() -> [f32; 256] {
     std::array::from_fn(|below| libm::expf(-(below as f32) / UNIT))
@@ -183,17 +151,9 @@ fn meeting(a: (i64, i64), b: (i64, i64)) -> (i64, i64) {
     (a.0.max(b.0).max(0), a.1.min(b.1))
 }
 
-fn readings(sweep: &Sweep, raster: Raster, viewpoint: Viewpoint) -> Option<[Reading<'_>; HEIGHTS]> {
+/// Rows and columns from the camera's foot to where a place of this height is shown, for a metre of its true distance.
+fn cells_a_metre(height_m: f64, raster: Raster, viewpoint: Viewpoint) -> [f32; 2] {
+    let enlarged = 1.0 / (1.0 - height_m / viewpoint.height_m);
     let [across_m, down_m] = raster.cell_m();
-    let of_height = |height_m: f64| {
-        let enlarged = 1.0 / (1.0 - height_m / viewpoint.height_m);
-        let correlations = sweep.at_height(height_m)?;
-        let [rows_a_metre, columns_a_metre] = [down_m, across_m].map(|cell_m| (-enlarged / cell_m) as f32);
-        Some(Reading { correlations, rows_a_metre, columns_a_metre })
-    };
-    let mut readings = [of_height(height_m(0))?; HEIGHTS];
-    for (index, reading) in readings.iter_mut().enumerate() {
-        *reading = of_height(height_m(index))?;
-    }
-    Some(readings)
+    [down_m, across_m].map(|cell_m| (-enlarged / cell_m) as f32)
 }

@@ -1,10 +1,11 @@
 //! Which squares of the view are raised: cross-sections of the map at the last look, carried to where the vehicle is since.
 
 use fingerpost_geometry::{GroundGrid, GroundPixel};
+use fingerpost_vision::parallax::rise_chain::LANES;
 use fingerpost_vision::picture::Plane;
 use nalgebra::{Isometry2, Vector2};
 
-use super::cross_section::{CrossSections, LANES};
+use super::cross_section::CrossSections;
 use super::height_map::HeightMap;
 use super::{ASIDE_M, GroundHeight, UNIT};
 
@@ -71,22 +72,23 @@ impl RaisedSquares {
         let first = ((squares.grid.far_m() - reach_m) / (squares.side_m() * SECTION_ROWS as f64)).max(0.0);
         let Self { chains, by_section, .. } = self;
         by_section.reset(size.0, sections, 0.0);
-        for first in (first as usize..sections).step_by(LANES) {
-            let heights = |column: usize, lane: usize| {
-                let row = (first + lane).min(sections - 1) * SECTION_ROWS;
-                map.at(squares.grid.vehicle_from_ground(squares.middle(column, row)))
+        // From the vehicle's way outwards: columns of places, of every section those to the left and those to the right.
+        let side_of = |chain: usize| (chain / 2, chain.is_multiple_of(2));
+        let column_of = |is_left: bool, place: usize| match is_left {
+            true => (axis + other - 1).saturating_sub(place),
+            false => (axis - other + place).min(size.0 - 1),
+        };
+        for first in (2 * first as usize..2 * sections).step_by(LANES) {
+            let heights = |place: usize, lane: usize| {
+                let (section, is_left) = side_of((first + lane).min(2 * sections - 1));
+                let middle = squares.middle(column_of(is_left, place), section * SECTION_ROWS);
+                map.at(squares.grid.vehicle_from_ground(middle))
             };
-            // From the vehicle's way outwards: columns of places, first those to the left.
-            let leftwards = |place: usize| (axis + other - 1).saturating_sub(place);
-            let rightwards = |place: usize| (axis - other + place).min(size.0 - 1);
-            let outwards: [&dyn Fn(usize) -> usize; 2] = [&leftwards, &rightwards];
-            for column_of in outwards {
-                let heights = |place: usize, lane: usize| heights(column_of(place), lane);
-                let log_odds = chains.log_odds(reach + other, heights, squares.side_m());
-                for (place, lanes) in log_odds.iter().enumerate().skip(other) {
-                    for (lane, &log_odds) in lanes.iter().enumerate().take(sections - first) {
-                        by_section.row_mut(first + lane)[column_of(place)] = log_odds;
-                    }
+            let log_odds = chains.log_odds(reach + other, heights, squares.side_m());
+            for (place, lanes) in log_odds.iter().enumerate().skip(other) {
+                for (lane, &log_odds) in lanes.iter().enumerate().take(2 * sections - first) {
+                    let (section, is_left) = side_of(first + lane);
+                    by_section.row_mut(section)[column_of(is_left, place)] = log_odds;
                 }
             }
         }

@@ -4,6 +4,7 @@ use fingerpost_vision::parallax::{Correlation, Detrending, HalfWindow, Rows, UNS
 use fingerpost_vision::picture::Plane;
 
 use super::ASIDE_M;
+use super::height_likelihoods::HeightLikelihoods;
 use super::height_map::{HEIGHT_STEP_M, HEIGHTS, LOWEST_M, height_m};
 use super::laid_over::{LaidOver, Raster, Region};
 use super::past_views::PastView;
@@ -49,6 +50,21 @@ struct Shifts {
     camera_m: f64,
 }
 
+impl Shifts {
+    /// The correlations of places of this height, of `planes` of one shift each; none where it was not looked at.
+    fn at_height(self, height_m: f64, planes: &[Plane<f32>]) -> Option<Correlations<'_>> {
+        let Self { first, last, step_m, way_m, camera_m } = self;
+        let shift = way_m * height_m / (camera_m - height_m) / step_m;
+        let below = (shift.floor() as isize).clamp(first, last - 1);
+        if first >= last || shift - below as f64 > 1.0 {
+            return None;
+        }
+        let index = (below - first) as usize;
+        let share = (shift - below as f64) as f32;
+        Some(Correlations { below: planes.get(index)?, above: planes.get(index + 1)?, share })
+    }
+}
+
 /// The correlations of one sweep, and the memory for it.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
@@ -57,8 +73,6 @@ pub(super) struct Sweep {
     grey: Plane<i16>,
     newer: Detrended,
     noise: TextureNoise,
-    /// By which correlation each place of the newer view is expected to agree, in 32nds.
-    expected: Plane<u8>,
     part: Detrended,
     older: Detrended,
     registered: Plane<i16>,
@@ -69,30 +83,17 @@ pub(super) struct Sweep {
     of_view: Vec<Plane<f32>>,
     /// Shifts of the view, in the order of their heights.
     shifts: Shifts,
+    likelihoods: HeightLikelihoods,
     blocks: Vec<Displaced>,
 }
 
 /// Correlations between two of a sweep's shifts.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Correlations<'a> {
-    below: &'a [f32],
-    above: &'a [f32],
-    share: f32,
-    pub(super) columns: usize,
-    pub(super) rows: usize,
-}
-
-impl Correlations<'_> {
-    /// At a place of the region; none where nothing is seen.
-    #[inline]
-    pub(super) fn at(&self, column: usize, row: usize) -> Option<f32> {
-        if column >= self.columns || row >= self.rows {
-            return None;
-        }
-        let index = (row - row % SWEPT_ROWS.step) * self.columns + column;
-        let (below, above) = (*self.below.get(index)?, *self.above.get(index)?);
-        (below != 0.0 || above != 0.0).then_some(below + self.share * (above - below))
-    }
+    pub(super) below: &'a Plane<f32>,
+    pub(super) above: &'a Plane<f32>,
+    /// How far from the one to the other.
+    pub(super) share: f32,
 }
 
 impl Sweep {
@@ -167,7 +168,6 @@ impl Sweep {
         older: &PastView,
     ) -> Region {
         let all = self.all;
-        self.expect(window(raster));
         self.lay(raster, laid, all, older);
         let [across_m, down_m] = raster.cell_m();
         let way_m = laid.way.norm();
@@ -188,43 +188,12 @@ impl Sweep {
         all
     }
 
-    /// The correlations of places of this height in the last sweep; none where it was not looked at.
-    pub(super) fn at_height(&self, height_m: f64) -> Option<Correlations<'_>> {
-        let Shifts { first, last, step_m, way_m, camera_m } = self.shifts;
-        let shift = way_m * height_m / (camera_m - height_m) / step_m;
-        let below = (shift.floor() as isize).clamp(first, last - 1);
-        if first >= last || shift - below as f64 > 1.0 {
-            return None;
-        }
-        let index = (below - first) as usize;
-        let (below_plane, above_plane) = (self.of_view.get(index)?, self.of_view.get(index + 1)?);
-        let (columns, rows) = below_plane.size();
-        Some(Correlations {
-            below: below_plane.as_slice(),
-            above: above_plane.as_slice(),
-            share: (shift - below as f64) as f32,
-            columns,
-            rows,
-        })
-    }
-
-    /// By which correlation a place of the region is expected to agree.
-    #[inline]
-    pub(super) fn expected(&self, column: usize, row: usize) -> usize {
-        usize::from(self.expected.get(column, row - row % SWEPT_ROWS.step).unwrap_or(0))
-    }
-
-    fn expect(&mut self, window: HalfWindow) {
-        let of_window = self.noise.expected(window.cells() as f64);
-        let Self { newer: Detrended { scales, .. }, expected, .. } = self;
-        if expected.size() != scales.size() {
-            expected.reset(scales.width(), scales.height(), 0);
-        }
-        for row in SWEPT_ROWS.of(scales.height()) {
-            for (expected, scale) in expected.row_mut(row).iter_mut().zip(scales.row(row)) {
-                *expected = of_window.of(*scale);
-            }
-        }
+    /// Log-likelihoods of each height by the last sweep; none where it did not reach all of them.
+    pub(super) fn likelihoods(&mut self, raster: Raster) -> Option<&HeightLikelihoods> {
+        let Self { likelihoods, shifts, of_view, noise, newer, .. } = self;
+        likelihoods.expect(&noise.expected(window(raster).cells() as f64), &newer.scales);
+        let reached_all = likelihoods.update(|height_m| shifts.at_height(height_m, of_view));
+        reached_all.then_some(&*likelihoods)
     }
 
     fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {

@@ -63,11 +63,12 @@ impl ExpectedCorrelation {
     }
 }
 
-/// Log-likelihood ratio, for each pair of witnesses, of two views' correlation `r` if it is expected to be `expected` against none:
-/// that of pairs of normal values of unit variance.
-pub(super) fn log_likelihood_ratio(r: f32, expected: f32) -> f32 {
+/// Log-likelihood ratio, for each pair of witnesses, of two views' correlation r if it is expected to be `expected` against none:
+/// that of pairs of normal values of unit variance. It is linear in r: its value at 0, and what it grows by.
+pub(super) fn log_likelihood_ratio_by_r(expected: f32) -> [f32; 2] {
     let unshared = 1.0 - expected * expected;
-    -(libm::logf(unshared) + 2.0 * expected * (expected - r) / unshared)
+    let slope = 2.0 * expected / unshared;
+    [-(libm::logf(unshared) + slope * expected), slope]
 }
 
 #[cfg(test)]
@@ -97,6 +98,10 @@ mod tests {
 
     #[test]
     fn what_correlates_as_expected_is_likelier_and_chance_less_likely_the_more_is_expected() {
+        let log_likelihood_ratio = |r: f32, expected: f32| {
+            let [offset, slope] = log_likelihood_ratio_by_r(expected);
+            offset + slope * r
+        };
         let mut before = [0.0, 0.0];
         for expected in [0.3, 0.6, 0.9] {
             let [right, chance] = [expected, 0.0].map(|r| log_likelihood_ratio(r, expected));
