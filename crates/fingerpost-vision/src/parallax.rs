@@ -17,8 +17,9 @@ pub use self::correlation::{Correlation, HalfWindow, Rows};
 pub use self::detrending::Detrending;
 pub use self::likelihood::{LikelihoodLines, NOT_SEEN, log_likelihoods};
 
+use crate::elementary::whole_part;
 use crate::picture::Plane;
-use crate::simd::{CodePath, rounded, simd_kernel, split};
+use crate::simd::{CodePath, simd_kernel};
 
 /// A grey value of a [`coarse`] view where nothing is seen.
 pub const UNSEEN: i16 = -1;
@@ -74,7 +75,9 @@ simd_kernel! {
     fn to_steps(pixels: f32, sums: &mut [i16]) {
         let steps = GREY_STEPS as f32 / pixels;
         for sum in sums {
-            *sum = if *sum >= 0 { (f32::from(*sum) * steps) as i16 } else { UNSEEN };
+            let seen = if *sum >= 0 { *sum } else { 0 };
+            let mean = whole_part(f32::from(seen) * steps) as i16;
+            *sum = if *sum >= 0 { mean } else { UNSEEN };
         }
     }
 }
@@ -116,10 +119,10 @@ simd_kernel! {
                 let (x, y) = ((column[0] + column[1] * at) / w, (line[0] + line[1] * at) / w);
                 let inside = (x >= 0.0) & (y >= 0.0) & (x < last_x) & (y < last_y);
                 let (x, y) = if inside { (x, y) } else { (0.0, 0.0) };
-                let ((left, right_share), (top, lower_share)) = (split(x), split(y));
+                let (left, top) = (whole_part(x), whole_part(y));
                 start[lane] = top * width as u32 + left;
                 is_inside[lane] = inside;
-                (dx[lane], dy[lane]) = (right_share, lower_share);
+                (dx[lane], dy[lane]) = (x - left as i32 as f32, y - top as i32 as f32);
             }
             let (mut upper, mut lower) = ([[0_i16; 2]; LANES], [[UNSEEN; 2]; LANES]);
             for lane in 0..LANES {
@@ -135,7 +138,7 @@ simd_kernel! {
                 let is_seen = (a | b | c | d) >= 0;
                 let [a, b, c, d] = [a, b, c, d].map(|corner| i32::from(corner) as f32);
                 let (upper, lower) = (a + dx[lane] * (b - a), c + dx[lane] * (d - c));
-                let between = rounded(upper + dy[lane] * (lower - upper)) as i16;
+                let between = whole_part(upper + dy[lane] * (lower - upper) + 0.5) as i16;
                 registered[lane] = if is_seen { between } else { UNSEEN };
             }
             out.copy_from_slice(&registered[..out.len()]);

@@ -99,26 +99,6 @@ fn has(set: InstructionSet) -> bool {
     set == InstructionSet::Portable
 }
 
-/// See [`rounded`].
-pub(crate) const WHOLE: f32 = 8_388_608.0;
-
-/// The whole number nearest to a value from 0 to 2^22, of two equally near ones the even one.
-///
-/// A float of 2^23 or more has no digits behind the point: adding that much rounds, and leaves the whole number in the low
-/// bits. Casts to integers would have to treat what does not fit, which no vector instruction does.
-#[inline(always)]
-pub(crate) fn rounded(value: f32) -> u32 {
-    (value + WHOLE).to_bits() & 0x7f_ffff
-}
-
-/// The pixel at or before a place of 0 or more, and how far the place lies beyond it, 0 to 1.
-#[inline(always)]
-pub(crate) fn split(place: f32) -> (u32, f32) {
-    let before = place - 0.5;
-    let shifted = if before > 0.0 { before } else { 0.0 } + WHOLE;
-    (shifted.to_bits() & 0x7f_ffff, place - (shifted - WHOLE))
-}
-
 /// Compiles a function once for every [`InstructionSet`]. The function gets a first parameter, the [`CodePath`] that is to
 /// run; its body is plain Rust, which the compiler turns into vectors as wide as the instruction set has.
 macro_rules! simd_kernel {

@@ -8,6 +8,7 @@
 mod moments;
 
 use self::moments::{ColumnMoments, Moments};
+use crate::elementary::whole_part;
 use crate::picture::Plane;
 use crate::simd::{CodePath, simd_kernel};
 
@@ -243,7 +244,7 @@ simd_kernel! {
     fn take_off(means: &[f32], grey: &[u8], flat: &mut [u8]) {
         for ((out, &grey), &mean) in flat.iter_mut().zip(grey).zip(means) {
             let flat = f32::from(FLAT) + GAIN * (f32::from(grey) - mean);
-            *out = if grey != 0 { (flat + 0.5).clamp(1.0, 255.0) as u8 } else { 0 };
+            *out = if grey != 0 { whole_part((flat + 0.5).clamp(1.0, 255.0)) as u8 } else { 0 };
         }
     }
 }

@@ -10,7 +10,7 @@ use super::{LANES, Lanes, ProjectiveMap, Target, Template, UNKNOWNS};
 use crate::picture::Plane;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::InstructionSet;
-use crate::simd::{CodePath, simd_kernel, split};
+use crate::simd::{CodePath, simd_kernel};
 
 /// Degrees of freedom of Student's t distribution, by which the scale is measured: heavy tails, as residuals of pictures
 /// have (Kerl et al. 2013). With x the residual in standard deviations, a weight is 1 / (1 + x^2 / 5)^4: close to Welsch's
@@ -172,6 +172,20 @@ fn total(lanes: &Lanes) -> f32 {
         half /= 2;
     }
     lanes[0]
+}
+
+/// See [`split`].
+const WHOLE: f32 = 8_388_608.0;
+
+/// The pixel at or before a place of 0 or more, and how far the place lies beyond it, 0 to 1.
+///
+/// A float of 2^23 or more has no digits behind the point: adding that much rounds, and leaves the whole number in the low
+/// bits. Casts to integers would have to treat what does not fit, which no vector instruction does.
+#[inline(always)]
+fn split(place: f32) -> (u32, f32) {
+    let before = place - 0.5;
+    let shifted = if before > 0.0 { before } else { 0.0 } + WHOLE;
+    (shifted.to_bits() & 0x7f_ffff, place - (shifted - WHOLE))
 }
 
 /// What is sampled: points, and how they are led to the newer picture.

@@ -1,5 +1,6 @@
 //! Brightness evened out along the columns.
 
+use crate::elementary::whole_part;
 use crate::picture::Plane;
 use crate::simd::{CodePath, simd_kernel};
 
@@ -54,8 +55,9 @@ simd_kernel! {
     pub(super) fn departures(row: &[i16], sums: &[i32], counts: &[i32], out: &mut [i16]) {
         for (((value, sum), count), out) in row.iter().zip(sums).zip(counts).zip(out) {
             let departure = f32::from(*value) - *sum as f32 / (*count).max(1) as f32;
-            let departure = departure.clamp(-MOST_DEPARTURE, MOST_DEPARTURE);
-            *out = if *value >= 0 { departure as i16 } else { 0 };
+            let size = whole_part(departure.abs().min(MOST_DEPARTURE)) as i16;
+            let departure = if departure < 0.0 { -size } else { size };
+            *out = if *value >= 0 { departure } else { 0 };
         }
     }
 }

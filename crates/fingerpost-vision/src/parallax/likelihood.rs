@@ -1,6 +1,7 @@
 //! Log-likelihoods of a height by each place's correlation there, in which they are linear.
 
-use crate::simd::{CodePath, rounded, simd_kernel};
+use crate::elementary::whole_part;
+use crate::simd::{CodePath, simd_kernel};
 
 /// In place of the log-likelihood of a place that neither view shows.
 pub const NOT_SEEN: i8 = i8::MIN;
@@ -29,8 +30,8 @@ simd_kernel! {
     pub(super) fn likelihood_row(
         below: &[f32], above: &[f32], share: f32, offset: &[f32], slope: &[f32], out: &mut [i8],
     ) {
-        // Numbers of a byte are not below zero.
-        let zero = 128.0;
+        // 128 for numbers below zero, and half of one to round to the nearest.
+        let zero = 128.5;
         for ((((below, above), offset), slope), out) in
             below.iter().zip(above).zip(offset).zip(slope).zip(out)
         {
@@ -38,7 +39,7 @@ simd_kernel! {
             let r = if between > 0.0 { between } else { 0.0 };
             let log_likelihood = (offset + slope * r).clamp(-127.0, 127.0);
             let is_seen = (*below != 0.0) | (*above != 0.0);
-            let value = rounded(log_likelihood + zero) as u8 ^ 0x80;
+            let value = whole_part(log_likelihood + zero) as u8 ^ 0x80;
             *out = if is_seen { value as i8 } else { NOT_SEEN };
         }
     }
