@@ -33,7 +33,7 @@ use self::gauss_newton::Estimate;
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
 use self::seen_travel::SeenTravel;
-use self::start::{cost, search_along, start};
+use self::start::{FINE_STEP_M, cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow};
 use crate::ground_view::{GroundPicture, GroundView};
@@ -251,7 +251,14 @@ impl Begun<'_> {
             cost(points, residuals, &displaced(motion), views, Brightness::default())
         };
         let reach_m = REACH_SIGMAS * expected.covariance[(0, 0)].max(0.0).sqrt();
-        let at = displaced(search_along(cost_of, last.current_from_previous, reach_m));
+        let found = search_along(cost_of, last.current_from_previous, reach_m);
+        // From next to where the alignment has come to, it comes there again.
+        let reached = aligned.estimate.displacement.current_from_previous;
+        let is_there = (reached.inverse() * found).translation.vector.norm() < FINE_STEP_M;
+        if is_there && aligned.estimate.has_converged {
+            return Some((aligned, start));
+        }
+        let at = displaced(found);
         let again = Aligned::through(FINE_LEVELS, (patch, residuals), (&prior, views), *iterations, at);
         let is_better = |again: &Aligned| {
             again.cost < CLEARLY_LESS * aligned.cost

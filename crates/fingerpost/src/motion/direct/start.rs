@@ -21,7 +21,7 @@ const MAX_YAW_RAD: f64 = 0.09;
 const STEP_M: f64 = 0.3;
 const STEP_YAW_RAD: f64 = 0.0225;
 /// Step of the search among the finest texture, metres: a third of a grain.
-const FINE_STEP_M: f64 = 0.06;
+pub(super) const FINE_STEP_M: f64 = 0.06;
 /// Least part of the template that must be led to seen pixels for a start to be judged.
 const MIN_SEEN: f32 = 0.5;
 
