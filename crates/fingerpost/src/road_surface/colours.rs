@@ -169,7 +169,8 @@ impl Counts {
     }
 
     fn total(&self) -> f32 {
-        self.pixels.as_flattened().iter().sum()
+        let add = |sums: Levels<f32>, levels: &Levels<f32>| std::array::from_fn(|at| sums[at] + levels[at]);
+        self.pixels.iter().fold([0.0; BRIGHTNESS_LEVELS], add).iter().sum()
     }
 
     /// Takes in what was counted, over which older counts fade.
