@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use fingerpost_vision::simd::{CodePath, InstructionSet};
 use serde::Serialize;
 
 /// One of those that do the same work: makes that many calls, after one that does not count, and gives milliseconds a call.
@@ -25,6 +26,16 @@ impl<'a> Contestant<'a> {
             Ok(milliseconds)
         };
         Self { name: name.to_owned(), time: Box::new(time) }
+    }
+
+    /// A contestant of this process whose kernels use `set` at the most, in its own turns and until somebody else's limit.
+    pub fn with(set: InstructionSet, name: &str, work: impl FnMut() + 'a) -> Self {
+        let Self { name, mut time } = Self::here(name, work);
+        let limited = move |calls| {
+            CodePath::limit(set);
+            time(calls)
+        };
+        Self { name, time: Box::new(limited) }
     }
 }
 

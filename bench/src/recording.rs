@@ -7,10 +7,11 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use fingerpost_format::camera_to_toml;
 use fingerpost_io::{FrameSource, SourceOptions};
+use fingerpost_vision::simd::InstructionSet;
 
 use crate::footage::Footage;
 use crate::measure::{Contestant, Effort, side_by_side};
-use crate::results::{Row, Section};
+use crate::results::{Row, Section, set_name};
 
 /// Share of ffmpeg's rate that a run is promised to keep.
 const PROMISED_SHARE: f64 = 0.8;
@@ -18,7 +19,7 @@ const PROMISED_SHARE: f64 = 0.8;
 const FRAMES: u64 = 2000;
 
 /// Runs the program and ffmpeg in turns.
-pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Section> {
+pub fn recording(effort: Effort, footage: &Footage, program: &Path, set: InstructionSet) -> Result<Section> {
     let folder = tempfile::tempdir()?;
     let (video, frames) = long_video(footage, folder.path())?;
     let camera = folder.path().join("camera.toml");
@@ -42,7 +43,7 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
         let ours = whole_command("fingerpost run", frames, || {
             let mut command = Command::new(program);
             command.arg("run").arg(&video).arg("--camera").arg(&camera).arg("--out").arg(&out);
-            command.args(["--decoder", decoder]);
+            command.args(["--decoder", decoder, "--instruction-set", &set_name(set)]);
             command.args(threads.iter().flat_map(|threads| ["--threads", threads]));
             command
         });
