@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::border::Border;
 use crate::simd::{CodePath, InstructionSet};
 
 /// Pixels that a kernel computes together: two of the widest vector registers of 16-bit numbers, and a whole number of
@@ -86,11 +85,5 @@ impl<T: Copy + Default> PaddedRows<T> {
     pub(crate) fn copy_first_from(&mut self, number: usize) {
         let from = self.start + number * self.pitch;
         self.values.copy_within(from..from + self.pitch, self.start);
-    }
-
-    /// Fills what is beyond a row's ends.
-    pub(crate) fn pad(&mut self, number: usize, border: Border) {
-        let row = &mut self.values[self.start + number * self.pitch..][..self.width + 2 * self.reach];
-        border.pad(row, self.reach);
     }
 }
