@@ -15,6 +15,7 @@ mod recording;
 mod results;
 mod trapezium;
 mod whole_loop;
+mod whole_method;
 
 use std::path::PathBuf;
 
@@ -100,6 +101,9 @@ fn main() -> Result<()> {
     }
     if timed("whole loop") {
         sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
+    if timed("whole method") {
+        sections.push(whole_method::whole_method()?);
     }
     if wanted("lanes") {
         sections.push(lanes::lanes(&mut opencv, effort)?);

@@ -82,6 +82,13 @@ pub fn side_by_side(effort: Effort, contestants: &mut [Contestant<'_>]) -> Resul
     Ok(contestants.iter().zip(&mut times).map(measured).collect())
 }
 
+/// The value below which this part of the values lies, the next higher one of them; not a number of none.
+pub fn percentile(values: &mut [f64], part: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let below = (part * values.len() as f64).ceil() as usize;
+    values.get(below.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+}
+
 /// The middle of the values, the mean of the two middle ones where their number is even; not a number of none.
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);

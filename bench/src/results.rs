@@ -61,19 +61,30 @@ impl Row {
     }
 }
 
+/// What a figure is promised to be.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    AtLeast(f64),
+    AtMost(f64),
+}
+
 /// A single figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
     pub what: String,
     pub value: f64,
     pub unit: &'static str,
-    /// Least value that is promised, where one is.
-    pub promised: Option<f64>,
+    pub promised: Option<Bound>,
 }
 
 impl Figure {
     pub fn holds(&self) -> bool {
-        self.promised.is_none_or(|promised| self.value >= promised)
+        match self.promised {
+            None => true,
+            Some(Bound::AtLeast(least)) => self.value >= least,
+            Some(Bound::AtMost(most)) => self.value <= most,
+        }
     }
 }
 
@@ -154,10 +165,14 @@ fn row_line(row: &Row) -> String {
 }
 
 fn figure_line(figure: &Figure) -> String {
-    let promised = figure.promised.map_or(String::new(), |promised| format!("of {promised}"));
+    let promised = match figure.promised {
+        None => String::new(),
+        Some(Bound::AtLeast(least)) => format!("of {least}"),
+        Some(Bound::AtMost(most)) => format!("at most {most}"),
+    };
     let says = verdict(figure.holds(), figure.promised.is_some());
     let line = format!(
-        "  {:<75} {:>12} {:<12} {promised:<10} {says}",
+        "  {:<75} {:>12} {:<12} {promised:<12} {says}",
         figure.what,
         number(figure.value),
         figure.unit
