@@ -3,8 +3,8 @@
 //! Sums of columns run down the picture, a row entering and one leaving. Up to [`WIDEST_16_BIT_PX`] a window's sum fits 16
 //! bits; there the columns of each window are summed afresh, many windows at a time, and the division is a product. Sums of
 //! even and of odd columns are kept apart: two neighbouring windows then share all but two of their columns, and their bytes
-//! are the halves of 16-bit numbers. Beyond, sums run along the row too. Up to there, too, wide pictures have a twin by hand
-//! for AVX-512.
+//! are the halves of 16-bit numbers. Beyond, sums run along the row too. Windows up to 11 pixels have a twin by hand for AVX-512 in
+//! wide pictures.
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
