@@ -29,6 +29,13 @@ pub(crate) fn block_starts(width: usize) -> impl Iterator<Item = usize> {
     (0..count).map(move |index| (index * BLOCK).min(width - BLOCK))
 }
 
+/// The same for two blocks at once, in a row of two or more.
+#[inline(always)]
+pub(crate) fn double_block_starts(width: usize) -> impl Iterator<Item = usize> {
+    let count = if width < 2 * BLOCK { 0 } else { width.div_ceil(2 * BLOCK) };
+    (0..count).map(move |index| (2 * index * BLOCK).min(width - 2 * BLOCK))
+}
+
 /// The pixels of a row of `width` pixels that no block covers.
 #[inline(always)]
 pub(crate) fn single_pixels(width: usize) -> Range<usize> {
