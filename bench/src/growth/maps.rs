@@ -53,7 +53,8 @@ pub fn reading_maps() -> Growth {
     Growth::new("reading a map, by its area", "km2", costs, Powers { ms: 1.0, bytes: 1.0 })
 }
 
-/// The step of a locator that knows about where it is costs the same on every map; one that may be anywhere grows with the map.
+/// The step of a locator that knows about where it is takes as long on every map; of one that may be anywhere, its time grows with
+/// the map. The memory of both does: they keep the roads of the whole map, on any of which they may look for the vehicle again.
 pub fn locating() -> Result<[Growth; 2]> {
     let (mut near, mut anywhere) = (Vec::new(), Vec::new());
     for side_km in SIDES_KM {
@@ -68,7 +69,7 @@ pub fn locating() -> Result<[Growth; 2]> {
             "step of the place on a map, start known, by the map's area",
             "km2",
             near,
-            Powers { ms: 0.0, bytes: 0.0 },
+            Powers { ms: 0.0, bytes: 1.0 },
         ),
         Growth::new(
             "step of the place on a map, start anywhere, by its area",
