@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
+use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 
 /// One of those that do the same work: makes that many calls, after one that does not count, and gives milliseconds a call.
@@ -37,6 +38,13 @@ impl<'a> Contestant<'a> {
         };
         Self { name, time: Box::new(limited) }
     }
+}
+
+/// Processor time of this thread, milliseconds: work that is longer than the system lets a thread go on takes longer by the clock
+/// on a busy machine, and shorter work does not, so that costs would seem to grow.
+pub fn processor_ms() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6
 }
 
 /// How much is measured.
