@@ -16,7 +16,7 @@ use crate::results::Section;
 pub fn growth(effort: Effort, footage: &Footage) -> Result<Section> {
     let mut section = Section::new(
         "Growth",
-        "one thread; the power of the size with which time and memory grow, by least squares of logarithms, against the expected one",
+        "processor time of one thread; the power of the size with which time and memory grow, by least squares of logarithms, against the expected one",
     );
     section.growths.extend([
         views::widths(effort, footage)?,

@@ -15,18 +15,20 @@ mod recording;
 mod results;
 mod trapezium;
 mod whole_loop;
+mod whole_method;
 
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Parser;
+use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use footage::Footage;
 use kernels::Bench;
 use machine::Machine;
 use measure::Effort;
 use peer::OpenCv;
-use results::{Results, Section};
+use results::{Results, Section, set_name};
 
 /// Measures Fingerpost beside OpenCV, Rust crates and ffmpeg: the command `bench/run` prepares what this needs.
 #[derive(Debug, Parser)]
@@ -49,6 +51,10 @@ struct Arguments {
     /// Only sections whose title has this in it.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
+    /// Instruction sets of Fingerpost's kernels, by commas: the kernels are measured with each, all else with the most
+    /// demanding; without it all that this processor has.
+    #[arg(long, value_name = "SETS", value_delimiter = ',', value_parser = instruction_set)]
+    instruction_set: Vec<InstructionSet>,
     /// Print JSON on standard output; the table then goes to standard error.
     #[arg(long)]
     json: bool,
@@ -57,8 +63,30 @@ struct Arguments {
 /// How long a contestant's turn lasts, milliseconds: long against a switch of tasks, short against a change of load.
 const TURN_MS: f64 = 10.0;
 
+/// An instruction set of this processor by its name.
+fn instruction_set(name: &str) -> Result<InstructionSet, String> {
+    let set = InstructionSet::ALL.into_iter().find(|&set| set_name(set) == name);
+    let set = set.ok_or_else(|| {
+        let names = InstructionSet::ALL.map(set_name).join(", ");
+        format!("there is no such instruction set; there are {names}")
+    })?;
+    CodePath::with(set)
+        .ok_or("this processor does not have it")
+        .map(CodePath::instruction_set)
+        .map_err(Into::into)
+}
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
+    let mut sets = arguments.instruction_set.clone();
+    if sets.is_empty() {
+        sets = CodePath::available().map(CodePath::instruction_set).collect();
+    }
+    // The most demanding first.
+    sets.sort_unstable_by(|a, b| b.cmp(a));
+    sets.dedup();
+    let most = sets[0];
+    CodePath::limit(most);
     let script = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peer/opencv_peer.py");
     let mut opencv = OpenCv::start(&arguments.python, &script)?;
     let footage = Footage::open(arguments.recording.as_deref())?;
@@ -67,11 +95,15 @@ fn main() -> Result<()> {
     let wanted = |title: &str| title.contains(&arguments.only.to_lowercase());
     let timed = |title: &str| wanted(title) && !arguments.check;
     if wanted("kernels") {
-        let mut bench = Bench { opencv: &mut opencv, effort, frames: &footage.frames };
+        let mut bench = Bench { opencv: &mut opencv, effort, frames: &footage.frames, sets: &sets };
         sections.push(kernels::kernels(&mut bench)?);
+        CodePath::limit(most);
     }
     if timed("whole loop") {
         sections.push(whole_loop::whole_loop(&mut opencv, effort, &footage)?);
+    }
+    if timed("whole method") {
+        sections.push(whole_method::whole_method()?);
     }
     if wanted("lanes") {
         sections.push(lanes::lanes(&mut opencv, effort)?);
@@ -86,7 +118,7 @@ fn main() -> Result<()> {
         sections.push(candidates::candidates(effort, &footage)?);
     }
     if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
-        sections.push(recording::recording(effort, &footage, program)?);
+        sections.push(recording::recording(effort, &footage, program, most)?);
     }
     if timed("growth") {
         sections.push(growth::growth(effort, &footage)?);

@@ -3,6 +3,8 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use fingerpost_vision::simd::{CodePath, InstructionSet};
+use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 
 /// One of those that do the same work: makes that many calls, after one that does not count, and gives milliseconds a call.
@@ -26,6 +28,23 @@ impl<'a> Contestant<'a> {
         };
         Self { name: name.to_owned(), time: Box::new(time) }
     }
+
+    /// A contestant of this process whose kernels use `set` at the most, in its own turns and until somebody else's limit.
+    pub fn with(set: InstructionSet, name: &str, work: impl FnMut() + 'a) -> Self {
+        let Self { name, mut time } = Self::here(name, work);
+        let limited = move |calls| {
+            CodePath::limit(set);
+            time(calls)
+        };
+        Self { name, time: Box::new(limited) }
+    }
+}
+
+/// Processor time of this thread, milliseconds: work that is longer than the system lets a thread go on takes longer by the clock
+/// on a busy machine, and shorter work does not, so that costs would seem to grow.
+pub fn processor_ms() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6
 }
 
 /// How much is measured.
@@ -69,6 +88,13 @@ pub fn side_by_side(effort: Effort, contestants: &mut [Contestant<'_>]) -> Resul
         median_ms: median(times),
     };
     Ok(contestants.iter().zip(&mut times).map(measured).collect())
+}
+
+/// The value below which this part of the values lies, the next higher one of them; not a number of none.
+pub fn percentile(values: &mut [f64], part: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let below = (part * values.len() as f64).ceil() as usize;
+    values.get(below.saturating_sub(1)).copied().unwrap_or(f64::NAN)
 }
 
 /// The middle of the values, the mean of the two middle ones where their number is even; not a number of none.

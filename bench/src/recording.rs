@@ -7,18 +7,22 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use fingerpost_format::camera_to_toml;
 use fingerpost_io::{FrameSource, SourceOptions};
+use fingerpost_vision::simd::InstructionSet;
 
-use crate::footage::Footage;
-use crate::measure::{Contestant, Effort, side_by_side};
-use crate::results::{Row, Section};
+use crate::footage::{Footage, dashcam};
+use crate::measure::{Contestant, Effort, median, side_by_side};
+use crate::results::{Bound, Figure, Row, Section, set_name};
 
 /// Share of ffmpeg's rate that a run is promised to keep.
 const PROMISED_SHARE: f64 = 0.8;
+/// Longest that the first result of a large video is promised to take, seconds; and the size of that video, pixels.
+const PROMISED_FIRST_S: f64 = 0.3;
+const LARGE_PX: (usize, usize) = (1280, 720);
 /// Frames that the recording is made to have, by repetition: enough that starting programs does not count.
 const FRAMES: u64 = 2000;
 
 /// Runs the program and ffmpeg in turns.
-pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Section> {
+pub fn recording(effort: Effort, footage: &Footage, program: &Path, set: InstructionSet) -> Result<Section> {
     let folder = tempfile::tempdir()?;
     let (video, frames) = long_video(footage, folder.path())?;
     let camera = folder.path().join("camera.toml");
@@ -39,14 +43,14 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
         (None, "ffmpeg", None, "decoded by the program ffmpeg, both on all cores"),
         (Some("1"), "ffmpeg", None, "decoded by the program ffmpeg, both with one thread"),
     ] {
-        let ours = whole_command("fingerpost run", frames, || {
+        let ours = whole_command("fingerpost run", frames as f64, || {
             let mut command = Command::new(program);
             command.arg("run").arg(&video).arg("--camera").arg(&camera).arg("--out").arg(&out);
-            command.args(["--decoder", decoder]);
+            command.args(["--decoder", decoder, "--instruction-set", &set_name(set)]);
             command.args(threads.iter().flat_map(|threads| ["--threads", threads]));
             command
         });
-        let theirs = whole_command("ffmpeg", frames, || {
+        let theirs = whole_command("ffmpeg", frames as f64, || {
             let mut command = Command::new("ffmpeg");
             command.args(["-v", "error", "-nostdin"]);
             command.args(threads.iter().flat_map(|threads| ["-threads", threads]));
@@ -58,10 +62,46 @@ pub fn recording(effort: Effort, footage: &Footage, program: &Path) -> Result<Se
         let measured = side_by_side(once, &mut [ours, theirs])?;
         section.rows.push(Row::new(what, &size, measured, promised));
     }
+    section.figures.push(first_result(effort, footage, program, set)?);
     Ok(section)
 }
 
-fn whole_command<'a>(name: &str, frames: u64, command: impl Fn() -> Command + 'a) -> Contestant<'a> {
+/// From the start of `fingerpost run` to the end of a run of one frame of a large video, with all that it writes.
+fn first_result(effort: Effort, footage: &Footage, program: &Path, set: InstructionSet) -> Result<Figure> {
+    let folder = tempfile::tempdir()?;
+    let video = folder.path().join("large.mp4");
+    let (width, height) = LARGE_PX;
+    let status = Command::new("ffmpeg")
+        .args(["-v", "error", "-nostdin", "-i"])
+        .arg(&footage.video)
+        .args(["-map", "0:v:0", "-vf", &format!("scale={width}:{height}"), "-frames:v", "100"])
+        .arg(&video)
+        .status()
+        .context("ffmpeg cannot be started")?;
+    ensure!(status.success(), "ffmpeg cannot resize {}", footage.video.display());
+    let camera = folder.path().join("camera.toml");
+    std::fs::write(&camera, camera_to_toml(&dashcam(width, height)?)?)?;
+    let out = folder.path().join("run");
+    let mut run = whole_command("fingerpost run", 1.0, || {
+        let mut command = Command::new(program);
+        command.arg("run").arg(&video).arg("--camera").arg(&camera).arg("--out").arg(&out);
+        command.args(["--frames", "1", "--instruction-set", &set_name(set)]);
+        command
+    });
+    let mut times_ms = Vec::new();
+    for _ in 0..effort.rounds {
+        times_ms.extend((run.time)(1)?);
+    }
+    Ok(Figure {
+        what: format!("start to the end of a run of one frame, {width} x {height}"),
+        value: median(&mut times_ms) / 1e3,
+        unit: "s",
+        promised: Some(Bound::AtMost(PROMISED_FIRST_S)),
+    })
+}
+
+/// A command as a contestant; its time is given as one of so many parts.
+fn whole_command<'a>(name: &str, parts: f64, command: impl Fn() -> Command + 'a) -> Contestant<'a> {
     let program = name.to_owned();
     let time = move |_| {
         let start = Instant::now();
@@ -72,7 +112,7 @@ fn whole_command<'a>(name: &str, frames: u64, command: impl Fn() -> Command + 'a
             .status()
             .with_context(|| format!("{program} cannot be started"))?;
         ensure!(status.success(), "{program} failed: {status}");
-        Ok(vec![start.elapsed().as_secs_f64() * 1e3 / frames as f64])
+        Ok(vec![start.elapsed().as_secs_f64() * 1e3 / parts])
     };
     Contestant { name: name.to_owned(), time: Box::new(time) }
 }

@@ -1,10 +1,16 @@
 //! What was measured, as a table and as JSON.
 
+use fingerpost_vision::simd::InstructionSet;
 use serde::Serialize;
 
 use crate::growth::Growth;
 use crate::machine::Machine;
 use crate::measure::Measured;
+
+/// An instruction set's name, as options have it.
+pub fn set_name(set: InstructionSet) -> String {
+    format!("{set:?}").to_lowercase()
+}
 
 /// How well results agree with a peer's.
 #[derive(Debug, Clone, Serialize)]
@@ -18,6 +24,8 @@ pub struct Agreement {
 pub struct Row {
     pub what: String,
     pub size: String,
+    /// Instruction set that Fingerpost's kernels used at the most, in sections that measure several.
+    pub instruction_set: Option<String>,
     pub contestants: Vec<Measured>,
     /// The peer's time over Fingerpost's.
     pub ratio: f64,
@@ -32,8 +40,16 @@ impl Row {
     pub fn new(what: &str, size: &str, contestants: Vec<Measured>, promised_ratio: Option<f64>) -> Self {
         let ms = |index: usize| contestants.get(index).map_or(f64::NAN, |measured| measured.median_ms);
         let ratio = ms(1) / ms(0);
-        let (what, size) = (what.to_owned(), size.to_owned());
-        Self { what, size, contestants, ratio, promised_ratio, promised_ms: None, agreement: None }
+        Self {
+            what: what.to_owned(),
+            size: size.to_owned(),
+            instruction_set: None,
+            contestants,
+            ratio,
+            promised_ratio,
+            promised_ms: None,
+            agreement: None,
+        }
     }
 
     /// Whether everything promised of it holds.
@@ -45,19 +61,30 @@ impl Row {
     }
 }
 
+/// What a figure is promised to be.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    AtLeast(f64),
+    AtMost(f64),
+}
+
 /// A single figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
     pub what: String,
     pub value: f64,
     pub unit: &'static str,
-    /// Least value that is promised, where one is.
-    pub promised: Option<f64>,
+    pub promised: Option<Bound>,
 }
 
 impl Figure {
     pub fn holds(&self) -> bool {
-        self.promised.is_none_or(|promised| self.value >= promised)
+        match self.promised {
+            None => true,
+            Some(Bound::AtLeast(least)) => self.value >= least,
+            Some(Bound::AtMost(most)) => self.value <= most,
+        }
     }
 }
 
@@ -127,20 +154,25 @@ fn row_line(row: &Row) -> String {
     let agreement = row.agreement.as_ref().map_or("", |agreement| agreement.found.as_str());
     let says = verdict(row.holds(), row.promised_ratio.is_some() || row.agreement.is_some());
     let at_most = row.promised_ms.map_or(String::new(), |promised| format!(" (at most {promised} ms)"));
+    let set = row.instruction_set.as_ref().map_or(String::new(), |set| format!(", {set}"));
     let line = format!(
         "  {:<50} {:<24} {ratio:>8} {promised:<8} {says:<12} {}{at_most}  {agreement}",
         row.what,
-        row.size,
+        format!("{}{set}", row.size),
         contestants.join(", ")
     );
     format!("{}\n", line.trim_end())
 }
 
 fn figure_line(figure: &Figure) -> String {
-    let promised = figure.promised.map_or(String::new(), |promised| format!("of {promised}"));
+    let promised = match figure.promised {
+        None => String::new(),
+        Some(Bound::AtLeast(least)) => format!("of {least}"),
+        Some(Bound::AtMost(most)) => format!("at most {most}"),
+    };
     let says = verdict(figure.holds(), figure.promised.is_some());
     let line = format!(
-        "  {:<75} {:>12} {:<12} {promised:<10} {says}",
+        "  {:<75} {:>12} {:<12} {promised:<12} {says}",
         figure.what,
         number(figure.value),
         figure.unit

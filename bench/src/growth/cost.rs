@@ -1,10 +1,8 @@
 //! What things of several sizes cost, and the power of the size with which that grows.
 
-use std::time::Instant;
-
 use serde::Serialize;
 
-use crate::measure::median;
+use crate::measure::{median, processor_ms};
 
 /// By how much a found power may be above the expected one.
 const TOLERANCE: f64 = 0.1;
@@ -15,6 +13,7 @@ const LEAST: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Cost {
     pub size: f64,
+    /// Processor time, milliseconds.
     pub ms: f64,
     /// Most memory that was held at once, bytes.
     pub bytes: f64,
@@ -26,10 +25,10 @@ impl Cost {
         let mut bytes = 0;
         let mut laps_ms: Vec<f64> = (0..times.max(1))
             .map(|_| {
-                let start = Instant::now();
+                let start_ms = processor_ms();
                 let taken = allocation_counter::measure(|| drop(work()));
                 bytes = taken.bytes_max;
-                start.elapsed().as_secs_f64() * 1e3
+                processor_ms() - start_ms
             })
             .collect();
         Self { size, ms: median(&mut laps_ms), bytes: bytes as f64 }

@@ -1,7 +1,5 @@
 //! The loop against the picture's width and the ground view's side, and the whole method against its reach.
 
-use std::time::Instant;
-
 use anyhow::Result;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_vision::picture::RgbImage;
@@ -9,7 +7,7 @@ use fingerpost_vision::warp::WarpTable;
 
 use super::cost::{Cost, Growth, Powers};
 use crate::footage::Footage;
-use crate::measure::{Effort, median};
+use crate::measure::{Effort, median, processor_ms};
 use crate::trapezium::Trapezium;
 use crate::whole_loop::Loop;
 
@@ -62,13 +60,13 @@ pub fn reaches(effort: Effort, footage: &Footage) -> Result<Growth> {
     Ok(Growth::new(what, "m", costs, Powers { ms: 1.0, bytes: 1.0 }))
 }
 
-/// The median time of a frame, milliseconds.
+/// The median processor time of a frame, milliseconds.
 pub fn frame_ms(effort: Effort, pipeline: &mut Pipeline, footage: &Footage) -> Result<f64> {
     let mut laps_ms = Vec::new();
     for frame in footage.frames.iter().cycle().take(effort.rounds * footage.frames.len()) {
-        let start = Instant::now();
+        let start_ms = processor_ms();
         pipeline.step(frame, Sensors::default(), &mut |_stage| ())?;
-        laps_ms.push(start.elapsed().as_secs_f64() * 1e3);
+        laps_ms.push(processor_ms() - start_ms);
     }
     Ok(median(&mut laps_ms))
 }
@@ -95,7 +93,9 @@ fn of_loop(effort: Effort, frames: &[RgbImage], side_px: usize, size: usize) -> 
     let mut work = work?;
     let mut laps_ms = Vec::new();
     for frame in frames.iter().cycle().take(effort.rounds * frames.len()) {
-        laps_ms.push(work.step(frame)?.iter().sum());
+        let start_ms = processor_ms();
+        work.step(frame)?;
+        laps_ms.push(processor_ms() - start_ms);
     }
     Ok(Cost { size: size as f64, ms: median(&mut laps_ms), bytes: taken.bytes_max as f64 })
 }

@@ -8,6 +8,12 @@ pub fn within(ours: &[u8], theirs: &[u8], tolerance: u8, share: f64) -> Agreemen
     share_of(near, ours.len().max(theirs.len()), share, &format!("within {tolerance}"))
 }
 
+/// At least `share` of the values are the same.
+pub fn same(ours: &[u8], theirs: &[u8], share: f64) -> Agreement {
+    let same = ours.iter().zip(theirs).filter(|(a, b)| a == b).count();
+    share_of(same, ours.len().max(theirs.len()), share, "the same")
+}
+
 /// At least `share` of `all` values are as `condition` says.
 pub fn share_of(good: usize, all: usize, share: f64, condition: &str) -> Agreement {
     let found = good as f64 / all.max(1) as f64;

@@ -6,7 +6,7 @@ use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::warp::WarpTable;
 use serde_json::json;
 
-use super::{Bench, PROMISED, SIDE_PX, agreement, array_of_rgb, rust_crates, size_of, square};
+use super::{Bench, Kernel, Promise, SIDE_PX, agreement, array_of_rgb, rust_crates, size_of, square};
 use crate::peer::Array;
 use crate::results::{Agreement, Row};
 use crate::trapezium::Trapezium;
@@ -19,12 +19,12 @@ const NEAR_SHARE: f64 = 0.999;
 pub fn rows(bench: &mut Bench<'_>) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for side_px in [SIDE_PX, SIDE_PX / 2] {
-        rows.push(warp(bench, side_px)?);
-        rows.push(ground(bench, side_px)?);
+        rows.extend(warp(bench, side_px)?);
+        rows.extend(ground(bench, side_px)?);
     }
     let picture = square(&bench.frames[0], SIDE_PX);
-    rows.push(luma(bench, &picture)?);
-    rows.push(hues(bench, &picture)?);
+    rows.extend(luma(bench, &picture)?);
+    rows.extend(hues(bench, &picture)?);
     Ok(rows)
 }
 
@@ -49,65 +49,77 @@ fn near_where_seen(table: &WarpTable, ours: &[u8], theirs: &[u8], channels: usiz
     agreement::share_of(near, all, NEAR_SHARE, "within 1")
 }
 
-fn warp(bench: &mut Bench<'_>, side_px: usize) -> Result<Row> {
+fn warp(bench: &mut Bench<'_>, side_px: usize) -> Result<Vec<Row>> {
     let frame = &bench.frames[0];
     let (table, [map_x, map_y, _], size) = ground_view(frame, side_px)?;
-    let mut colour = RgbImage::new(side_px, side_px);
-    table.warp_rgb(frame, &mut colour)?;
     let inputs = [array_of_rgb(frame), map_x, map_y];
     let theirs = bench.opencv_gives("remap", &json!({}), &inputs)?;
-    let agreement = near_where_seen(&table, colour.as_slice(), theirs[0].u8s(), RgbImage::CHANNELS);
-    let others = rust_crates::remaps(frame, [&inputs[1].f32s(), &inputs[2].f32s()], side_px);
-    let work = || {
-        let _ = table.warp_rgb(frame, &mut colour);
+    let kernel = Kernel {
+        what: "ground view, colour (remap)",
+        size: &size,
+        promise: Promise::EVERY,
+        fresh: RgbImage::new(side_px, side_px),
+        work: &|colour| Ok(table.warp_rgb(frame, colour)?),
+        compare: &|colour| {
+            Ok(near_where_seen(&table, colour.as_slice(), theirs[0].u8s(), RgbImage::CHANNELS))
+        },
     };
-    bench.row(("ground view, colour (remap)", &size), Some(PROMISED), agreement, work, others)
+    let others = rust_crates::remaps(frame, [&inputs[1].f32s(), &inputs[2].f32s()], side_px);
+    bench.rows(&kernel, others)
 }
 
-fn ground(bench: &mut Bench<'_>, side_px: usize) -> Result<Row> {
+fn ground(bench: &mut Bench<'_>, side_px: usize) -> Result<Vec<Row>> {
     let frame = &bench.frames[0];
     let (table, [map_x, map_y, _], size) = ground_view(frame, side_px)?;
     let division = BinDivision::new(BINS)?;
-    let mut colour = RgbImage::new(side_px, side_px);
-    let mut luma = Plane::new(side_px, side_px, 0_u8);
-    let mut bin = Plane::new(side_px, side_px, 0_u16);
-    table.warp_ground(frame, &division, &mut colour, &mut luma, &mut bin)?;
+    let fresh = (
+        RgbImage::new(side_px, side_px),
+        Plane::new(side_px, side_px, 0_u8),
+        Plane::new(side_px, side_px, 0_u16),
+    );
     let theirs = bench.opencv_gives("ground", &json!({}), &[array_of_rgb(frame), map_x, map_y])?;
-    let agreement = near_where_seen(&table, luma.as_slice(), theirs[2].u8s(), 1);
-    let work = || {
-        let _ = table.warp_ground(frame, &division, &mut colour, &mut luma, &mut bin);
+    let kernel = Kernel {
+        what: "ground view, colour, grey, bin (remap, 2 cvtColor)",
+        size: &size,
+        promise: Promise::EVERY,
+        fresh,
+        work: &|(colour, luma, bin)| Ok(table.warp_ground(frame, &division, colour, luma, bin)?),
+        compare: &|(_, luma, _)| Ok(near_where_seen(&table, luma.as_slice(), theirs[2].u8s(), 1)),
     };
-    let title = ("ground view, colour, grey, bin (remap, 2 cvtColor)", size.as_str());
-    bench.row(title, Some(PROMISED), agreement, work, Vec::new())
+    bench.rows(&kernel, Vec::new())
 }
 
-fn luma(bench: &mut Bench<'_>, picture: &RgbImage) -> Result<Row> {
-    let mut luma = Plane::new(SIDE_PX, SIDE_PX, 0);
-    grey(picture, &mut luma)?;
+fn luma(bench: &mut Bench<'_>, picture: &RgbImage) -> Result<Vec<Row>> {
     let theirs = bench.opencv_gives("grey", &json!({}), &[array_of_rgb(picture)])?;
-    let agreement = agreement::within(luma.as_slice(), theirs[0].u8s(), 1, 1.0);
-    let work = || {
-        let _ = grey(picture, &mut luma);
+    let kernel = Kernel {
+        what: "grey (cvtColor)",
+        size: &size_of(SIDE_PX),
+        promise: Promise::EVERY,
+        fresh: Plane::new(SIDE_PX, SIDE_PX, 0),
+        work: &|luma| Ok(grey(picture, luma)?),
+        compare: &|luma| Ok(agreement::within(luma.as_slice(), theirs[0].u8s(), 1, 1.0)),
     };
-    let others = rust_crates::greys(picture);
-    bench.row(("grey (cvtColor)", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, others)
+    bench.rows(&kernel, rust_crates::greys(picture))
 }
 
-fn hues(bench: &mut Bench<'_>, picture: &RgbImage) -> Result<Row> {
-    let mut hue = Plane::new(SIDE_PX, SIDE_PX, 0);
-    let mut saturation = Plane::new(SIDE_PX, SIDE_PX, 0);
-    hue_saturation(picture, &mut hue, &mut saturation)?;
+fn hues(bench: &mut Bench<'_>, picture: &RgbImage) -> Result<Vec<Row>> {
     let theirs = bench.opencv_gives("hsv", &json!({}), &[array_of_rgb(picture)])?;
     let (pixels, _) = theirs[0].u8s().as_chunks::<3>();
-    let ours = hue.as_slice().iter().zip(saturation.as_slice());
-    let near = ours.zip(pixels).filter(|((hue, saturation), [h, s, _])| {
-        let apart = hue.abs_diff(*h);
-        apart.min(180 - apart.min(180)) <= 1 && saturation.abs_diff(*s) <= 1
-    });
-    let agreement = agreement::share_of(near.count(), SIDE_PX * SIDE_PX, 1.0, "within 1");
-    let work = || {
-        let _ = hue_saturation(picture, &mut hue, &mut saturation);
+    let fresh = (Plane::new(SIDE_PX, SIDE_PX, 0), Plane::new(SIDE_PX, SIDE_PX, 0));
+    let kernel = Kernel {
+        what: "hue and saturation (cvtColor)",
+        size: &size_of(SIDE_PX),
+        promise: Promise::EVERY,
+        fresh,
+        work: &|(hue, saturation)| Ok(hue_saturation(picture, hue, saturation)?),
+        compare: &|(hue, saturation)| {
+            let ours = hue.as_slice().iter().zip(saturation.as_slice());
+            let near = ours.zip(pixels).filter(|((hue, saturation), [h, s, _])| {
+                let apart = hue.abs_diff(*h);
+                apart.min(180 - apart.min(180)) <= 1 && saturation.abs_diff(*s) <= 1
+            });
+            Ok(agreement::share_of(near.count(), SIDE_PX * SIDE_PX, 1.0, "within 1"))
+        },
     };
-    let title = ("hue and saturation (cvtColor)", &*size_of(SIDE_PX));
-    bench.row(title, Some(PROMISED), agreement, work, Vec::new())
+    bench.rows(&kernel, Vec::new())
 }

@@ -8,7 +8,7 @@ use fingerpost_vision::picture::Plane;
 use serde_json::json;
 
 use super::edges::edge_picture;
-use super::{Bench, PROMISED, SIDE_PX, agreement, array_of_plane, rust_crates, size_of};
+use super::{Bench, Kernel, Promise, SIDE_PX, agreement, array_of_plane, rust_crates, size_of};
 use crate::results::{Agreement, Row};
 
 /// Steps of a pixel and a degree.
@@ -22,23 +22,32 @@ const WIDEST_GAP_PX: f64 = 10.0;
 
 pub fn rows(bench: &mut Bench<'_>) -> Result<Vec<Row>> {
     let edges = edge_picture(&bench.frames[0])?;
-    Ok(vec![lines(bench, &edges)?, segments(bench, &edges)?])
+    let mut rows = lines(bench, &edges)?;
+    rows.extend(segments(bench, &edges)?);
+    Ok(rows)
 }
 
-fn lines(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
-    let mut finder = HoughLines::new(PARAMS)?;
-    let ours: Vec<[f64; 2]> =
-        finder.find(edges.view()).iter().map(|line| [line.rho_px, line.theta_rad]).collect();
+fn lines(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Vec<Row>> {
     let theirs =
         bench.opencv_gives("hough_lines", &json!({"votes": PARAMS.votes}), &[array_of_plane(edges)])?;
     let theirs: Vec<[f64; 2]> =
         theirs[0].f32s().as_chunks::<2>().0.iter().map(|line| line.map(f64::from)).collect();
-    let agreement = same_lines(&ours, &theirs);
-    let others = rust_crates::hough_lines(edges, PARAMS.votes);
-    let work = || {
-        finder.find(edges.view());
+    let kernel = Kernel {
+        what: "Hough lines",
+        size: &size_of(SIDE_PX),
+        promise: Promise::EVERY,
+        fresh: HoughLines::new(PARAMS)?,
+        work: &|finder| {
+            finder.find(edges.view());
+            Ok(())
+        },
+        compare: &|finder| {
+            let lines = finder.find(edges.view()).iter();
+            let ours: Vec<[f64; 2]> = lines.map(|line| [line.rho_px, line.theta_rad]).collect();
+            Ok(same_lines(&ours, &theirs))
+        },
     };
-    bench.row(("Hough lines", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, others)
+    bench.rows(&kernel, rust_crates::hough_lines(edges, PARAMS.votes))
 }
 
 /// Each of OpenCV's strongest lines is within a bin of one of ours that is about as strong.
@@ -55,14 +64,32 @@ fn same_lines(ours: &[[f64; 2]], theirs: &[[f64; 2]]) -> Agreement {
 }
 
 /// Segments are not compared one by one: OpenCV's are found in a random order of the pixels.
-fn segments(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
+fn segments(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Vec<Row>> {
     let params = HoughParams { votes: 50, ..PARAMS };
-    let mut finder = HoughSegments::new(params, SHORTEST_PX, WIDEST_GAP_PX)?;
-    let ours: Vec<[[f64; 2]; 2]> =
-        finder.find(edges.view()).iter().map(|segment| [segment.start_px, segment.end_px]).collect();
     let parameters = json!({"votes": params.votes, "min_length": SHORTEST_PX, "max_gap": WIDEST_GAP_PX});
     let theirs = bench.opencv_gives("hough_segments", &parameters, &[array_of_plane(edges)])?;
     let theirs = theirs[0].i32s();
+    let kernel = Kernel {
+        what: "Hough segments",
+        size: &size_of(SIDE_PX),
+        promise: Promise::EVERY,
+        fresh: HoughSegments::new(params, SHORTEST_PX, WIDEST_GAP_PX)?,
+        work: &|finder| {
+            finder.find(edges.view());
+            Ok(())
+        },
+        compare: &|finder| {
+            let segments = finder.find(edges.view()).iter();
+            let ours: Vec<[[f64; 2]; 2]> =
+                segments.map(|segment| [segment.start_px, segment.end_px]).collect();
+            Ok(same_long_segments(&ours, &theirs))
+        },
+    };
+    bench.rows(&kernel, Vec::new())
+}
+
+/// The middles of OpenCV's long segments lie on ours.
+fn same_long_segments(ours: &[[[f64; 2]; 2]], theirs: &[i32]) -> Agreement {
     let (theirs, _) = theirs.as_chunks::<4>();
     let long = theirs
         .iter()
@@ -71,17 +98,13 @@ fn segments(bench: &mut Bench<'_>, edges: &Plane<u8>) -> Result<Row> {
     for segment in long {
         all += 1;
         let [x0, y0, x1, y1] = segment.map(f64::from);
-        covered += usize::from(on_a_segment(&ours, [0.5 * (x0 + x1), 0.5 * (y0 + y1)]));
+        covered += usize::from(on_a_segment(ours, [0.5 * (x0 + x1), 0.5 * (y0 + y1)]));
     }
-    let agreement = Agreement {
+    Agreement {
         found: format!("{covered} of OpenCV's {all} long segments lie on ours, {} in all", ours.len()),
         // Which pixels are left for a segment depends on the order in which others were found.
         holds: all > 0 && 10 * covered >= 9 * all,
-    };
-    let work = || {
-        finder.find(edges.view());
-    };
-    bench.row(("Hough segments", &size_of(SIDE_PX)), Some(PROMISED), agreement, work, Vec::new())
+    }
 }
 
 /// Whether the point lies within two pixels of a segment.

@@ -8,10 +8,10 @@ use crate::fix::RISK;
 use crate::hypothesis::Hypothesis;
 use crate::merging::merge_alike;
 use crate::odometry::Motion;
-use crate::path::{Courses, Sample};
+use crate::path::Courses;
 use crate::random::Random;
 use crate::roads::{Roads, Traffic};
-use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NORTH, OFFSET, OffsetModel, SCALE, State};
+use crate::state::OffsetModel;
 use crate::unmapped::UnmappedRoad;
 
 /// How the vehicle's place beside the line that it should drive is distributed: lane and driver put it up to half a narrow road
@@ -24,17 +24,7 @@ pub(crate) const OFFSET_MODEL: OffsetModel =
 pub(crate) const SCALE_SIGMA: f64 = 0.06;
 /// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
 pub(crate) const BIAS_SIGMA: f64 = 1.75e-3;
-/// Standard deviation of the heading against the road at the start, radians.
-const HEADING_SIGMA: f64 = 0.1;
-/// The same this near to a junction, metres, where the vehicle may be half round a corner.
-pub(crate) const JUNCTION_HEADING_SIGMA: f64 = 0.4;
-const JUNCTION_M: f64 = 10.0;
-/// Distance between hypotheses at the start, metres, where their number allows it.
-const SEED_SPACING_M: f64 = 10.0;
-/// Standard deviation along the road at the start, as a part of the spacing: sums of such bells are even within 2 %.
-const SEED_SIGMA: f64 = 0.6;
-/// Number of hypotheses at the start, and of those that are kept.
-const MOST_SEEDS: f64 = 40_000.0;
+/// Number of hypotheses that are kept.
 const MOST_KEPT: usize = 100_000;
 /// Probability at the start of being on no road of the map.
 pub(crate) const OFF_MAP_AT_START: f64 = 0.05;
@@ -65,8 +55,8 @@ const LEAST_WEIGHT: f64 = 1e-9;
 /// What is believed.
 #[derive(Debug, Clone)]
 pub(crate) struct Belief {
-    roads: Roads,
-    courses: Courses,
+    pub(crate) roads: Roads,
+    pub(crate) courses: Courses,
     /// Heaviest first.
     #[allow(clippy::vec_box, reason = "sorting would move 400 bytes for each: a third of a step's time")]
     pub(crate) hypotheses: Vec<Box<Hypothesis>>,
@@ -78,8 +68,9 @@ pub(crate) struct Belief {
     unmapped: UnmappedRoad,
     /// Distance driven since the map was last in doubt, metres.
     pub(crate) agreed_m: f64,
-    random: Random,
-    tried_m: f64,
+    pub(crate) random: Random,
+    /// Distance driven since all roads were tried, metres.
+    pub(crate) tried_m: f64,
     #[allow(clippy::vec_box, reason = "they go to the hypotheses")]
     waiting: Vec<Box<Hypothesis>>,
 }
@@ -87,8 +78,15 @@ pub(crate) struct Belief {
 impl Belief {
     /// The vehicle may be on any road, either way.
     pub(crate) fn anywhere(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
+        let mut belief = Self::off_map_alone(graph, traffic, seed);
+        belief.begin_anywhere();
+        belief
+    }
+
+    /// A map without hypotheses on it.
+    pub(crate) fn off_map_alone(graph: &RoadGraph, traffic: Traffic, seed: u64) -> Self {
         let roads = Roads::of(graph, traffic);
-        let mut belief = Self {
+        Self {
             unmapped: UnmappedRoad::like(roads.bends()),
             roads,
             courses: Courses::default(),
@@ -99,9 +97,7 @@ impl Belief {
             random: Random::new(seed),
             tried_m: 0.0,
             waiting: Vec::new(),
-        };
-        belief.begin_anywhere();
-        belief
+        }
     }
 
     /// Forgets everything.
@@ -193,34 +189,6 @@ impl Belief {
         self.hypotheses.append(&mut self.waiting);
     }
 
-    /// Hypotheses evenly along all roads, with a probability that they share.
-    fn seed(&mut self, mass: f64) {
-        self.tried_m = 0.0;
-        let total_m: f64 = self.roads.edges().iter().map(|edge| edge.line.length_m()).sum();
-        let spacing_m = SEED_SPACING_M.max(total_m / MOST_SEEDS);
-        let shared: f64 = self.roads.edges().iter().map(|edge| edge.line.length_m() * edge.prior).sum();
-        for index in 0..self.roads.edges().len() {
-            let Some(course) = self.courses.of_edge(&self.roads, index as u32) else { continue };
-            let edge = self.roads.edge(index as u32);
-            let count = (edge.line.length_m() / spacing_m).ceil().max(1.0);
-            let step_m = edge.line.length_m() / count;
-            let first = self.random.unit();
-            for i in 0..count as usize {
-                let along_m = (i as f64 + first) * step_m;
-                let Some(sample) = course.between(along_m, along_m).1.first() else { continue };
-                let from_end_m = along_m.min(edge.line.length_m() - along_m);
-                let heading_sigma =
-                    if from_end_m < JUNCTION_M { JUNCTION_HEADING_SIGMA } else { HEADING_SIGMA };
-                self.hypotheses.push(Box::new(Hypothesis {
-                    course: course.clone(),
-                    along_m,
-                    state: start(sample, step_m * SEED_SIGMA, heading_sigma),
-                    log_weight: libm::log(mass * step_m * edge.prior / shared),
-                }));
-            }
-        }
-    }
-
     /// Gives every hypothesis whose course may end a course for each exit.
     pub(crate) fn branch(&mut self) {
         let Self { hypotheses, waiting, courses, roads, .. } = self;
@@ -273,23 +241,4 @@ impl Belief {
         self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.log_weight -= total);
         self.log_off_map -= total;
     }
-}
-
-/// A vehicle at a place of a road, as sure as `along_m` along it.
-pub(crate) fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
-    let heading_rad = sample.heading_rad;
-    let mut mean = Mean::zeros();
-    (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);
-    let (sine, cosine) = libm::sincos(heading_rad);
-    let mut ahead = Mean::zeros();
-    (ahead[EAST], ahead[NORTH]) = (cosine, sine);
-    // The vehicle is as far beside the line as its offset says.
-    let mut beside = Mean::zeros();
-    (beside[EAST], beside[NORTH], beside[OFFSET]) = (-sine, cosine, 1.0);
-    let mut covariance: Covariance = ahead * ahead.transpose() * along_m.powi(2)
-        + beside * beside.transpose() * OFFSET_MODEL.sigma_m.powi(2);
-    covariance[(HEADING, HEADING)] = heading_sigma.powi(2);
-    covariance[(SCALE, SCALE)] = SCALE_SIGMA.powi(2);
-    covariance[(BIAS, BIAS)] = BIAS_SIGMA.powi(2);
-    State { mean, covariance }
 }

@@ -17,6 +17,7 @@ mod odometry;
 mod path;
 mod random;
 mod roads;
+mod seeding;
 mod speedometer;
 mod start;
 mod state;

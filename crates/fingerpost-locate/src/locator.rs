@@ -72,9 +72,7 @@ impl Locator {
 
     /// A vehicle whose place at the start is known to some extent.
     pub fn near(graph: &RoadGraph, traffic: Traffic, seed: u64, start: &Start) -> Self {
-        let mut belief = Belief::anywhere(graph, traffic, seed);
-        belief.begin_near(start);
-        Self::with(belief)
+        Self::with(Belief::near(graph, traffic, seed, start))
     }
 
     fn with(belief: Belief) -> Self {

@@ -13,6 +13,8 @@ pub(crate) const SPACING_M: f64 = 1.0;
 /// Half the width of the moving average that rounds a course's corners, samples. A right angle becomes a bend of about 9 m radius,
 /// as cars turn at junctions of streets.
 const ROUNDING: usize = 10;
+/// The same, metres.
+pub(crate) const ROUNDING_M: f64 = ROUNDING as f64 * SPACING_M;
 /// Road kept behind the vehicle, metres beyond what its place is unsure by.
 const KEPT_BEHIND_M: f64 = 40.0;
 
@@ -70,8 +72,17 @@ impl Course {
     }
 }
 
+/// Whether a line is long enough for a course.
+pub(crate) fn has_course(line: &Polyline) -> bool {
+    sample_count(line) >= 2
+}
+
+fn sample_count(line: &Polyline) -> usize {
+    (line.length_m() / SPACING_M).floor() as usize + 1
+}
+
 fn smooth(line: &Polyline) -> Vec<Sample> {
-    let count = (line.length_m() / SPACING_M).floor() as usize + 1;
+    let count = sample_count(line);
     // Beyond its ends a polyline goes straight on, so that the average is that of the line there as well.
     let raw: Vec<Point2<f64>> =
         (0..count + 2 * ROUNDING).map(|i| line.at((i as f64 - ROUNDING as f64) * SPACING_M).0).collect();

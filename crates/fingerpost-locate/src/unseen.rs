@@ -1,8 +1,9 @@
 //! Driving of which nothing was measured: the motion log has a gap.
 
-use crate::belief::{Belief, JUNCTION_HEADING_SIGMA, OFF_MAP_AT_START, start};
+use crate::belief::{Belief, OFF_MAP_AT_START};
 use crate::hypothesis::{BRANCH_AHEAD_M, Hypothesis};
 use crate::merging::merge_alike;
+use crate::seeding::{JUNCTION_HEADING_SIGMA, start};
 use crate::state::{BIAS, SCALE};
 
 /// Standard deviation of the distance driven, as a part of what the speeds before and after the gap say: that of anything from

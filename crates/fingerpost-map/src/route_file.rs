@@ -8,7 +8,10 @@
 //! refused. Bearings are converted as if north were the same all along the route, which over 10 km errs by
 //! about a tenth of a degree.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
@@ -144,20 +147,27 @@ pub fn write_route(route: &Route) -> Result<String, RouteFileError> {
 /// Text that is no JSON, no collection with one LineString, or a member with something missing or out of range; the
 /// message says which and what.
 pub fn read_route(text: &str) -> Result<Route, RouteFileError> {
-    let root: Value =
-        serde_json::from_str(text).map_err(|error| RouteFileError::Json { cause: error.to_string() })?;
+    let json_error = |error: serde_json::Error| RouteFileError::Json { cause: error.to_string() };
+    // Members become trees of values one by one: the tree of a whole file takes ten times its length.
+    let root: BTreeMap<String, &RawValue> = match serde_json::from_str(text) {
+        Err(error) if error.is_data() => BTreeMap::new(),
+        read => read.map_err(json_error)?,
+    };
     let collection = |cause: &str| RouteFileError::Collection { cause: cause.to_owned() };
-    if root.get("type").and_then(Value::as_str) != Some("FeatureCollection") {
+    let kind: Option<String> = root.get("type").and_then(|kind| serde_json::from_str(kind.get()).ok());
+    if kind.as_deref() != Some("FeatureCollection") {
         return Err(collection("its \"type\" is not \"FeatureCollection\""));
     }
-    let members = root.get("features").and_then(Value::as_array);
+    let members: Option<Vec<&RawValue>> =
+        root.get("features").and_then(|members| serde_json::from_str(members.get()).ok());
     let members = members.ok_or_else(|| collection("it has no list \"features\""))?;
     if members.len() > MOST_FEATURES {
         return Err(collection(&format!("it has {} features, more than {MOST_FEATURES}", members.len())));
     }
     let mut lines = Vec::new();
     let mut features = Vec::new();
-    for (index, value) in members.iter().enumerate() {
+    for (index, member) in members.iter().enumerate() {
+        let value: Value = serde_json::from_str(member.get()).map_err(json_error)?;
         let in_member = |cause| RouteFileError::Member { index: index + 1, cause };
         let geometry = value.get("geometry").unwrap_or(&Value::Null);
         let coordinates = geometry.get("coordinates").unwrap_or(&Value::Null);

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use crate::border::Border;
 use crate::simd::{CodePath, InstructionSet};
 
 /// Pixels that a kernel computes together: two of the widest vector registers of 16-bit numbers, and a whole number of
@@ -28,6 +27,13 @@ pub(crate) fn fastest_for_unaligned_rows() -> CodePath {
 pub(crate) fn block_starts(width: usize) -> impl Iterator<Item = usize> {
     let count = if width < BLOCK { 0 } else { width.div_ceil(BLOCK) };
     (0..count).map(move |index| (index * BLOCK).min(width - BLOCK))
+}
+
+/// The same for two blocks at once, in a row of two or more.
+#[inline(always)]
+pub(crate) fn double_block_starts(width: usize) -> impl Iterator<Item = usize> {
+    let count = if width < 2 * BLOCK { 0 } else { width.div_ceil(2 * BLOCK) };
+    (0..count).map(move |index| (2 * index * BLOCK).min(width - 2 * BLOCK))
 }
 
 /// The pixels of a row of `width` pixels that no block covers.
@@ -86,11 +92,5 @@ impl<T: Copy + Default> PaddedRows<T> {
     pub(crate) fn copy_first_from(&mut self, number: usize) {
         let from = self.start + number * self.pitch;
         self.values.copy_within(from..from + self.pitch, self.start);
-    }
-
-    /// Fills what is beyond a row's ends.
-    pub(crate) fn pad(&mut self, number: usize, border: Border) {
-        let row = &mut self.values[self.start + number * self.pitch..][..self.width + 2 * self.reach];
-        border.pad(row, self.reach);
     }
 }

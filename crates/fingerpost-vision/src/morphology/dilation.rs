@@ -6,7 +6,7 @@
 mod avx512;
 
 use super::element::{MAX_SIZE_PX, Rectangle, StructuringElement};
-use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, single_pixels};
+use crate::blocks::{BAND_ROWS, BLOCK, PaddedRows, block_starts, double_block_starts, single_pixels};
 use crate::error::{PictureError, check_size};
 use crate::picture::{Plane, PlaneView};
 #[cfg(target_arch = "x86_64")]
@@ -74,7 +74,7 @@ impl Dilation {
             let band = band_start..height.min(band_start + BAND_ROWS);
             let mut next = 0;
             for &Rectangle { reach_x, reach_y } in &self.element.rectangles {
-                let (raise_columns, raise_rows): (RaiseColumns, RaiseRows) = if next == 0 {
+                let (find_columns, find_rows): (RaiseColumns, RaiseRows) = if next == 0 {
                     (column_maxima::<FROM_NOTHING>, row_maxima::<FROM_NOTHING>)
                 } else {
                     (column_maxima::<FURTHER>, row_maxima::<FURTHER>)
@@ -89,11 +89,11 @@ impl Dilation {
                             count += 1;
                         }
                     }
-                    raise_columns(path, &rows[..count], self.maxima.inner_mut(number));
+                    find_columns(path, &rows[..count], self.maxima.inner_mut(number));
                 }
                 next = reach_y + 1;
                 for (number, y) in band.clone().enumerate() {
-                    raise_rows(path, self.maxima.row(number, reach_x), target.row_mut(y));
+                    find_rows(path, self.maxima.row(number, reach_x), target.row_mut(y));
                 }
             }
         }
@@ -118,44 +118,65 @@ fn raise<const N: usize>(mut maxima: [u8; N], row: &[u8], x: usize) -> [u8; N] {
     maxima
 }
 
+/// The largest pixel of each of `N` columns of `rows` from `x` on, or of those and `maxima`.
+#[inline(always)]
+fn raise_columns<const KEEP: bool, const N: usize>(rows: &[&[u8]], maxima: &mut [u8], x: usize) {
+    let mut block = [0; N];
+    if KEEP {
+        block = raise(block, maxima, x);
+    }
+    for row in rows {
+        block = raise(block, row, x);
+    }
+    maxima[x..x + N].copy_from_slice(&block);
+}
+
 simd_kernel! {
     /// Finds the largest pixel of each column of `rows`, or of those and `maxima`.
     fn column_maxima<const KEEP: bool>(rows: &[&[u8]], maxima: &mut [u8]) {
+        if maxima.len() >= 2 * BLOCK {
+            for x in double_block_starts(maxima.len()) {
+                raise_columns::<KEEP, { 2 * BLOCK }>(rows, maxima, x);
+            }
+            return;
+        }
         for x in block_starts(maxima.len()) {
-            let mut block = [0; BLOCK];
-            if KEEP {
-                block = raise(block, maxima, x);
-            }
-            for row in rows {
-                block = raise(block, row, x);
-            }
-            maxima[x..x + BLOCK].copy_from_slice(&block);
+            raise_columns::<KEEP, BLOCK>(rows, maxima, x);
         }
         for x in single_pixels(maxima.len()) {
-            let before = if KEEP { maxima[x] } else { 0 };
-            maxima[x] = rows.iter().fold(before, |maximum, row| maximum.max(row[x]));
+            raise_columns::<KEEP, 1>(rows, maxima, x);
         }
     }
+}
+
+/// The largest pixel of each of `N` windows of `row` from `x` on, or of those and `out`.
+#[inline(always)]
+fn raise_windows<const KEEP: bool, const N: usize>(row: &[u8], out: &mut [u8], x: usize) {
+    let mut block = [0; N];
+    if KEEP {
+        block = raise(block, out, x);
+    }
+    for tap in 0..row.len() - out.len() + 1 {
+        block = raise(block, row, x + tap);
+    }
+    out[x..x + N].copy_from_slice(&block);
 }
 
 simd_kernel! {
     /// Finds the largest pixel of the windows of `row`, or of those and `out`. `row` is longer than `out` by the window
     /// less one.
     fn row_maxima<const KEEP: bool>(row: &[u8], out: &mut [u8]) {
-        let taps = row.len() - out.len() + 1;
+        if out.len() >= 2 * BLOCK {
+            for x in double_block_starts(out.len()) {
+                raise_windows::<KEEP, { 2 * BLOCK }>(row, out, x);
+            }
+            return;
+        }
         for x in block_starts(out.len()) {
-            let mut block = [0; BLOCK];
-            if KEEP {
-                block = raise(block, out, x);
-            }
-            for tap in 0..taps {
-                block = raise(block, row, x + tap);
-            }
-            out[x..x + BLOCK].copy_from_slice(&block);
+            raise_windows::<KEEP, BLOCK>(row, out, x);
         }
         for x in single_pixels(out.len()) {
-            let before = if KEEP { out[x] } else { 0 };
-            out[x] = row[x..x + taps].iter().fold(before, |maximum, &pixel| maximum.max(pixel));
+            raise_windows::<KEEP, 1>(row, out, x);
         }
     }
 }
