@@ -1,8 +1,8 @@
 //! Look-up of a value for every pixel's bin.
 
-use crate::simd::CodePath;
 #[cfg(target_arch = "x86_64")]
 use crate::simd::InstructionSet;
+use crate::simd::{CodePath, simd_kernel};
 
 /// Bins that a pixel can hold.
 const ALL_BINS: usize = 1 << 16;
@@ -37,20 +37,27 @@ impl BinLookup {
             InstructionSet::Avx512 if self.count <= IN_REGISTERS => unsafe {
                 x86::look_up(&self.values, bins, out)
             },
-            _ => look_up(&self.values, bins, out),
+            _ => {
+                look_up(&self.values, bins, out);
+                largest_of(path, bins)
+            }
         };
         if usize::from(largest) < self.count || bins.is_empty() { Ok(()) } else { Err(largest) }
     }
 }
 
-/// Looks the values up one by one and returns the largest bin.
-fn look_up(values: &[u8; ALL_BINS], bins: &[u16], out: &mut [u8]) -> u16 {
-    let mut largest = 0;
+/// Looks the values up one by one.
+fn look_up(values: &[u8; ALL_BINS], bins: &[u16], out: &mut [u8]) {
     for (out, &bin) in out.iter_mut().zip(bins) {
-        largest = bin.max(largest);
         *out = values[usize::from(bin)];
     }
-    largest
+}
+
+simd_kernel! {
+    /// The largest bin, by itself: found with each look-up it would hold the next one up.
+    fn largest_of(bins: &[u16]) -> u16 {
+        bins.iter().fold(0, |largest, &bin| largest.max(bin))
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -112,6 +119,7 @@ mod x86 {
         // The smallest of the complements is that of the largest.
         let smallest = _mm_minpos_epu16(_mm_xor_si128(lanes, _mm_set1_epi8(-1)));
         let of_blocks = !(_mm_extract_epi16::<0>(smallest) as u16);
-        of_blocks.max(look_up_rest(values, rest, rest_out))
+        look_up_rest(values, rest, rest_out);
+        rest.iter().fold(of_blocks, |largest, &bin| largest.max(bin))
     }
 }
