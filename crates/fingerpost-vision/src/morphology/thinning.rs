@@ -32,7 +32,13 @@ pub struct Thinning {
     shapes: Vec<u64>,
     /// The shapes after the turn that is being computed.
     next: Vec<u64>,
+    /// Of each row of the shapes, the turns since something was taken away from it, the one at hand with them: a row whose
+    /// neighbourhood is as it was when both kinds of turn last took nothing away from it is left out.
+    idle_turns: Vec<u8>,
 }
+
+/// A row is computed while a row of its neighbourhood has been idle for fewer turns: the kind of turn at hand was the last but one.
+const IDLE_TURNS: u8 = 2;
 
 /// A turn takes away pixels where either of two groups of neighbours has an empty one: above, right, below, left.
 type EmptyGroups = [[bool; 4]; 2];
@@ -71,8 +77,16 @@ impl Thinning {
             plane.clear();
             plane.resize(pitch * (source.height() + 2), 0);
         }
-        for (row, words) in self.shapes.chunks_exact_mut(pitch).skip(1).zip(self.bits.rows()) {
+        // What is empty stays so.
+        self.idle_turns.clear();
+        self.idle_turns.resize(source.height() + 2, IDLE_TURNS);
+        let idle_turns = self.idle_turns.iter_mut().skip(1);
+        let rows = self.shapes.chunks_exact_mut(pitch).skip(1).zip(self.bits.rows());
+        for ((row, words), idle_turns) in rows.zip(idle_turns) {
             row[1..pitch - 1].copy_from_slice(words);
+            if words.iter().any(|&word| word != 0) {
+                *idle_turns = 0;
+            }
         }
         let mut still = 0;
         let mut turns = [FIRST_TURN, SECOND_TURN].into_iter().cycle();
@@ -93,11 +107,30 @@ impl Thinning {
     /// Whether anything was taken away.
     fn take_turn(&mut self, path: CodePath, pitch: usize, groups: EmptyGroups) -> bool {
         let mut taken = 0;
+        // Of the row above, before this turn.
+        let mut above_idle = IDLE_TURNS;
         for (y, next) in self.next.chunks_exact_mut(pitch).enumerate().skip(1) {
             let rows = |y: usize| self.shapes.get(y * pitch..(y + 1) * pitch);
-            if let (Some(above), Some(here), Some(below)) = (rows(y - 1), rows(y), rows(y + 1)) {
-                taken |= thin_row(path, [above, here, below], groups, &mut next[1..pitch - 1]);
+            let (Some(above), Some(here), Some(below)) = (rows(y - 1), rows(y), rows(y + 1)) else {
+                continue;
+            };
+            let Some([here_idle, below_idle]) =
+                self.idle_turns.get_mut(y..).and_then(|idle| idle.first_chunk_mut())
+            else {
+                continue;
+            };
+            let around_idle = above_idle.min(*here_idle).min(*below_idle);
+            above_idle = *here_idle;
+            *here_idle = here_idle.saturating_add(1);
+            // A row that was left alone in the last turn is the same in both planes.
+            if around_idle >= IDLE_TURNS {
+                continue;
             }
+            let taken_here = thin_row(path, [above, here, below], groups, &mut next[1..pitch - 1]);
+            if taken_here != 0 {
+                *here_idle = 0;
+            }
+            taken |= taken_here;
         }
         std::mem::swap(&mut self.shapes, &mut self.next);
         taken != 0
