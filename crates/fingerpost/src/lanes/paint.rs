@@ -125,6 +125,10 @@ impl PaintFinder {
         for (step, ((inner, middle), outer)) in self.steps.iter_mut().skip(side).zip(ends) {
             *step = (outer - 2 * middle + inner) as f32 * level;
         }
+        // Most rows show no paint.
+        if self.steps.iter().all(|step| *step < LEAST_STEP) {
+            return None;
+        }
         let threshold = self.threshold(side);
         let most_rise = (2.0 * search.reach_px + margin_px + 2.0) as usize;
         self.collect_bars(threshold, [narrowest as usize, widest as usize], most_rise, side);

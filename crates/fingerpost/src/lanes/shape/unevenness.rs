@@ -28,6 +28,8 @@ struct Seen {
 #[derive(Debug, Default)]
 pub(super) struct Unevenness {
     seen: Vec<Seen>,
+    /// Covariances of the places without their own variances, the lower triangle row by row.
+    covariances: Vec<f64>,
     /// Lower triangle of the factor of the covariance, row by row.
     factor: Vec<f64>,
     /// What each place adds to another by their covariance, 1/m.
@@ -38,6 +40,7 @@ impl Unevenness {
     /// Forgets what was seen.
     pub(super) fn clear(&mut self) {
         self.seen.clear();
+        self.covariances.clear();
         self.factor.clear();
         self.pulls.clear();
     }
@@ -45,6 +48,7 @@ impl Unevenness {
     /// Makes room for so many places, so that none is made while frames are taken in.
     pub(super) fn make_room(&mut self, places: usize) {
         self.seen.reserve(places);
+        self.covariances.reserve(places * (places + 1) / 2);
         self.factor.reserve(places * (places + 1) / 2);
         self.pulls.reserve(places);
     }
@@ -56,13 +60,25 @@ impl Unevenness {
 
     /// Takes what was noted together: once as it is, and again with less of what does not fit.
     pub(super) fn fit(&mut self) {
+        let Self { seen, covariances, .. } = self;
+        covariances.clear();
+        for (i, at) in seen.iter().enumerate() {
+            covariances.extend(seen[..=i].iter().map(|other| covariance_m2(at.ahead_m - other.ahead_m)));
+        }
         self.solve();
         for index in 0..self.seen.len() {
-            let Seen { ahead_m, left_m, .. } = self.seen[index];
-            let off_m = left_m - self.left_m(ahead_m);
+            let off_m = self.seen[index].left_m - self.left_of_m(index);
             self.seen[index].variance_m2 += off_m * off_m / (OUTLIER_SIGMAS * OUTLIER_SIGMAS);
         }
         self.solve();
+    }
+
+    /// How far left of the lane's curve the edge is at a place at which paint was seen, metres.
+    fn left_of_m(&self, index: usize) -> f64 {
+        let row = triangle(index);
+        let before = &self.covariances[row..row + index];
+        let from = (index..self.seen.len()).map(|other| &self.covariances[triangle(other) + index]);
+        before.iter().chain(from).zip(&self.pulls).map(|(covariance_m2, pull)| covariance_m2 * pull).sum()
     }
 
     /// How far left of the lane's curve the edge is so far ahead, metres.
@@ -76,15 +92,15 @@ impl Unevenness {
 
     /// Solves for the pulls by a Cholesky factor; the variances keep it positive.
     fn solve(&mut self) {
-        let Self { seen, factor, pulls } = self;
+        let Self { seen, covariances, factor, pulls } = self;
         factor.clear();
         pulls.clear();
         for (i, at) in seen.iter().enumerate() {
             let row = factor.len();
             let mut pull = at.left_m;
-            for (j, other) in seen[..=i].iter().enumerate() {
-                let before = j * (j + 1) / 2;
-                let mut value = covariance_m2(at.ahead_m - other.ahead_m);
+            for (j, covariance_m2) in covariances[row..=row + i].iter().enumerate() {
+                let before = triangle(j);
+                let mut value = *covariance_m2;
                 value -= dot(&factor[row..row + j], &factor[before..before + j]);
                 if j < i {
                     value /= factor[before + j];
@@ -98,7 +114,7 @@ impl Unevenness {
             pulls.push(pull);
         }
         for i in (0..pulls.len()).rev() {
-            let row = i * (i + 1) / 2;
+            let row = triangle(i);
             pulls[i] /= factor[row + i];
             let pull = pulls[i];
             for (earlier, value) in pulls[..i].iter_mut().zip(&factor[row..row + i]) {
@@ -106,6 +122,11 @@ impl Unevenness {
             }
         }
     }
+}
+
+/// Where a row of a lower triangle begins.
+const fn triangle(row: usize) -> usize {
+    row * (row + 1) / 2
 }
 
 /// How alike two places are that lie so far apart, square metres.
