@@ -1,5 +1,7 @@
 //! The steps from the region of interest to the lines of its sections, as figures 4 to 12 of paper 3 show them.
 
+use std::ops::Range;
+
 use fingerpost::lanes::{EdgeSteps, LaneEvidence, LineVerdict};
 use fingerpost_vision::components::{ConnectedComponents, Connectivity};
 use fingerpost_vision::picture::{Plane, Rect};
@@ -110,11 +112,18 @@ fn dots(
         let [from, to] = [at, at + 1].map(|at| at * source / length);
         from..to.max(from + 1).min(source)
     };
-    canvas.picture(area, (area.width, area.height), |x, y| {
-        let mut places = beneath(y, area.height, source.1)
-            .flat_map(|v| beneath(x, area.width, source.0).map(move |u| (u, v)));
-        places.find_map(|(u, v)| colour_at(u, v)).unwrap_or(palette::SHADE)
-    });
+    let columns: Vec<Range<usize>> = (0..area.width).map(|x| beneath(x, area.width, source.0)).collect();
+    let rows: Vec<Range<usize>> = (0..area.height).map(|y| beneath(y, area.height, source.1)).collect();
+    let mut dots = Plane::new(area.width, area.height, palette::SHADE);
+    for (y, rows) in rows.into_iter().enumerate() {
+        for (dot, columns) in dots.row_mut(y).iter_mut().zip(&columns) {
+            let mut places = rows.clone().flat_map(|v| columns.clone().map(move |u| (u, v)));
+            if let Some(colour) = places.find_map(|(u, v)| colour_at(u, v)) {
+                *dot = colour;
+            }
+        }
+    }
+    canvas.picture(area, dots.size(), |x, y| dots.get(x, y).unwrap_or(palette::SHADE));
 }
 
 /// The sections and the straight lines of the frame.
