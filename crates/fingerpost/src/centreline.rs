@@ -242,7 +242,8 @@ impl CentrelineFinder {
         for index in 1..=self.rect.height / self.section_rows {
             let top = self.rect.height - index * self.section_rows;
             let rect = Rect { x: 0, y: top, width: self.rect.width, height: self.section_rows };
-            let lines = self.hough.find(self.edges.view().crop(rect)?);
+            let slopes = finder.slopes(rect, &self.course);
+            let lines = self.hough.find_leaning(self.edges.view().crop(rect)?, slopes);
             let mut section = finder.section(lines, rect, &self.course);
             if corner_m.is_some_and(|corner_m| section.forward_m[1] > corner_m) {
                 (section.edges, section.section_use) = ([None; 2], SectionUse::BeyondCorner);

@@ -1,6 +1,8 @@
 //! Lines: votes for every angle and distance, and their local maxima.
 
 use std::cmp::Reverse;
+use std::f64::consts::FRAC_PI_2;
+use std::ops::{Range, RangeInclusive};
 
 use super::{HoughError, HoughLine, HoughParams};
 use crate::bit_plane::{BitPlane, WORD_PX};
@@ -37,6 +39,8 @@ pub struct HoughLines {
     params: HoughParams,
     /// Of every angle, its cosine and sine in steps of rho.
     normals: Vec<[f32; 2]>,
+    /// Columns a row of the lines of every angle; endless where they are level.
+    slopes: Vec<f64>,
     bits: BitPlane,
     /// Columns and rows of the pixels that vote.
     pub(super) places: [Vec<f32>; 2],
@@ -62,6 +66,7 @@ impl HoughLines {
         Ok(Self {
             params,
             normals: params.angles().map(normal).collect(),
+            slopes: params.angles().map(|angle| -libm::tan(angle)).collect(),
             bits: BitPlane::default(),
             places: [Vec::new(), Vec::new()],
             bins: Default::default(),
@@ -77,7 +82,44 @@ impl HoughLines {
         self.find_on(CodePath::fastest(), edges)
     }
 
+    /// The same lines, but those alone that lean to the right, downwards, by so many columns a row.
+    pub fn find_leaning(
+        &mut self,
+        edges: PlaneView<'_, u8>,
+        columns_per_row: RangeInclusive<f64>,
+    ) -> &[HoughLine] {
+        self.find_leaning_on(CodePath::fastest(), edges, columns_per_row)
+    }
+
     pub(super) fn find_on(&mut self, path: CodePath, edges: PlaneView<'_, u8>) -> &[HoughLine] {
+        let all = 0..self.normals.len();
+        self.find_among(path, edges, [all.clone(), all.end..all.end])
+    }
+
+    fn find_leaning_on(
+        &mut self,
+        path: CodePath,
+        edges: PlaneView<'_, u8>,
+        columns_per_row: RangeInclusive<f64>,
+    ) -> &[HoughLine] {
+        // Angles up to a right one lean to the left, the more the larger they are, and further ones to the right, the less.
+        let upright = self.params.angles().take_while(|angle| *angle <= FRAC_PI_2).count();
+        let among = |angles: Range<usize>| {
+            let leans = |angle: &usize| columns_per_row.contains(&self.slopes[*angle]);
+            let first = angles.clone().find(leans).unwrap_or(angles.end);
+            first..angles.rev().find(leans).map_or(first, |last| last + 1)
+        };
+        let angles = [among(0..upright), among(upright..self.normals.len())];
+        self.find_among(path, edges, angles)
+    }
+
+    /// The lines of two ranges of angles, the second behind the first.
+    fn find_among(
+        &mut self,
+        path: CodePath,
+        edges: PlaneView<'_, u8>,
+        angles: [Range<usize>; 2],
+    ) -> &[HoughLine] {
         self.bits.fill_from(path, edges);
         self.collect_places();
         self.lines.clear();
@@ -89,8 +131,23 @@ impl HoughLines {
         let diagonal_px = libm::hypot(edges.width() as f64, edges.height() as f64);
         let middle = (diagonal_px / self.params.rho_step_px).ceil() as usize + 1;
         let bins = 2 * middle + 1;
-        self.vote(path, bins, middle);
-        self.collect_maxima(path, bins);
+        self.votes.resize(bins * self.normals.len(), 0);
+        for of_pixels in &mut self.bins {
+            of_pixels.resize(self.places[0].len(), 0);
+        }
+        let mut voted = 0;
+        for angles in angles.iter().filter(|angles| !angles.is_empty()) {
+            // Lines have more votes than those of the angles beside them, which are asked too.
+            let with_neighbours = angles.start.saturating_sub(1)..(angles.end + 1).min(self.normals.len());
+            self.vote(path, bins, middle, with_neighbours.start.max(voted)..with_neighbours.end);
+            voted = with_neighbours.end;
+        }
+        self.found.clear();
+        for angles in angles {
+            self.collect_maxima(path, bins, angles);
+        }
+        let votes = &self.votes;
+        self.found.sort_unstable_by_key(|&index| (Reverse(votes[index]), index));
         self.lines.extend(self.found.iter().map(|&index| HoughLine {
             rho_px: ((index % bins) as f64 - middle as f64) * self.params.rho_step_px,
             theta_rad: (index / bins) as f64 * self.params.theta_step_rad,
@@ -115,15 +172,14 @@ impl HoughLines {
         }
     }
 
-    fn vote(&mut self, path: CodePath, bins: usize, middle: usize) {
+    /// Lets the pixels vote for the lines of some angles.
+    fn vote(&mut self, path: CodePath, bins: usize, middle: usize, angles: Range<usize>) {
         let [columns, rows] = &self.places;
-        self.votes.clear();
-        self.votes.resize(bins * self.normals.len(), 0);
-        for of_pixels in &mut self.bins {
-            of_pixels.resize(columns.len(), 0);
-        }
-        let angles = self.votes.chunks_mut(bins * ANGLES_TOGETHER);
-        for (votes, normals) in angles.zip(self.normals.chunks(ANGLES_TOGETHER)) {
+        let Some(votes) = self.votes.get_mut(bins * angles.start..bins * angles.end) else { return };
+        votes.fill(0);
+        let normals = self.normals.get(angles).unwrap_or_default();
+        for (votes, normals) in votes.chunks_mut(bins * ANGLES_TOGETHER).zip(normals.chunks(ANGLES_TOGETHER))
+        {
             for (of_pixels, &normal) in self.bins.iter_mut().zip(normals) {
                 bins_of(path, columns, rows, normal, middle as u32, of_pixels);
             }
@@ -137,17 +193,18 @@ impl HoughLines {
         }
     }
 
-    /// Finds the bins that have enough votes, more than those before them and as many as those behind them.
-    fn collect_maxima(&mut self, path: CodePath, bins: usize) {
+    /// Finds the bins of some angles that have enough votes, more than those before them and as many as those behind them.
+    fn collect_maxima(&mut self, path: CodePath, bins: usize, angles: Range<usize>) {
         let (votes, enough) = (&self.votes, self.params.votes);
         let at = |index: Option<usize>| index.and_then(|index| votes.get(index)).copied().unwrap_or(0);
-        self.found.clear();
-        for (number, together) in votes.chunks(BINS_TOGETHER).enumerate() {
+        let first = bins * angles.start;
+        let of_angles = votes.get(first..bins * angles.end).unwrap_or_default();
+        for (number, together) in of_angles.chunks(BINS_TOGETHER).enumerate() {
             if !any_above(path, together, enough) {
                 continue;
             }
             for (offset, &own) in together.iter().enumerate() {
-                let index = number * BINS_TOGETHER + offset;
+                let index = first + number * BINS_TOGETHER + offset;
                 // The first and the last bin of every angle are empty, so the neighbours are of the same angle.
                 if own > enough
                     && own > at(index.checked_sub(1))
@@ -159,7 +216,6 @@ impl HoughLines {
                 }
             }
         }
-        self.found.sort_unstable_by_key(|&index| (Reverse(votes[index]), index));
     }
 }
 

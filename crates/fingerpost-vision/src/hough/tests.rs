@@ -74,6 +74,25 @@ proptest! {
     }
 
     #[test]
+    fn lines_that_lean_are_those_of_all_lines(
+        pictures in prop::collection::vec(binary_pictures(), 1..4),
+        theta_step_deg in prop_oneof![Just(1.0), 2.0..50.0_f64],
+        votes in 0..20_u32,
+        (from, width) in (-3.0..3.0_f64, 0.0..4.0_f64),
+    ) {
+        let params = params(1.0, theta_step_deg, votes);
+        let (mut all, mut leaning) = (HoughLines::new(params).unwrap(), HoughLines::new(params).unwrap());
+        let leans = from..=from + width;
+        // One after the other: what is left of the picture before counts for nothing.
+        for picture in &pictures {
+            let lines = all.find(picture.view()).iter().copied();
+            let expected: Vec<HoughLine> =
+                lines.filter(|line| leans.contains(&-libm::tan(line.theta_rad))).collect();
+            prop_assert_eq!(leaning.find_leaning(picture.view(), leans.clone()), &expected[..]);
+        }
+    }
+
+    #[test]
     fn segments_keep_to_their_line_and_their_limits(
         picture in binary_pictures(),
         votes in 5..15_u32,

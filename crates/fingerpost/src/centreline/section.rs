@@ -1,5 +1,7 @@
 //! The road's edges in a section of the window.
 
+use std::ops::RangeInclusive;
+
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::hough::HoughLine;
 use fingerpost_vision::picture::{PlaneView, Rect};
@@ -44,18 +46,44 @@ pub(super) struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// The edges in `rect` of the window. `road` is where the road's middle is expected: at first along the
-    /// vehicle, which stands on it.
-    pub(super) fn section(&self, lines: &[HoughLine], rect: Rect, road: &RoadCourse) -> SectionEvidence {
+    /// Columns a row that a line in `rect` of the window may have to be an edge.
+    pub(super) fn slopes(&self, rect: Rect, road: &RoadCourse) -> RangeInclusive<f64> {
+        // Lines on the limit are asked again when their exact slope is known.
+        const ROUNDING: f64 = 1e-6;
+        let (slope, most) = (self.expected(rect, road)[1], self.max_turn() + ROUNDING);
+        (slope - most).max(-1.0 - ROUNDING)..=(slope + most).min(1.0 + ROUNDING)
+    }
+
+    /// How far ahead a rectangle of the window begins and ends, metres.
+    fn forward_m(&self, rect: Rect) -> [f64; 2] {
         let x = |row: f64| {
             let row = (self.top + rect.y) as f64 + row;
             self.grid.vehicle_from_ground(GroundPixel { column: 0.0, row }).x
         };
-        let forward_m = [x(rect.height as f64 - 0.5), x(-0.5)];
-        let [middle_m, slope] = road.at(0.5 * (forward_m[0] + forward_m[1]));
-        let max_turn = libm::tan(self.config.max_heading_deg.to_radians());
+        [x(rect.height as f64 - 0.5), x(-0.5)]
+    }
+
+    /// How far left the road's middle is expected in a rectangle, metres, and how much farther a metre ahead.
+    fn expected(&self, rect: Rect, road: &RoadCourse) -> [f64; 2] {
+        let [near_m, far_m] = self.forward_m(rect);
+        road.at(0.5 * (near_m + far_m))
+    }
+
+    fn max_turn(&self) -> f64 {
+        libm::tan(self.config.max_heading_deg.to_radians())
+    }
+
+    /// The edges in `rect` of the window, of lines with the most votes first. `road` is where the road's middle is expected: at first
+    /// along the vehicle, which stands on it.
+    pub(super) fn section(&self, lines: &[HoughLine], rect: Rect, road: &RoadCourse) -> SectionEvidence {
+        let forward_m = self.forward_m(rect);
+        let [middle_m, slope] = self.expected(rect, road);
+        let max_turn = self.max_turn();
         let mut edges: [Option<RoadEdge>; 2] = [None; 2];
         for line in lines {
+            if edges.iter().all(Option::is_some) {
+                break;
+            }
             let Some(course) = Course::of(line, rect) else { continue };
             // Left of the picture is left, and up is ahead: columns a row are metres to the left a metre ahead.
             let edge_slope = course.columns_per_row;
