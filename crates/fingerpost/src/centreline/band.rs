@@ -234,25 +234,31 @@ impl Band<'_> {
 
     /// Log-odds of road across a band at a station, a place with a direction, less those of what is beside it.
     fn station(&self, (place, direction): Station) -> f64 {
-        let left = left(direction) * self.width_m;
-        let at = |across: &f64| self.shown.log_odds(place + left * *across, self.log_odds);
+        let grid = self.shown.grid;
+        let per_m = 1.0 / grid.metres_per_pixel();
+        // Pixels from the view's upper left corner, and how many of them the road's width is to the left.
+        let corner = [(grid.half_width_m() - place.y) * per_m, (grid.far_m() - place.x) * per_m];
+        let width_px = self.width_m * per_m;
+        let left = [-direction.x * width_px, direction.y * width_px];
+        let at = |across: &f64| {
+            let [column, row] = [0, 1].map(|axis: usize| corner[axis] + across * left[axis]);
+            self.shown.log_odds(column, row, self.log_odds)
+        };
         let beside = |across: &f64| at(across).clamp(-MOST_BESIDE, MOST_BESIDE);
         ACROSS.iter().map(at).sum::<f64>() - BESIDE.iter().map(beside).sum::<f64>()
     }
 }
 
 impl Shown<'_> {
-    /// Log-odds of road at a place; none where it is not known.
-    fn log_odds(&self, place: Point2<f64>, log_odds: &LogOdds) -> f64 {
-        let pixel = self.grid.ground_from_vehicle(place);
-        // Half a pixel up, and what is behind the point left away, is the nearest pixel.
-        let (column, row) = (pixel.column + 0.5, pixel.row + 0.5);
-        let (columns, rows) = (self.grid.columns() as f64, self.grid.rows() as f64);
-        if !(0.0..columns).contains(&column) || !(0.0..rows).contains(&row) {
+    /// Log-odds of road at a place, columns and rows from the view's upper left corner; none where it is not known.
+    fn log_odds(&self, column: f64, row: f64, log_odds: &LogOdds) -> f64 {
+        if !(column >= 0.0 && row >= 0.0) {
             return 0.0;
         }
-        let (column, row) = (column as usize, row as usize);
-        if self.known.row(row)[column] == 0 {
+        // What is behind the point is left away: pixels have whole corners.
+        let (column, row) = (column as u32 as usize, row as u32 as usize);
+        let (columns, rows) = self.known.size();
+        if column >= columns || row >= rows || self.known.row(row)[column] == 0 {
             return 0.0;
         }
         log_odds.0[usize::from(self.probability.row(row)[column])]
