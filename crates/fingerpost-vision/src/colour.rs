@@ -7,12 +7,12 @@
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod kernel;
-mod lanes;
+pub(crate) mod lanes;
 #[cfg(test)]
 mod tests;
 mod yuv;
 
-pub(crate) use kernel::grey_and_bins_of_all;
+pub(crate) use kernel::{grey_and_bins_of_all, grey_of_all as luma_of_row};
 pub use yuv::{Yuv420, YuvCoding, YuvMatrix, YuvRange, rgb_from_yuv420};
 
 use crate::error::{PictureError, check_size};

@@ -29,6 +29,7 @@
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
+//! | [`jpeg`] | colour pictures as JPEG files | ITU-T T.81; Arai et al. 1988 |
 //! | [`chessboard`] | a chessboard's inner corners | Bennett & Lasenby 2014; Förstner & Gülch 1987 |
 //! | [`simd`] | which code path of a kernel runs | |
 //!
@@ -56,6 +57,7 @@ pub mod fusion;
 pub mod geodesic;
 pub mod histogram;
 pub mod hough;
+pub mod jpeg;
 pub mod line_gradient;
 pub mod log_colour;
 pub mod lucas_kanade;

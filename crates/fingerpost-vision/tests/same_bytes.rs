@@ -10,6 +10,7 @@ use fingerpost_vision::corners::CornerFinder;
 use fingerpost_vision::farneback::{Farneback, FarnebackParams};
 use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::hough::{HoughLines, HoughParams};
+use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
 use fingerpost_vision::lucas_kanade::LucasKanade;
 use fingerpost_vision::morphology::{Dilation, StructuringElement};
 use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
@@ -95,6 +96,10 @@ fn every_kernel_gives_the_bytes_that_it_always_gave() {
     Shrinker::new((WIDTH, HEIGHT), (61, 37)).unwrap().shrink(&colour(), &mut small).unwrap();
     sums.push(("shrinking", Sum::of(small.as_slice().iter().copied())));
 
+    let mut file = Vec::new();
+    JpegEncoder::new(85).encode(&JpegPlanes::of(&colour()), &mut file).unwrap();
+    sums.push(("JPEG", Sum::of(file)));
+
     let (mut dx, mut dy) = (Plane::new(WIDTH, HEIGHT, 0), Plane::new(WIDTH, HEIGHT, 0));
     Sobel::new().gradient(grey.view(), &mut dx, &mut dy).unwrap();
     let slopes = dx.as_slice().iter().chain(dy.as_slice());
@@ -165,9 +170,10 @@ fn every_kernel_gives_the_bytes_that_it_always_gave() {
     assert_eq!(found, EXPECTED, "{found:#?}");
 }
 
-const EXPECTED: [&str; 14] = [
+const EXPECTED: [&str; 15] = [
     "perspective warp d9046ef2d2519993",
     "shrinking 5871babf9eeb6e4c",
+    "JPEG 4336cda0f28b307c",
     "Sobel 392ba89dfb94e3d7",
     "Canny da439c316c043ca8",
     "Hough lines 73d0480c812e6953",

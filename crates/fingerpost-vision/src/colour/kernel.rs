@@ -10,7 +10,7 @@ use crate::simd::{CodePath, InstructionSet, simd_kernel};
 const BLOCK: usize = 256;
 
 /// Fills `grey` with the luma of `rgb`; the two are of one length.
-pub(super) fn grey_of_all(path: CodePath, rgb: &[[u8; 3]], grey: &mut [u8]) {
+pub(crate) fn grey_of_all(path: CodePath, rgb: &[[u8; 3]], grey: &mut [u8]) {
     let done = match path.instruction_set() {
         // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
         // Benefit: 1.6 times as fast as the plain loop over lanes on Zen 4 at 512 x 512.

@@ -8,7 +8,7 @@ use crate::simd::InstructionSet;
 /// returns them; `lanes` is at least as long.
 ///
 /// Compilers load interleaved colours byte by byte; the vector paths here take whole registers.
-pub(super) fn unpack<'a>(path: CodePath, rgb: &[[u8; 3]], lanes: &'a mut [u32]) -> &'a [u32] {
+pub(crate) fn unpack<'a>(path: CodePath, rgb: &[[u8; 3]], lanes: &'a mut [u32]) -> &'a [u32] {
     let lanes = &mut lanes[..rgb.len()];
     let done = match path.instruction_set() {
         // SAFETY: a `CodePath` exists only where the processor has its instruction set, and these are its features.
