@@ -3,9 +3,8 @@
 use bytes::Bytes;
 use fingerpost_format::FrameRecord;
 use fingerpost_map::{Route, write_route};
-use fingerpost_vision::picture::RgbImage;
+use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
 use foxglove::messages::{CompressedImage, GeoJson};
-use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use crate::channel::Channel;
 use crate::frame_recorder::{RecordedFrame, encoded, nanoseconds, timestamp};
@@ -34,11 +33,18 @@ impl FrameMessages {
 }
 
 /// Makes messages of frames: compresses their pictures and notices what has changed.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct MessageEncoder {
     changes: ChangeLog,
+    encoder: JpegEncoder,
     /// Memory that pictures are compressed in.
     jpeg: Vec<u8>,
+}
+
+impl Default for MessageEncoder {
+    fn default() -> Self {
+        Self { changes: ChangeLog::default(), encoder: JpegEncoder::new(JPEG_QUALITY), jpeg: Vec::new() }
+    }
 }
 
 impl MessageEncoder {
@@ -93,9 +99,9 @@ impl MessageEncoder {
     }
 
     /// A picture as JPEG, in memory of its size.
-    fn compressed(&mut self, picture: &RgbImage) -> Result<Bytes, RecordingError> {
+    fn compressed(&mut self, picture: &JpegPlanes) -> Result<Bytes, RecordingError> {
         self.jpeg.clear();
-        jpeg(picture, &mut self.jpeg)?;
+        self.encoder.encode(picture, &mut self.jpeg)?;
         Ok(Bytes::copy_from_slice(&self.jpeg))
     }
 }
@@ -111,13 +117,4 @@ pub fn route_message(route: &Route) -> Result<Vec<u8>, RecordingError> {
 fn bytes_of<M: foxglove::Encode>(channel: Channel, message: &M) -> Result<Vec<u8>, RecordingError> {
     encoded(message)
         .map_err(|cause| RecordingError::Message { topic: channel.topic(), cause: cause.to_string() })
-}
-
-fn jpeg(picture: &RgbImage, bytes: &mut Vec<u8>) -> Result<(), RecordingError> {
-    let (width, height) = picture.size();
-    let side = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
-    let mut encoder = Encoder::new(bytes, JPEG_QUALITY);
-    encoder.set_sampling_factor(SamplingFactor::R_4_2_0);
-    let done = encoder.encode(picture.as_slice(), side(width), side(height), ColorType::Rgb);
-    done.map_err(|cause| RecordingError::Picture { width, height, cause })
 }

@@ -2,7 +2,7 @@
 
 use fingerpost::ground_view::GroundPicture;
 use fingerpost_report::Scene;
-use fingerpost_vision::picture::RgbImage;
+use fingerpost_vision::jpeg::JpegPlanes;
 use foxglove::Encode;
 use foxglove::messages::Timestamp;
 
@@ -18,7 +18,7 @@ pub struct RecordedFrame {
     /// Seconds since the first frame.
     pub(crate) t_s: f64,
     pub(crate) messages: Vec<(Channel, Vec<u8>)>,
-    pub(crate) pictures: Vec<(Channel, &'static str, RgbImage)>,
+    pub(crate) pictures: Vec<(Channel, &'static str, JpegPlanes)>,
 }
 
 /// Turns frames into messages; keeps the odometry from frame to frame.
@@ -67,8 +67,8 @@ impl FrameRecorder {
         }
         let GroundPicture { colour, .. } = evidence.ground;
         let pictures = vec![
-            (Channel::CameraImage, CAMERA, scene.picture.clone()),
-            (Channel::GroundView, GROUND, colour.clone()),
+            (Channel::CameraImage, CAMERA, JpegPlanes::of(scene.picture)),
+            (Channel::GroundView, GROUND, JpegPlanes::of(colour)),
         ];
         RecordedFrame { t_s: scene.t_s, messages, pictures }
     }

@@ -35,13 +35,14 @@ pub(crate) fn road_surface(
     // A surface that was never summed up is known where it is seen.
     let summed = surface.known();
     let known = if summed.size() == seen.size() { summed.plane() } else { seen };
-    let mut bytes = Vec::with_capacity(2 * columns * rows);
-    for row in (0..rows.min(seen.height())).rev() {
-        let shown = seen.row(row).iter().zip(known.row(row));
-        bytes.extend(surface.probability.row(row).iter().zip(shown).flat_map(|(&road, (&seen, &known))| {
-            let knowledge = if seen != 0 { SEEN } else { u8::from(known != 0) };
-            [road, knowledge]
-        }));
+    let mut bytes = vec![0; 2 * columns * rows];
+    let nearest_first = (0..rows.min(seen.height())).rev();
+    for (row, cells) in nearest_first.zip(bytes.chunks_exact_mut((2 * columns).max(1))) {
+        let shown = surface.probability.row(row).iter().zip(seen.row(row)).zip(known.row(row));
+        for (cell, ((&road, &seen), &known)) in cells.as_chunks_mut::<2>().0.iter_mut().zip(shown) {
+            let seen = if seen != 0 { SEEN } else { 0 };
+            *cell = [road, seen.max(u8::from(known != 0))];
+        }
     }
     let fields = vec![field("road", 0, NumericType::Uint8), field("known", 1, NumericType::Uint8)];
     message(timestamp, grid, Cells { columns, rows, side_px: 1, fields, bytes, cell_bytes: 2 })

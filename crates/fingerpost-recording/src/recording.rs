@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use fingerpost_map::{Route, RouteFileError};
+use fingerpost_vision::jpeg::JpegError;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 use thiserror::Error;
@@ -31,17 +32,8 @@ pub enum RecordingError {
         cause: String,
     },
     /// A picture cannot be compressed.
-    #[error(
-        "a picture of {width} x {height} pixels cannot be recorded as JPEG ({cause}); record a smaller one"
-    )]
-    Picture {
-        /// Width, pixels.
-        width: usize,
-        /// Height, pixels.
-        height: usize,
-        /// What the encoder says.
-        cause: jpeg_encoder::EncodingError,
-    },
+    #[error("a picture cannot be recorded: {0}")]
+    Picture(#[from] JpegError),
     /// The route has no GeoJSON form.
     #[error("the route cannot be recorded: {0}")]
     Route(#[from] RouteFileError),
