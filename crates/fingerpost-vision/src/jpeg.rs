@@ -169,8 +169,8 @@ simd_kernel! {
         let lumas = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
         for ((([a, b], [c, d]), blue), red) in lumas.zip(blue).zip(red) {
             let blocks = [(a, 0, luma), (b, 0, luma), (c, 0, luma), (d, 0, luma), (blue, 1, chroma), (red, 2, chroma)];
-            for (block, component, &Component { ref dc, ref ac, .. }) in blocks {
-                waiting.block(block, &mut before[component], (dc, ac));
+            for (block, component, tables) in blocks {
+                waiting.block(block, &mut before[component], (&tables.dc, &tables.ac));
             }
         }
         let state = waiting.state();
