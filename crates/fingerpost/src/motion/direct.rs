@@ -255,7 +255,7 @@ impl Begun<'_> {
         // From next to where the alignment has come to, it comes there again.
         let reached = aligned.estimate.displacement.current_from_previous;
         let is_there = (reached.inverse() * found).translation.vector.norm() < FINE_STEP_M;
-        if is_there && aligned.estimate.has_converged {
+        if is_there {
             return Some((aligned, start));
         }
         let at = displaced(found);
