@@ -138,8 +138,10 @@ simd_kernel! {
                 let is_seen = (a | b | c | d) >= 0;
                 let [a, b, c, d] = [a, b, c, d].map(|corner| i32::from(corner) as f32);
                 let (upper, lower) = (a + dx[lane] * (b - a), c + dx[lane] * (d - c));
-                let between = whole_part(upper + dy[lane] * (lower - upper) + 0.5) as i16;
-                registered[lane] = if is_seen { between } else { UNSEEN };
+                let between = upper + dy[lane] * (lower - upper);
+                // What is not seen is below zero.
+                let whole = whole_part(if is_seen { between + 0.5 } else { 0.0 }) as i16;
+                registered[lane] = if is_seen { whole } else { UNSEEN };
             }
             out.copy_from_slice(&registered[..out.len()]);
         }
