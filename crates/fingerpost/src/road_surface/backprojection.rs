@@ -23,9 +23,6 @@ use serde::{Deserialize, Serialize};
 use super::region::Region;
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
 
-/// Rows of the picture from one that its own histogram is counted in to the next: neighbouring rows show the same colours.
-const WHOLE_ROW_STEP: usize = 2;
-
 /// Settings of histogram back-projection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -108,8 +105,8 @@ impl Backprojection {
             counter: BinCounter::default(),
             smoothing: Smoothing::new(bins, config.smoothing_bins, config.smoothing_bins)?,
             projector: BackProjector::new(config.disc_radius_px)?,
-            whole: Region::new(bins, WHOLE_ROW_STEP)?,
-            sample: Region::new(bins, 1)?,
+            whole: Region::new(bins)?,
+            sample: Region::new(bins)?,
             model: Histogram::new(bins)?,
             recent: VecDeque::new(),
             spare: Vec::new(),

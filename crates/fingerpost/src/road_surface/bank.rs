@@ -124,7 +124,7 @@ impl Bank {
             projector: BackProjector::new(config.disc_radius_px)?,
             recent: VecDeque::new(),
             mean: Histogram::new(TONES)?,
-            whole: Region::new(TONES, 1)?,
+            whole: Region::new(TONES)?,
             of_one: Vec::new(),
             largest: Vec::new(),
         })

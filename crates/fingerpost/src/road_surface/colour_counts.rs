@@ -2,9 +2,6 @@
 
 use fingerpost_vision::colour::HueSaturationBins;
 
-/// Sums that are taken side by side.
-const LANES: usize = 16;
-
 /// How many pixels had each hue and saturation.
 #[derive(Debug)]
 pub(super) struct ColourCounts {
@@ -35,10 +32,7 @@ impl ColourCounts {
     }
 
     pub(super) fn total(&self) -> f32 {
-        // In lanes: one sum after the other waits for the one before.
-        let (lanes, rest) = self.counts.as_chunks::<LANES>();
-        let add = |sums: [f32; LANES], counts: &[f32; LANES]| std::array::from_fn(|at| sums[at] + counts[at]);
-        lanes.iter().fold([0.0; LANES], add).iter().chain(rest).sum()
+        self.counts.iter().sum()
     }
 
     /// For each bin, how many times the count of an even spread over all bins it and those beside it have, in the mean; hue

@@ -15,13 +15,12 @@ const BRIGHTNESS_LEVELS: usize = 1 << LEVEL_BITS;
 const LEVEL_BITS: u32 = 4;
 /// Hues that are told apart.
 const HUES: usize = 8;
-/// Every so many-th pixel of every so many-th row is learned from.
+/// Every so many-th pixel each way is learned from.
 const STEP: usize = 2;
-const ROW_STEP: usize = 4;
 /// What is kept of the counts from frame to frame: half a second of a camera at 10 frames a second.
 const KEPT: f32 = 0.8;
-/// Pixels' worth of doubt in every bin: 16 cells of the view.
-const DOUBT_PIXELS: f32 = 16.0 / (STEP * ROW_STEP) as f32;
+/// Pixels' worth of doubt in every bin.
+const DOUBT_PIXELS: f32 = 4.0;
 
 /// Likelihood ratios are cut to this either way: colours alone never decide against a sure classifier.
 const MOST_ODDS: f32 = 20.0;
@@ -94,7 +93,7 @@ impl RoadColours {
 
     /// Learns the colours of what was `found` to be road (255 = 1) and of what was not.
     pub(super) fn learn(&mut self, picture: &GroundPicture, validity: &ValidityMask, found: &Plane<u8>) {
-        for y in (0..found.height()).step_by(ROW_STEP) {
+        for y in (0..found.height()).step_by(STEP) {
             let (bins, greys, found) = (picture.bin.row(y), picture.grey.row(y), found.row(y));
             for run in validity.runs(y) {
                 let pixels = run.start..run.end;
@@ -170,8 +169,7 @@ impl Counts {
     }
 
     fn total(&self) -> f32 {
-        let add = |sums: Levels<f32>, levels: &Levels<f32>| std::array::from_fn(|at| sums[at] + levels[at]);
-        self.pixels.iter().fold([0.0; BRIGHTNESS_LEVELS], add).iter().sum()
+        self.pixels.as_flattened().iter().sum()
     }
 
     /// Takes in what was counted, over which older counts fade.
@@ -256,13 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn every_second_pixel_of_every_fourth_row_counts_and_smoothing_keeps_their_number() {
+    fn every_second_pixel_each_way_counts_and_smoothing_keeps_their_number() {
         for (width, height) in [(61, 40), (60, 41), (1, 1), (2, 3), (7, 5)] {
             let mut colours = RoadColours::new(BINS);
             let (picture, found) = picture(width, height);
             colours.learn(&picture, &ValidityMask::all_seen(width, height), &found);
             let counted = colours.road.total() + colours.beside.total();
-            assert!((counted - (width.div_ceil(STEP) * height.div_ceil(ROW_STEP)) as f32).abs() < 0.5);
+            assert!((counted - (width.div_ceil(2) * height.div_ceil(2)) as f32).abs() < 0.5);
             for counts in [&colours.road, &colours.beside] {
                 let smooth: f32 = counts.smooth.as_flattened().iter().sum();
                 assert!((smooth - counts.total()).abs() < 1e-2, "{smooth}");

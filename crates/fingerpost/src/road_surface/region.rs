@@ -11,22 +11,18 @@ use super::RoadError;
 #[derive(Debug)]
 pub(super) struct Region {
     rect: Rect,
-    /// Rows from one that is counted to the next.
-    row_step: usize,
     spans: SpanMask,
     /// Smoothed, mass 1; empty where nothing is seen.
     pub(super) histogram: Histogram,
 }
 
 impl Region {
-    /// One of whose rows every `row_step`-th is counted.
-    pub(super) fn new(bins: HueSaturationBins, row_step: usize) -> Result<Self, RoadError> {
+    pub(super) fn new(bins: HueSaturationBins) -> Result<Self, RoadError> {
         let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
-        let spans = SpanMask::from_rect(rect);
-        Ok(Self { rect, row_step: row_step.max(1), spans, histogram: Histogram::new(bins)? })
+        Ok(Self { rect, spans: SpanMask::from_rect(rect), histogram: Histogram::new(bins)? })
     }
 
-    /// Counts what is seen in those rows of `rect` of a picture of bins.
+    /// Counts what is seen in `rect` of a picture of bins.
     pub(super) fn measure(
         &mut self,
         rect: Rect,
@@ -36,9 +32,7 @@ impl Region {
         smoothing: &mut Smoothing,
     ) -> Result<(), RoadError> {
         if self.rect != rect {
-            let whole = SpanMask::from_rect(rect);
-            let rows = whole.spans().iter().step_by(self.row_step).copied().collect();
-            (self.rect, self.spans) = (rect, SpanMask::from_spans(rows));
+            (self.rect, self.spans) = (rect, SpanMask::from_rect(rect));
         }
         self.histogram.clear();
         counter.count(bin, validity, &self.spans, &mut self.histogram)?;

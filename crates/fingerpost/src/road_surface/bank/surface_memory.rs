@@ -39,7 +39,7 @@ impl SurfaceMemory {
             tone: Plane::default(),
             counter: BinCounter::default(),
             smoothing: Smoothing::new(TONES, SMOOTHING_BINS, 0.0)?,
-            sample: Region::new(TONES, 1)?,
+            sample: Region::new(TONES)?,
             known: Vec::new(),
             under_way: None,
             unlike_frames: 0,
