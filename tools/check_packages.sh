@@ -25,6 +25,9 @@ cp Cargo.lock "$packages/Cargo.lock"
 for crate in "$packages"/crates/*; do
     test -s "$crate/LICENSE-MIT" && test -s "$crate/LICENSE-APACHE" && test -s "$crate/README.md" \
         || { echo "$crate lacks a licence or its README"; exit 1; }
+    for key in repository homepage documentation; do
+        grep -q "^$key = " "$crate/Cargo.toml" || { echo "$crate has no $key"; exit 1; }
+    done
 done
 CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}" cargo check --manifest-path "$packages/Cargo.toml" --workspace --all-features --quiet
 
