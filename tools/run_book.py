@@ -15,7 +15,7 @@ repository. The first word after a fence says what a block is, the second one mo
     console     needs the reader's own data, a display, a device or hours; not run
     text        output, formats, equations; not run
 
-Relative links of these pages, ARCHITECTURE, CONVENTIONS and docs/papers.md must lead to a file, and anchors to a heading there.
+Relative links of these pages, ARCHITECTURE, CONVENTIONS and docs/papers.md must lead to a file, and anchors to a heading or a named place there.
 """
 import json
 import os
@@ -59,7 +59,7 @@ def blocks_and_prose(text):
 
 
 def anchors(text):
-    """The anchors of a page's headings, as GitHub and mdBook make them."""
+    """The anchors of a page's headings, as GitHub and mdBook make them, and those that it names itself."""
     found, seen = set(), {}
     for heading in re.findall(r"^#{1,6} +(.*?)#* *$", blocks_and_prose(text)[1], re.MULTILINE):
         plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
@@ -67,7 +67,7 @@ def anchors(text):
         again = seen.get(anchor, 0)
         seen[anchor] = again + 1
         found.add(anchor if again == 0 else f"{anchor}-{again}")
-    return found
+    return found | set(re.findall(r'<a id="([^"]+)"', text))
 
 
 def check_links(page):
@@ -83,7 +83,7 @@ def check_links(page):
         if not file.exists():
             yield f"{page.relative_to(ROOT)}:{line}: {target} leads nowhere"
         elif anchor and (file.suffix != ".md" or anchor not in anchors(file.read_text(encoding="utf-8"))):
-            yield f"{page.relative_to(ROOT)}:{line}: {target} names no heading"
+            yield f"{page.relative_to(ROOT)}:{line}: {target} names no place there"
 
 
 def check_summary(pages):
