@@ -13,8 +13,8 @@ use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::recording::{FrameRecorder, RecordedFrame};
 use fingerpost_record::{FrameTime, feature_identities, frame_record};
-use fingerpost_recording::{FrameRecorder, RecordedFrame};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 

@@ -13,10 +13,10 @@ use fingerpost_format::{
     TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
-use fingerpost_live::LiveView;
 use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::live::LiveView;
+use fingerpost_record::recording::{MessageEncoder, RecordedFrame, Recording};
 use fingerpost_record::{FrameTime, broken_record};
-use fingerpost_recording::{MessageEncoder, RecordedFrame, Recording};
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };

@@ -1,12 +1,22 @@
-//! From what the method says of a frame to the line of `frames.jsonl` that the program, its recording and its Python package give.
+//! What the method says of a frame, for files and viewers.
 //!
-//! Numbers are rounded here, to digits finer than anything the method resolves, so that the same run gives the same text.
+//! At the top: the line of `frames.jsonl` that the program, its recording and its Python package give. Numbers are rounded there,
+//! to digits finer than anything the method resolves, so that the same run gives the same text.
+//!
+//! Two features bring more:
+//!
+//! - `mcap`, the module `recording`: frames with their evidence as MCAP messages in Foxglove's schemas.
+//! - `live`, the module `live`: these messages to viewers that are connected.
 
 mod advice;
 mod centreline;
 mod fix;
 mod frame;
 mod lanes;
+#[cfg(feature = "live")]
+pub mod live;
+#[cfg(feature = "mcap")]
+pub mod recording;
 
 pub use fix::fix_status;
 pub use frame::{

@@ -75,7 +75,7 @@ fn colour(colour: Option<&Color>) -> Colour {
 
 #[cfg(test)]
 mod tests {
-    use fingerpost_recording::feature_entities;
+    use fingerpost_record::recording::feature_entities;
     use foxglove::messages::{LinePrimitive, Point3, TextPrimitive, Timestamp};
 
     use super::*;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use fingerpost_bag::Schema;
 use fingerpost_format::{CameraInfo, FrameRecord};
 use fingerpost_map::LatLon;
-use fingerpost_recording::{Odometry, feature_entities};
+use fingerpost_record::recording::{Odometry, feature_entities};
 use fingerpost_report::Scene;
 use foxglove::messages::Timestamp;
 use ros2_client::qos::{History, Reliability, WhenFull};

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use fingerpost_recording::{OdometryEstimate, Velocity};
+use fingerpost_record::recording::{OdometryEstimate, Velocity};
 use nalgebra::{Isometry2, Point2};
 
 use crate::frames::{BASE_LINK, ODOM};
@@ -92,7 +92,7 @@ pub(crate) fn driving_line(stamp_ns: u64, line: &[Point2<f64>]) -> Path {
 #[cfg(test)]
 mod tests {
     use fingerpost::motion::Motion;
-    use fingerpost_recording::Odometry as DeadReckoning;
+    use fingerpost_record::recording::Odometry as DeadReckoning;
     use nalgebra::{Matrix3, Vector2};
 
     use super::*;

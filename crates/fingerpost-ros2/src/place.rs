@@ -3,7 +3,7 @@
 use fingerpost::fix::MapFix;
 use fingerpost_locate::Status;
 use fingerpost_map::{LatLon, TangentPlane};
-use fingerpost_recording::position_covariance;
+use fingerpost_record::recording::position_covariance;
 use nalgebra::Isometry2;
 
 use crate::frames::{BASE_LINK, MAP, ODOM};

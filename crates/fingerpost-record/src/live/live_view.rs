@@ -8,11 +8,11 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use fingerpost_map::Route;
-use fingerpost_recording::{FrameMessages, RecordingError, route_message};
 use thiserror::Error;
 
-use crate::connection;
-use crate::viewer::Viewer;
+use super::connection;
+use super::viewer::Viewer;
+use crate::recording::{FrameMessages, RecordingError, route_message};
 
 /// Viewers at once; each takes a thread and the machine's time.
 const MOST_VIEWERS: usize = 8;

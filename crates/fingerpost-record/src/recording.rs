@@ -35,15 +35,15 @@ mod frame_messages;
 mod frame_recorder;
 mod ground;
 mod log;
+mod mcap_writer;
 mod odometry;
 mod place;
-mod recording;
 mod transforms;
 
 pub use channel::Channel;
 pub use entities::feature_entities;
 pub use frame_messages::{FrameMessages, MessageEncoder, route_message};
 pub use frame_recorder::{FrameRecorder, RecordedFrame};
+pub use mcap_writer::{Recording, RecordingError};
 pub use odometry::{Odometry, OdometryEstimate, Velocity};
 pub use place::position_covariance;
-pub use recording::{Recording, RecordingError};

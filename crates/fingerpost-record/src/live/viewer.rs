@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use fingerpost_recording::FrameMessages;
+use crate::recording::FrameMessages;
 
 /// Frames that may wait for a viewer: a second of the drive at usual rates; older ones are of no use any more.
 const WAITING_FRAMES: usize = 10;

@@ -13,8 +13,8 @@ use foxglove::messages::{
 };
 use nalgebra::{Isometry2, Point2};
 
-use crate::colour::{CENTRELINE, FEATURE, LANE, colour};
-use crate::transforms::{VEHICLE, planar_pose};
+use super::colour::{CENTRELINE, FEATURE, LANE, colour};
+use super::transforms::{VEHICLE, planar_pose};
 
 /// How far lines of the road are drawn, metres: the reach of the default ground view.
 const REACH_M: f64 = 20.0;

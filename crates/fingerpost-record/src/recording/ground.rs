@@ -9,7 +9,7 @@ use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{Grid, PackedElementField, Pose, Timestamp, Vector2, Vector3};
 use nalgebra::UnitQuaternion;
 
-use crate::transforms::{VEHICLE, quaternion};
+use super::transforms::{VEHICLE, quaternion};
 
 /// The field `known` where the frame shows the road; 1 where it is remembered, 0 where nothing is known.
 const SEEN: u8 = 2;

@@ -6,10 +6,10 @@ use fingerpost_map::{Route, write_route};
 use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
 use foxglove::messages::{CompressedImage, GeoJson};
 
-use crate::channel::Channel;
-use crate::frame_recorder::{RecordedFrame, encoded, nanoseconds, timestamp};
-use crate::log::ChangeLog;
-use crate::recording::RecordingError;
+use super::channel::Channel;
+use super::frame_recorder::{RecordedFrame, encoded, nanoseconds, timestamp};
+use super::log::ChangeLog;
+use super::mcap_writer::RecordingError;
 
 /// Quality of pictures: no block is seen at twice their size.
 const JPEG_QUALITY: u8 = 85;

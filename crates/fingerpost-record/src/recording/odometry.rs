@@ -4,7 +4,7 @@ use fingerpost::motion::Motion;
 use foxglove::messages::{Odometry as OdometryMessage, Timestamp, Vector3 as VectorMessage};
 use nalgebra::{Isometry2, Matrix3};
 
-use crate::transforms::{ODOM, VEHICLE, planar_pose};
+use super::transforms::{ODOM, VEHICLE, planar_pose};
 
 /// Standard deviation of what a motion over the road's plane does not estimate (height, roll and pitch), metres and radians: a
 /// vehicle's springs and the road's waves.

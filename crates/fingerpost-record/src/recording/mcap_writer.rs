@@ -13,9 +13,9 @@ use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 use thiserror::Error;
 
-use crate::channel::Channel;
-use crate::frame_messages::{FrameMessages, route_message};
-use crate::frame_recorder::nanoseconds;
+use super::channel::Channel;
+use super::frame_messages::{FrameMessages, route_message};
+use super::frame_recorder::nanoseconds;
 
 /// Most of the drive that one chunk holds, seconds.
 const CHUNK_S: f64 = 0.5;

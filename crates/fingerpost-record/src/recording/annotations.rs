@@ -10,7 +10,7 @@ use foxglove::messages::{
 };
 use nalgebra::{Isometry2, Point2};
 
-use crate::colour::{FEATURE, LANE, colour};
+use super::colour::{FEATURE, LANE, colour};
 
 /// The lane's edges, the driving line and the followed feature's node.
 pub(crate) fn annotations(timestamp: Timestamp, scene: &Scene<'_>) -> ImageAnnotations {

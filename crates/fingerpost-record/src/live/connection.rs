@@ -5,15 +5,15 @@ use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::Duration;
 
-use fingerpost_recording::{Channel, FrameMessages};
 use tungstenite::handshake::server::{ErrorResponse, Request as Handshake, Response};
 use tungstenite::http::{HeaderValue, StatusCode, header};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
-use crate::live_view::Shared;
-use crate::protocol::{self, Request};
-use crate::viewer::Viewer;
+use super::live_view::Shared;
+use super::protocol::{self, Request};
+use super::viewer::Viewer;
+use crate::recording::{Channel, FrameMessages};
 
 /// How long a connection may take to say what it wants, and to take what it is sent.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -2,9 +2,10 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use fingerpost_recording::Channel;
 use serde::Deserialize;
 use serde_json::{Value, json};
+
+use crate::recording::Channel;
 
 /// Subprotocols that are spoken, the best first.
 pub(crate) const SUBPROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];

@@ -6,7 +6,7 @@ use mcap::MessageStream;
 use mcap::read::Options;
 
 use super::*;
-use crate::MessageEncoder;
+use crate::recording::MessageEncoder;
 
 /// Bytes as a disk has them when the program is killed.
 #[derive(Debug, Clone, Default)]

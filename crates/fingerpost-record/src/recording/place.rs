@@ -7,7 +7,7 @@ use fingerpost_locate::Status;
 use foxglove::messages::location_fix::PositionCovarianceType;
 use foxglove::messages::{KeyValuePair, LocationFix, Timestamp};
 
-use crate::transforms::VEHICLE;
+use super::transforms::VEHICLE;
 
 /// Standard deviation of the height above the ellipsoid, which nothing estimates, metres: that of the earth's surface.
 const HEIGHT_SIGMA_M: f64 = 9000.0;

@@ -6,11 +6,11 @@ use fingerpost_vision::jpeg::JpegPlanes;
 use foxglove::Encode;
 use foxglove::messages::Timestamp;
 
-use crate::channel::Channel;
-use crate::entities::feature_entities;
-use crate::odometry::Odometry;
-use crate::transforms::{CAMERA, GROUND};
-use crate::{annotations, entities, ground, place, transforms};
+use super::channel::Channel;
+use super::entities::feature_entities;
+use super::odometry::Odometry;
+use super::transforms::{CAMERA, GROUND};
+use super::{annotations, entities, ground, place, transforms};
 
 /// A frame's messages, with its pictures still to be compressed.
 #[derive(Debug)]
