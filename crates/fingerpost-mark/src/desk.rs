@@ -5,12 +5,12 @@ use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fingerpost_format::{MarksFile, Side};
-use fingerpost_server::{Answer, Handler, Request};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::edge_curve::{EdgeCurve, traced};
 use crate::lane_marks::{EdgeInFrame, LaneMarks};
+use crate::server::{Answer, Handler, Request};
 use crate::session::{Edit, Session};
 
 /// Whatever keeps a picture from being shown or marks from being kept, said to the person at the page.

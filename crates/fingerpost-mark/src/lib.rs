@@ -6,7 +6,7 @@
 //! - [`LaneMarks`]: the marks, the curve through an edge's points and what an edge is in any frame; [`truth_of_marks`] and
 //!   [`tusimple_of_marks`] make truth of them.
 //! - [`Session`]: edits that can be undone.
-//! - [`Desk`]: the page, and questions and edits as they come from it, answered; `fingerpost-server` puts it on the loopback
+//! - [`Desk`]: the page, and questions and edits as they come from it, answered; [`server`] puts it on the loopback
 //!   address.
 //!
 //! Nothing here opens a file: pictures come from [`Pictures`], marks and truth leave through [`Keeper`].
@@ -15,6 +15,7 @@ mod desk;
 mod edge_curve;
 mod export;
 mod lane_marks;
+pub mod server;
 mod session;
 
 pub use desk::{Cause, Desk, Keeper, Picture, Pictures};

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 use tokio::time::{Duration, Instant, sleep_until};
 
-use crate::Limits;
+use super::Limits;
 
 /// The open connections.
 #[derive(Debug, Default)]

@@ -18,9 +18,9 @@ use tokio::net::TcpStream;
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 
-use crate::connections::{Connections, Place};
-use crate::guard;
-use crate::{Answer, Handler, Limits, Request};
+use super::connections::{Connections, Place};
+use super::guard;
+use super::{Answer, Handler, Limits, Request};
 
 /// How often a server without work looks whether it is to stop.
 const STOP_POLL: Duration = Duration::from_millis(100);

@@ -6,9 +6,9 @@
 mod connections;
 mod guard;
 mod limits;
+mod local_server;
 mod message;
-mod server;
 
 pub use limits::Limits;
+pub use local_server::{LocalServer, ServerError};
 pub use message::{Answer, Handler, Request};
-pub use server::{LocalServer, ServerError};
