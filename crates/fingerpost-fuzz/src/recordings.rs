@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-use fingerpost_bag::{Choice, Content, Picture, Records, Schema, Wanted, decode, survey};
+use fingerpost_io::bag::{Choice, Content, Picture, Records, Schema, Wanted, decode, survey};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
 

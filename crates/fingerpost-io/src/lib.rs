@@ -1,8 +1,12 @@
 //! Files, videos and cameras: the only library crate that touches the outside world.
 //!
 //! Frames come in through [`FrameSource`], calibrations through [`read_camera`], results go out through [`RunFolder`],
-//! [`DriveFolder`] and [`VideoWriter`]. [`CanDatabase`] and [`SignalLog`] give the vehicle's own signals. Every error names the file, the cause and what to do next. Nothing is printed.
+//! [`DriveFolder`] and [`VideoWriter`]. [`CanDatabase`] and [`SignalLog`] give the vehicle's own signals. With feature `bags`, the module
+//! `bag` reads MCAP recordings and ROS 2 bags. Every error names the file, the cause and what to do next. Nothing is printed.
 
+#[cfg(feature = "bags")]
+pub mod bag;
+#[cfg(feature = "bags")]
 mod bag_files;
 mod camera;
 mod can;
@@ -35,6 +39,7 @@ mod video_writer;
 mod waiting;
 mod whole_file;
 
+#[cfg(feature = "bags")]
 pub use bag_files::{BagFilesError, bag_files, open_bag};
 pub use camera::{CameraReadError, read_camera};
 pub use can::{

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use fingerpost_bag::{Content, GpsPosition, Message, Picture, Twist};
 use fingerpost_format::CameraInfo;
+use fingerpost_io::bag::{Content, GpsPosition, Message, Picture, Twist};
 
 use crate::health::{Input, TopicCount};
 

@@ -21,7 +21,7 @@
 //! | where the frames lie | `tf2_msgs/TFMessage`, where it is wanted | `map`, `odom`, `base_link` |
 //!
 //! Inputs are taken with best effort and keep the last ones, as sensors send; results are sent reliably. Messages that come are
-//! read by `fingerpost-bag`, which reads the same ones from bags. A message that cannot be used is counted and said in the
+//! read by `fingerpost_io::bag`, which reads the same ones from bags. A message that cannot be used is counted and said in the
 //! diagnostics.
 //!
 //! Limits: no parameters, services, actions or `/rosout`; markers have the fields of ROS 2 Humble and later.

@@ -4,8 +4,8 @@ use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use fingerpost_bag::Schema;
 use fingerpost_format::{CameraInfo, FrameRecord};
+use fingerpost_io::bag::Schema;
 use fingerpost_map::LatLon;
 use fingerpost_record::recording::{Odometry, feature_entities};
 use fingerpost_report::Scene;

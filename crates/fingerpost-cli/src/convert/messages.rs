@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use fingerpost_bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
 use fingerpost_format::{CameraInfo, PictureKind};
+use fingerpost_io::bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
 use super::recorded_drive::RecordedDrive;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use fingerpost_bag::{GpsPosition, Picture, Twist};
 use fingerpost_format::{MotionLogRow, camera_to_toml};
 use fingerpost_geometry::Camera;
+use fingerpost_io::bag::{GpsPosition, Picture, Twist};
 use fingerpost_io::{ConvertedDrive, ConvertedLogs, PictureEnding, PictureFileError, decode_picture};
 use fingerpost_map::LatLon;
 use serde::Serialize;

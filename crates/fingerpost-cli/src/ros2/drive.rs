@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use fingerpost::Sensors;
 use fingerpost::vehicle_signals::VehicleSamples;
-use fingerpost_bag::Picture;
+use fingerpost_io::bag::Picture;
 use fingerpost_io::decode_picture;
 use fingerpost_map::LatLon;
 use fingerpost_record::FrameTime;

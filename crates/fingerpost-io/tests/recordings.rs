@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-use fingerpost_bag::{Choice, Content, Picture, Records, RecordsError, Role, Schema, Wanted, decode, survey};
+use fingerpost_io::bag::{
+    Choice, Content, Picture, Records, RecordsError, Role, Schema, Wanted, decode, survey,
+};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
 

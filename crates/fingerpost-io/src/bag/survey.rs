@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use crate::records::{Records, RecordsError};
-use crate::schema::Schema;
+use super::records::{Records, RecordsError};
+use super::schema::Schema;
 
 /// A topic of a recording.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use thiserror::Error;
 
-use crate::record_fields::Fields;
+use super::record_fields::Fields;
 
 /// Bytes of the largest record: a bare picture of 44 million pixels.
 const MOST_RECORD_BYTES: usize = 128 << 20;

@@ -2,10 +2,10 @@
 
 use fingerpost_format::CameraInfo;
 
-use crate::cdr::{Cdr, CdrError};
-use crate::message::{Content, GpsPosition, Message, MessageError, Twist};
-use crate::picture::{Picture, PixelLayout};
-use crate::schema::Schema;
+use super::cdr::{Cdr, CdrError};
+use super::message::{Content, GpsPosition, Message, MessageError, Twist};
+use super::picture::{Picture, PixelLayout};
+use super::schema::Schema;
 
 /// Nanoseconds in a second.
 const SECOND_NS: u64 = 1_000_000_000;

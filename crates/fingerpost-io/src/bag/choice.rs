@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use crate::schema::{Role, Schema};
-use crate::survey::Topic;
+use super::schema::{Role, Schema};
+use super::survey::Topic;
 
 /// Topics by name, where they are asked for.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -3,10 +3,10 @@
 use fingerpost_format::CameraInfo;
 use thiserror::Error;
 
-use crate::cdr::CdrError;
-use crate::picture::{Picture, PictureError};
-use crate::schema::Schema;
-use crate::{foxglove_messages, ros_messages};
+use super::cdr::CdrError;
+use super::picture::{Picture, PictureError};
+use super::schema::Schema;
+use super::{foxglove_messages, ros_messages};
 
 /// A message's values and time.
 #[derive(Debug, Clone, PartialEq)]

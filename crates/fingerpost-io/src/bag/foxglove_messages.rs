@@ -4,9 +4,9 @@ use fingerpost_format::CameraInfo;
 use foxglove::Decode;
 use foxglove::messages::{CameraCalibration, CompressedImage, LocationFix, RawImage};
 
-use crate::message::{Content, GpsPosition, Message, MessageError};
-use crate::picture::{Picture, PixelLayout};
-use crate::schema::Schema;
+use super::message::{Content, GpsPosition, Message, MessageError};
+use super::picture::{Picture, PixelLayout};
+use super::schema::Schema;
 
 /// The values of a message in protobuf.
 pub(crate) fn decode(schema: Schema, data: &[u8]) -> Result<Message, MessageError> {
