@@ -10,6 +10,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use thiserror::Error;
 
 use super::record_fields::Fields;
+use super::zstd_chunks::ZstdChunks;
 
 /// Bytes of the largest record: a bare picture of 44 million pixels.
 const MOST_RECORD_BYTES: usize = 128 << 20;
@@ -105,7 +106,9 @@ impl<R: Read> Records<R> {
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_record_length_limit(MOST_RECORD_BYTES);
-        let reader = LinearReader::new_with_options(options);
+        let mut reader = LinearReader::new_with_options(options);
+        // Only a decoder without a name is refused; a chunk that none is there for says so when it is met.
+        reader.add_decompressor(ZstdChunks::new()).ok();
         Self { stream, reader, topics: Topics::default(), ended: false }
     }
 
