@@ -11,7 +11,8 @@
 //!                      └─► Evidence: aim, errors, rules fired        └ speed: bends, what is seen, doubt (speed_plan)
 //! ```
 //!
-//! A [`Steersman`] does both steps with whichever controller was chosen. Nothing here reads a picture, a file or a clock.
+//! A [`Steersman`] does both steps with whichever controller was chosen. Nothing here reads a picture, a file or a clock. What all
+//! who guide the vehicle know of it is here too: its size and manners ([`vehicle`]), and how it moves ([`VehicleState`]).
 
 mod command;
 mod fuzzy;
@@ -21,6 +22,8 @@ mod pure_pursuit;
 mod speed;
 mod stanley;
 mod steersman;
+pub mod vehicle;
+mod vehicle_state;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,6 +37,7 @@ pub use pure_pursuit::PurePursuit;
 pub use speed::{SpeedPlan, SpeedReason};
 pub use stanley::Stanley;
 pub use steersman::Steersman;
+pub use vehicle_state::{TurnSignal, VehicleState};
 
 /// What a controller steers along, and what is known of the vehicle.
 #[derive(Debug, Clone, Copy)]

@@ -44,7 +44,6 @@ pub mod fix;
 pub mod ground_view;
 pub mod height;
 mod kerbs;
-pub mod lanes;
 pub mod matching;
 pub mod motion;
 pub mod mount;
@@ -54,12 +53,13 @@ pub mod road_surface;
 pub mod route_progress;
 mod still_cells;
 pub mod track;
-pub mod vehicle;
 pub mod vehicle_signals;
 mod why;
 
 // What callers of the method meet in its arguments and results.
+pub use fingerpost_control::vehicle;
 pub use fingerpost_geometry as geometry;
+pub use fingerpost_lanes as lanes;
 pub use fingerpost_map as map;
 pub use fingerpost_vision as vision;
 pub use nalgebra;

@@ -26,17 +26,9 @@ use serde::{Deserialize, Serialize};
 
 pub use calibration::{CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};
 pub use filter::MountFilter;
+pub use fingerpost_geometry::ObservedAngle;
 pub use lane_width::LaneWidth;
 pub use watch::AttitudeWatch;
-
-/// An angle as it was seen in one frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ObservedAngle {
-    /// The angle, radians.
-    pub angle_rad: f64,
-    /// Its variance, square radians; never zero.
-    pub variance_rad2: f64,
-}
 
 /// What one frame says about the camera's attitude: differences from the configured mount, where they could be seen.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -157,33 +149,25 @@ const CHANGE_FLOOR_RAD: f64 = 3.5e-4;
 /// What a turn's own standard deviation is short by: corners of one thing err together (30 drives of drawn worlds, 5 to 30 frames a second).
 const CHANGE_UNDERRATED: f64 = 2.5;
 
-impl ObservedAngle {
-    /// The variance of a turn between two frames, square radians, with what its own leaves out.
-    pub(crate) fn lasting_variance_rad2(&self) -> f64 {
-        (CHANGE_UNDERRATED * CHANGE_UNDERRATED * self.variance_rad2).max(CHANGE_FLOOR_RAD * CHANGE_FLOOR_RAD)
-    }
-
-    /// The joint value of two independent observations of one angle.
-    fn joined(a: Option<Self>, b: Option<Self>) -> Option<Self> {
-        let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
-        let share = b.variance_rad2 / (a.variance_rad2 + b.variance_rad2);
-        Some(Self {
-            angle_rad: share * a.angle_rad + (1.0 - share) * b.angle_rad,
-            variance_rad2: share * a.variance_rad2,
-        })
-    }
+/// The variance of a turn that was seen between two frames, square radians, with what its own leaves out.
+pub(crate) fn lasting_variance_rad2(turn: &ObservedAngle) -> f64 {
+    (CHANGE_UNDERRATED * CHANGE_UNDERRATED * turn.variance_rad2).max(CHANGE_FLOOR_RAD * CHANGE_FLOOR_RAD)
 }
 
 impl AttitudeObservation {
     /// This observation and an independent one of the same frame as one.
     #[must_use]
     pub fn joined_with(&self, other: &Self) -> Self {
+        let joined = |a: Option<ObservedAngle>, b: Option<ObservedAngle>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.joined_with(b)),
+            (a, b) => a.or(b),
+        };
         Self {
-            pitch: ObservedAngle::joined(self.pitch, other.pitch),
-            roll: ObservedAngle::joined(self.roll, other.roll),
-            yaw: ObservedAngle::joined(self.yaw, other.yaw),
-            pitch_change: ObservedAngle::joined(self.pitch_change, other.pitch_change),
-            roll_change: ObservedAngle::joined(self.roll_change, other.roll_change),
+            pitch: joined(self.pitch, other.pitch),
+            roll: joined(self.roll, other.roll),
+            yaw: joined(self.yaw, other.yaw),
+            pitch_change: joined(self.pitch_change, other.pitch_change),
+            roll_change: joined(self.roll_change, other.roll_change),
         }
     }
 }

@@ -15,6 +15,7 @@ mod gate;
 
 pub use agreement::Disagreement;
 pub use config::{CanConfig, PositiveYaw, SignalValue, SpeedUnit, YawRateUnit};
+pub use fingerpost_control::{TurnSignal, VehicleState};
 
 use self::agreement::AgreementLimits;
 use self::gate::{Gate, Limits};
@@ -27,8 +28,6 @@ const MIN_MOTION_QUALITY: f64 = 0.3;
 const SPEED_TOLERANCE: (f64, f64) = (1.5, 0.3);
 /// The same for yaw rates, radians a second: six degrees and half.
 const YAW_RATE_TOLERANCE: (f64, f64) = (0.1, 0.5);
-/// Slower vehicles count as standing, m/s.
-pub(crate) const STANDING_BELOW_MPS: f64 = 0.3;
 /// A change of speed that is no jump however soon it comes, m/s: coarse signals have steps.
 const SPEED_STEP_MPS: f64 = 0.5;
 /// The same for yaw rates, radians a second: two degrees.
@@ -64,38 +63,6 @@ impl VehicleSamples {
             turn_signal: None,
         };
         (samples != Self::default()).then_some(samples)
-    }
-}
-
-/// Where the driver says to go.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-pub enum TurnSignal {
-    /// Not known.
-    #[default]
-    Unknown,
-    /// Straight on.
-    Off,
-    /// To the left.
-    Left,
-    /// To the right.
-    Right,
-}
-
-/// What is known of the vehicle's motion and its driver's intent.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct VehicleState {
-    /// Speed, metres a second, positive forward.
-    pub speed_mps: Option<f64>,
-    /// Yaw rate, radians a second, positive to the left.
-    pub yaw_rate_rps: Option<f64>,
-    /// Turn signal.
-    pub turn_signal: TurnSignal,
-}
-
-impl VehicleState {
-    /// Whether the vehicle is known to stand.
-    pub(crate) fn stands(&self) -> bool {
-        self.speed_mps.is_some_and(|speed_mps| speed_mps.abs() < STANDING_BELOW_MPS)
     }
 }
 

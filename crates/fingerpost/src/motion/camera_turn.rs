@@ -22,7 +22,7 @@ use nalgebra::{Matrix4, Matrix5, SMatrix, SVector, Vector4, Vector5};
 
 use super::CameraAttitude;
 use crate::ground_view::CameraTurn;
-use crate::mount::{AttitudeObservation, ObservedAngle};
+use crate::mount::{AttitudeObservation, ObservedAngle, lasting_variance_rad2};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// How one of the two angles may go.
@@ -162,11 +162,11 @@ impl PredictedTurn {
     pub(super) fn with(mut self, attitude: &AttitudeObservation) -> Self {
         if let Some(seen) = attitude.pitch_change {
             let change = SVector::from([0.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-            self.take(&change, seen.angle_rad, seen.lasting_variance_rad2());
+            self.take(&change, seen.angle_rad, lasting_variance_rad2(&seen));
         }
         if let Some(seen) = attitude.roll_change {
             let change = SVector::from([0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0]);
-            self.take(&change, seen.angle_rad, seen.lasting_variance_rad2());
+            self.take(&change, seen.angle_rad, lasting_variance_rad2(&seen));
         }
         self
     }
