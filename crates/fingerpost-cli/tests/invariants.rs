@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 13] = [
+const PURE: [&str; 14] = [
     "fingerpost",
+    "fingerpost-calibration",
     "fingerpost-control",
     "fingerpost-eval",
     "fingerpost-format",

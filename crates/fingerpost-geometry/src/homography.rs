@@ -81,7 +81,8 @@ impl Homography {
     }
 
     /// The map as a matrix, with a positive third coordinate in front of the camera.
-    pub(crate) const fn image_from_road(&self) -> &Matrix3<f64> {
+    #[inline]
+    pub const fn image_from_road(&self) -> &Matrix3<f64> {
         &self.image_from_road
     }
 

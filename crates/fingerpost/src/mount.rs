@@ -11,12 +11,9 @@
 //!
 //! Limits: height and place of the camera are taken as configured.
 
-mod calibration;
 mod camera_motion;
 mod fault;
 mod filter;
-mod lane_width;
-mod road_plane;
 mod sighting;
 mod sparse;
 mod watch;
@@ -24,10 +21,11 @@ mod watch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use calibration::{CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};
+pub use camera_motion::CameraMotion;
 pub use filter::MountFilter;
 pub use fingerpost_geometry::ObservedAngle;
-pub use lane_width::LaneWidth;
+pub use sighting::{Sighting, Sightings, angles_of_travel};
+pub use sparse::{BackCheck, RayPair, SparseSetting};
 pub use watch::AttitudeWatch;
 
 /// What one frame says about the camera's attitude: differences from the configured mount, where they could be seen.

@@ -8,13 +8,13 @@ use std::str::FromStr;
 
 use anyhow::{Context, Result};
 use clap::Args;
+use fingerpost_calibration::{BoardPoint, board_points, calibrate_lens, common_size};
 use fingerpost_format::camera_to_toml;
-use fingerpost_geometry::{BoardPoint, Camera, Distortion, LensCalibration, Mount, Pixel, calibrate_lens};
+use fingerpost_geometry::Mount;
 use fingerpost_io::write_file;
 use fingerpost_vision::chessboard::BoardSize;
-use nalgebra::Point2;
 
-use self::pictures::{Looked, common_size, look_at_all, paths_of};
+use self::pictures::{Looked, look_at_all, paths_of};
 use self::report::Report;
 use crate::arguments::number;
 use crate::{output, output_path};
@@ -76,11 +76,15 @@ pub(crate) fn chessboard(args: &ChessboardArgs) -> Result<()> {
     output_path::check_file(&args.out, paths.iter().map(PathBuf::as_path))?;
     let looked = look_at_all(&paths, args.corners.0);
     report::say_dropped(&looked);
-    let (width, height) = common_size(&looked).context(NOTHING_WRITTEN)?;
+    let sizes: Vec<_> =
+        looked.iter().filter_map(|looked| Some((looked.name.as_str(), looked.size?))).collect();
+    let (width, height) = common_size(&sizes).context(NOTHING_WRITTEN)?;
     report::say_other_sizes(&looked, (width, height));
     let boards: Vec<_> = looked.iter().filter_map(|looked| board(looked, args)).collect();
     let lens = calibrate_lens(&boards, width, height).context(NOTHING_WRITTEN)?;
-    let camera = camera(&lens, (width, height), args.height_m).context(NOTHING_WRITTEN)?;
+    let no_camera = "no camera has the lens that was found; take more pictures with the board at the picture's edges and corners";
+    let camera = lens.camera(width, height, Mount::level(args.height_m));
+    let camera = camera.context(no_camera).context(NOTHING_WRITTEN)?;
     write_file(&args.out, camera_to_toml(&camera)?)?;
     let report = Report::new(&lens, &looked, (width, height), args.square_m);
     report.say();
@@ -94,19 +98,6 @@ pub(crate) fn chessboard(args: &ChessboardArgs) -> Result<()> {
 
 /// The board's corners as the picture shows them, in metres, or in squares where their side is not known.
 fn board(looked: &Looked, args: &ChessboardArgs) -> Option<Vec<BoardPoint>> {
-    let columns = args.corners.0.columns();
-    let square = args.square_m.unwrap_or(1.0);
-    let corners = looked.corners.as_ref().ok()?.iter().enumerate();
-    let points = corners.map(|(i, &[u, v])| BoardPoint {
-        p_in_board: Point2::new((i % columns) as f64, (i / columns) as f64) * square,
-        pixel: Pixel::new(u, v),
-    });
-    Some(points.collect())
-}
-
-fn camera(lens: &LensCalibration, (width, height): (usize, usize), height_m: f64) -> Result<Camera> {
-    let distortion = Distortion::brown_conrady(&lens.coefficients)?;
-    Camera::calibrated(width, height, lens.intrinsics, distortion, Mount::level(height_m)).context(
-        "no camera has the lens that was found; take more pictures with the board at the picture's edges and corners",
-    )
+    let corners = looked.corners.as_ref().ok()?;
+    Some(board_points(args.corners.0, args.square_m.unwrap_or(1.0), corners))
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use fingerpost::mount::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
+use fingerpost_calibration::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
 use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, read_camera, write_file};
@@ -107,12 +107,8 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     for_each_frame(args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
     let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
     if let Some(lane_width_m) = args.lane_width_m {
-        let height =
-            height_from_lane(args, &interrupt, &camera.with_mount(calibration.mount)?, lane_width_m)?;
-        let share = height.value / calibration.mount.height_m;
-        calibration.mount.height_m = height.value;
-        calibration.distance_m = calibration.distance_m.map(|distance_m| distance_m * share);
-        calibration.height = Some(height);
+        let seen = width_of_lane(args, &interrupt, &camera.with_mount(calibration.mount)?)?;
+        calibration = calibration.with_lane_width(seen, lane_width_m);
     }
     let calibrated = camera.with_mount(calibration.mount).context(NOTHING_WRITTEN)?;
     write_file(&args.out, camera_to_toml(&calibrated)?)?;
@@ -173,25 +169,14 @@ fn for_each_frame(
     Ok(())
 }
 
-fn height_from_lane(
-    args: &MountArgs,
-    interrupt: &Interrupt,
-    camera: &Camera,
-    lane_width_m: f64,
-) -> Result<Estimated> {
+/// How wide the lane looks through a camera of that height.
+fn width_of_lane(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Estimated> {
     let mut lane = LaneWidth::new(camera)?;
     for_each_frame(args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
-    let Some(width) = lane.width() else {
-        bail!(
-            "the drive shows no lane with markings on both sides for long enough, so that its width does not give the \
-             height; give --speed-mps or --distance-m instead; nothing was written"
-        );
-    };
-    let fingerpost_geometry::View::Calibrated { mount, .. } = camera.view() else {
-        bail!("a camera known by points has no height");
-    };
-    let value = mount.height_m * lane_width_m / width.value;
-    Ok(Estimated { value, sigma: value * width.sigma / width.value })
+    lane.width().context(
+        "the drive shows no lane with markings on both sides for long enough, so that its width does not give the height; give \
+         --speed-mps or --distance-m instead; nothing was written",
+    )
 }
 
 fn say(calibration: &MountCalibration, args: &MountArgs) {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use fingerpost_calibration::mount_from_points;
 use fingerpost_format::{camera_to_toml, points_to_toml};
 use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_io::{read_camera, read_text, write_file};
@@ -57,10 +58,6 @@ struct SolvedMount {
     error_px: f64,
 }
 
-/// Mean distance of the points from where the solved mount sees them beyond which they contradict each other, as a share of
-/// the picture's width: 6 pixels of 640.
-const MOST_ERROR_SHARE: f64 = 0.01;
-
 /// Calibrates by points.
 pub(crate) fn points(args: &PointsArgs) -> Result<()> {
     let inputs = args.camera.as_deref().into_iter().chain([Path::new(&args.points)]);
@@ -104,17 +101,7 @@ pub(crate) fn points(args: &PointsArgs) -> Result<()> {
 }
 
 fn solve(camera: &Camera, image: [Pixel; 4], road_m: [Point2<f64>; 4]) -> Result<(Camera, SolvedMount)> {
-    let found = camera
-        .mount_from_points(image, road_m)
-        .context("no mount explains the points with this lens; nothing was written")?;
-    let most_px = MOST_ERROR_SHARE * camera.width() as f64;
-    if found.error_px > most_px {
-        bail!(
-            "the points contradict each other or the lens: no mount comes nearer to them than {:.1} pixels, and {most_px:.1} \
-             are allowed; measure them again, in the same order; nothing was written",
-            found.error_px
-        );
-    }
+    let found = mount_from_points(camera, image, road_m).context("nothing was written")?;
     let mount = found.mount;
     let solved = SolvedMount {
         height_m: mount.height_m,

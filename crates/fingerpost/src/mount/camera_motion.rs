@@ -14,20 +14,20 @@ use super::sparse::RayPair;
 
 /// A camera's motion between two frames, in the camera's own axes (x right, y down, z forward).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct CameraMotion {
+pub struct CameraMotion {
     /// Takes directions of the older camera frame to the newer one.
-    pub(super) current_from_previous: UnitQuaternion<f64>,
+    pub current_from_previous: UnitQuaternion<f64>,
     /// Direction of travel in the newer camera frame.
-    pub(super) travel: Unit<Vector3<f64>>,
+    pub travel: Unit<Vector3<f64>>,
     /// Standard deviation of each of the rotation's components, radians.
-    pub(super) rotation_sigma_rad: Vector3<f64>,
+    pub rotation_sigma_rad: Vector3<f64>,
     /// Standard deviations of the direction up or down, and to the sides, radians.
-    pub(super) travel_sigma_rad: [f64; 2],
+    pub travel_sigma_rad: [f64; 2],
     /// Mean weight of the pairs: the share that agrees.
-    pub(super) agreeing: f64,
+    pub agreeing: f64,
     /// Pairs that tell the direction: they agree, and moved away from it by more than the rotation explains. What is far
     /// agrees with every direction.
-    pub(super) telling: usize,
+    pub telling: usize,
 }
 
 /// Memory of the fit.

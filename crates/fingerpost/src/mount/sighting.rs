@@ -20,33 +20,37 @@ const LEAST_AGREEING: f64 = 0.25;
 /// some direction, and all that is far agrees with it.
 const LEAST_TELLING: usize = 8;
 /// A vehicle that turns faster in a frame does not move the way its camera looks.
-pub(super) const TURNING_RAD: f64 = 0.5 * DEGREE;
+const TURNING_RAD: f64 = 0.5 * DEGREE;
 /// Directions further from straight ahead are those of a vehicle that rolls back, or no directions at all.
 const MOST_FROM_AHEAD_RAD: f64 = 40.0 * DEGREE;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
 /// A frame's view of the camera's own motion.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sighting {
+pub struct Sighting {
     /// The motion in the camera frame.
-    pub(super) motion: CameraMotion,
-    /// Change of pitch, of roll and of the vehicle's heading since the frame before, radians; signs as those of the mount.
-    pub(super) pitch_change_rad: f64,
-    pub(super) roll_change_rad: f64,
-    pub(super) turn_rad: f64,
+    pub motion: CameraMotion,
+    /// Change of the pitch since the frame before, radians, positive nose down.
+    pub pitch_change_rad: f64,
+    /// Change of the roll, radians, positive left side up.
+    pub roll_change_rad: f64,
+    /// Change of the vehicle's heading, radians, positive left.
+    pub turn_rad: f64,
     /// Whether the vehicle moved far enough for a direction.
-    pub(super) moves: bool,
+    pub moves: bool,
 }
 
 /// Watches the camera's own motion.
 #[derive(Debug)]
-pub(super) struct Sightings {
+pub struct Sightings {
     tracks: SparseTracks,
     fit: MotionFit,
 }
 
 impl Sightings {
-    pub(super) fn new(setting: SparseSetting) -> Self {
+    /// A watch that has seen no frame yet.
+    #[must_use]
+    pub fn new(setting: SparseSetting) -> Self {
         Self { tracks: SparseTracks::new(setting), fit: MotionFit::default() }
     }
 
@@ -55,7 +59,7 @@ impl Sightings {
     ///
     /// # Errors
     /// [`PictureError`] when the frame has not the camera's size.
-    pub(super) fn look_at(
+    pub fn look_at(
         &mut self,
         camera: &Camera,
         frame: &RgbImage,
@@ -82,7 +86,7 @@ impl Sighting {
     }
 
     /// Whether the vehicle moved straight ahead.
-    pub(super) fn is_straight(&self) -> bool {
+    pub fn is_straight(&self) -> bool {
         self.moves && self.turn_rad.abs() < TURNING_RAD
     }
 
@@ -103,15 +107,9 @@ impl Sighting {
     }
 }
 
-/// Pitch and yaw of a mount whose camera moves along `travel` (camera frame) while its vehicle drives straight ahead.
-pub(super) fn angles_of_travel(travel: &Unit<Vector3<f64>>, roll_rad: f64) -> (f64, f64) {
+/// Pitch and yaw, radians, of a mount whose camera moves along `travel` (camera frame) while its vehicle drives straight ahead.
+pub fn angles_of_travel(travel: &Unit<Vector3<f64>>, roll_rad: f64) -> (f64, f64) {
     let level = Mount::level(1.0).vehicle_from_camera().rotation * travel.into_inner();
     let rolled = Rotation3::from_axis_angle(&Vector3::x_axis(), roll_rad) * level;
     (libm::atan2(rolled.z, rolled.x), libm::asin(-rolled.y))
-}
-
-/// Pitch and roll of a mount that sees the road's normal (camera frame, towards the road) there.
-pub(super) fn angles_of_normal(normal: &Vector3<f64>) -> (f64, f64) {
-    let level = Mount::level(1.0).vehicle_from_camera().rotation * normal.normalize();
-    (libm::asin(level.x.clamp(-1.0, 1.0)), libm::atan2(-level.y, -level.z))
 }

@@ -13,22 +13,22 @@ use nalgebra::Vector3;
 
 /// How densely and how carefully corners are followed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SparseSetting {
+pub struct SparseSetting {
     /// Level of the pyramid at which corners are looked for: 0 is the picture itself.
-    pub(super) find_level: usize,
+    pub find_level: usize,
     /// Side of the cells that hold a corner each, pixels of that level.
-    pub(super) cell_px: usize,
+    pub cell_px: usize,
     /// Level down to which they are followed.
-    pub(super) follow_level: usize,
+    pub follow_level: usize,
     /// Most steps of following at each level.
-    pub(super) iterations: usize,
+    pub iterations: usize,
     /// Which corners are also followed back, and dropped if they do not come back to where they began.
-    pub(super) check: BackCheck,
+    pub check: BackCheck,
 }
 
 /// Whether corners are followed back as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum BackCheck {
+pub enum BackCheck {
     /// All of them: twice the time, hardly an outlier.
     All,
     /// None.
@@ -37,9 +37,11 @@ pub(super) enum BackCheck {
 
 /// The same thing seen from two frames: unit directions in the camera frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RayPair {
-    pub(super) previous: Vector3<f64>,
-    pub(super) current: Vector3<f64>,
+pub struct RayPair {
+    /// In the older frame.
+    pub previous: Vector3<f64>,
+    /// In the newer one.
+    pub current: Vector3<f64>,
 }
 
 /// Most reductions of the picture, to an eighth: places may move by some 50 pixels. In smaller pictures a window holds near

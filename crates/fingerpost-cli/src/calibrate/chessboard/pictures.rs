@@ -22,12 +22,6 @@ pub(super) struct Looked {
     pub(super) corners: Result<Vec<[f64; 2]>, String>,
 }
 
-/// Most pixels by which a side may differ from that of the other pictures. Some cameras and programs save a row or column more
-/// or less. Where it is cut off is not known, so such a picture's corners are all shifted by up to a pixel, which turns its
-/// board's pose by as much and leaves the lens: in 2 of 17 pictures a shift of one pixel moved no number of the lens by more
-/// than a hundredth of its standard deviation.
-const MOST_OTHER_PX: usize = 1;
-
 /// The pictures that are meant, folders replaced by what they hold, each file once: twice it would count as two views.
 pub(super) fn paths_of(given: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
@@ -76,25 +70,4 @@ fn look_at(path: &Path, board: BoardSize) -> Looked {
     let corners =
         corners.and_then(|()| find_chessboard(grey.view(), board).map_err(|cause| cause.to_string()));
     Looked { name, size: Some((width, height)), corners }
-}
-
-/// The size that most pictures have, from which none may differ by more than a pixel.
-pub(super) fn common_size(looked: &[Looked]) -> Result<(usize, usize)> {
-    let sizes: Vec<_> = looked.iter().filter_map(|looked| looked.size).collect();
-    let count = |size| sizes.iter().filter(|&&other| other == size).count();
-    // Of sizes that are as frequent the first one counts.
-    let common = sizes.iter().rev().copied().max_by_key(|&size| count(size));
-    let (width, height) = common.context("no picture can be read; give pictures of the board")?;
-    let other = looked.iter().find_map(|looked| {
-        let (w, h) = looked.size?;
-        let is_other = w.abs_diff(width) > MOST_OTHER_PX || h.abs_diff(height) > MOST_OTHER_PX;
-        is_other.then_some((&looked.name, w, h))
-    });
-    match other {
-        None => Ok((width, height)),
-        Some((name, w, h)) => bail!(
-            "the pictures are of different sizes: {name} has {w} x {h} pixels, most have {width} x {height}; give pictures \
-             by one camera at one setting, none of them cropped or made smaller"
-        ),
-    }
 }

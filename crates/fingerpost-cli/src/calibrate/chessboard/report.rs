@@ -1,7 +1,6 @@
 //! What is said of a calibration.
 
-use fingerpost_geometry::{BoardOutcome, LensCalibration};
-use nalgebra::{Isometry3, Vector3};
+use fingerpost_calibration::{BoardOutcome, LensCalibration};
 use serde::Serialize;
 
 use super::pictures::Looked;
@@ -145,11 +144,11 @@ impl Report {
 
 fn picture(name: &str, outcome: Option<&BoardOutcome>, square_m: Option<f64>) -> Picture {
     match outcome {
-        Some(BoardOutcome::Used { camera_from_board, rms_px }) => Picture {
+        Some(used @ BoardOutcome::Used { camera_from_board, rms_px }) => Picture {
             name: name.to_owned(),
             used: true,
             rms_px: Some(*rms_px),
-            tilt_deg: Some(tilt_deg(camera_from_board)),
+            tilt_deg: used.tilt_rad().map(f64::to_degrees),
             distance_m: square_m.map(|_| camera_from_board.translation.vector.norm()),
             reason: None,
         },
@@ -173,9 +172,4 @@ fn left_out(name: &str, rms_px: Option<f64>, reason: String) -> Picture {
         distance_m: None,
         reason: Some(reason),
     }
-}
-
-fn tilt_deg(camera_from_board: &Isometry3<f64>) -> f64 {
-    let normal = camera_from_board.rotation * Vector3::z();
-    libm::acos(normal.z.abs().min(1.0)).to_degrees()
 }

@@ -10,17 +10,17 @@
 
 mod angles;
 mod error;
+mod road_plane;
 mod way;
 
+use fingerpost::mount::{BackCheck, Sighting, Sightings, SparseSetting, angles_of_travel};
 use fingerpost_geometry::{Camera, Mount, View};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::Vector3;
 
 use self::angles::{joined, pitch_of_travel, road_angles, yaw_of_travel};
+use self::road_plane::{PlaneFit, RoadPlane};
 use self::way::{typical_way, way};
-use super::road_plane::{PlaneFit, RoadPlane};
-use super::sighting::{Sighting, Sightings, angles_of_travel};
-use super::sparse::{BackCheck, SparseSetting};
 
 pub use self::error::CalibrationError;
 
@@ -74,6 +74,23 @@ pub struct MountCalibration {
     pub frames_straight: usize,
     /// Frames in which the road's plane was seen.
     pub frames_with_road: usize,
+}
+
+impl MountCalibration {
+    /// The same with the height at which a lane that is `lane_width_m` wide looks as wide as it was `seen`, metres, by
+    /// [`LaneWidth`](crate::LaneWidth) through a camera on [`MountCalibration::mount`].
+    #[must_use]
+    pub fn with_lane_width(self, seen: Estimated, lane_width_m: f64) -> Self {
+        let value = self.mount.height_m * lane_width_m / seen.value;
+        let height = Estimated { value, sigma: value * seen.sigma / seen.value };
+        let share = height.value / self.mount.height_m;
+        Self {
+            mount: Mount { height_m: height.value, ..self.mount },
+            height: Some(height),
+            distance_m: self.distance_m.map(|distance_m| distance_m * share),
+            ..self
+        }
+    }
 }
 
 /// Full size and all corners checked: precision counts here, time does not.

@@ -6,12 +6,12 @@
 //!
 //! Limits: lanes marked on both sides, driven along and not across.
 
+use fingerpost::ground_view::{GroundPicture, GroundView, GroundViewConfig, GroundViewError};
 use fingerpost_geometry::{Camera, GroundPixel};
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::picture::RgbImage;
 
-use super::calibration::Estimated;
-use crate::ground_view::{GroundPicture, GroundView, GroundViewConfig, GroundViewError};
+use crate::mount::Estimated;
 
 /// Measures the lane's width in a drive.
 #[derive(Debug)]

@@ -5,11 +5,10 @@
 //! together give it, and it gives `K` (appendix B of the paper's long form, MSR-TR-98-71). Pixels are not skewed, so that
 //! `B12` is zero.
 
+use fingerpost_geometry::Intrinsics;
 use nalgebra::{
     DMatrix, Isometry3, Matrix3, Point2, Rotation3, SVector, Translation3, UnitQuaternion, Vector3,
 };
-
-use crate::Intrinsics;
 
 use super::plane_map::plane_map;
 use super::{BoardPoint, LensCalibrationError};

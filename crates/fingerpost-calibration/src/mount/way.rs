@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::road_plane::RoadPlane;
+use super::road_plane::RoadPlane;
 use super::{Estimated, LEAST_ROAD, Look};
 
 /// Share of a measured length that texture and waves of the road leave uncertain.

@@ -1,8 +1,7 @@
 //! Where a lens shows a point, and how that changes with every number of lens and pose.
 
+use fingerpost_geometry::Intrinsics;
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Point2, Point3, SMatrix, SVector, Vector2};
-
-use crate::Intrinsics;
 
 /// Numbers of a lens: `fx fy cx cy k1 k2 p1 p2 k3`.
 pub(super) const LENS: usize = 9;
@@ -36,7 +35,7 @@ impl Lens {
         std::array::from_fn(|i| self.0[4 + i])
     }
 
-    /// Where a point of a board appears; none behind the camera. Distortion as in [`crate::Distortion`].
+    /// Where a point of a board appears; none behind the camera. Distortion as in [`fingerpost_geometry::Distortion`].
     pub(super) fn project(
         &self,
         camera_from_board: &Isometry3<f64>,
@@ -94,7 +93,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::Distortion;
+    use fingerpost_geometry::Distortion;
 
     const COEFFICIENTS: [f64; 5] = [-0.264, 0.075, -0.003, 0.004, -0.146];
 

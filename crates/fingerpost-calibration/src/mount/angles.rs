@@ -1,9 +1,10 @@
 //! Pitch, yaw and roll as means over a drive, with standard deviations that its waves and pushes leave.
 
+use fingerpost::mount::{Sighting, angles_of_travel};
 use fingerpost_geometry::Mount;
+use nalgebra::Vector3;
 
-use super::super::road_plane::RoadPlane;
-use super::super::sighting::{Sighting, angles_of_normal, angles_of_travel};
+use super::road_plane::RoadPlane;
 use super::{DEGREE, Estimated, LEAST_ROAD};
 
 /// Frames that share what a wave of the road or a push of the brakes does to them.
@@ -80,6 +81,12 @@ pub(super) fn road_angles(roads: &[RoadPlane]) -> Option<(Estimated, Estimated)>
         angle(|(pitch_rad, _)| pitch_rad, ROAD_PITCH_FLOOR_RAD),
         angle(|(_, roll_rad)| roll_rad, ROAD_ROLL_FLOOR_RAD),
     ))
+}
+
+/// Pitch and roll of a mount that sees the road's normal (camera frame, towards the road) there.
+fn angles_of_normal(normal: &Vector3<f64>) -> (f64, f64) {
+    let level = Mount::level(1.0).vehicle_from_camera().rotation * normal.normalize();
+    (libm::asin(level.x.clamp(-1.0, 1.0)), libm::atan2(-level.y, -level.z))
 }
 
 /// Mean over a drive, with outliers weighed down, and its standard deviation: that of the means of blocks of frames, because

@@ -14,9 +14,8 @@ mod plane_map;
 mod projection;
 mod refinement;
 
+use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, Pixel};
 use nalgebra::{Isometry3, Point2, Vector3};
-
-use crate::{Intrinsics, Pixel};
 
 use self::refinement::{Fit, refine};
 
@@ -48,6 +47,17 @@ pub struct LensCalibration {
     pub boards: Vec<BoardOutcome>,
 }
 
+impl LensCalibration {
+    /// The camera with this lens on a mount, for pictures of `width` x `height` pixels, which should be those calibrated with.
+    ///
+    /// # Errors
+    /// [`GeometryError`] when no camera has this lens, as one that folds back inside the picture, or is mounted so.
+    pub fn camera(&self, width: usize, height: usize, mount: Mount) -> Result<Camera, GeometryError> {
+        let distortion = Distortion::brown_conrady(&self.coefficients)?;
+        Camera::calibrated(width, height, self.intrinsics, distortion, mount)
+    }
+}
+
 /// What became of one picture's board.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BoardOutcome {
@@ -65,6 +75,15 @@ pub enum BoardOutcome {
         /// Median of those of all boards used with it, pixels.
         median_px: f64,
     },
+}
+
+impl BoardOutcome {
+    /// Angle between the board and a plane that faces the camera squarely, radians, 0 to pi/2; none of a board that was left out.
+    pub fn tilt_rad(&self) -> Option<f64> {
+        let Self::Used { camera_from_board, .. } = self else { return None };
+        let normal = camera_from_board.rotation * Vector3::z();
+        Some(libm::acos(normal.z.abs().min(1.0)))
+    }
 }
 
 /// Fewest boards: two fix focal lengths and principal point (Zhang 2000, section 3.1), a third shows whether they agree.
@@ -89,7 +108,8 @@ const LEAST_NOISE_PX: f64 = 0.01;
 /// [`LensCalibrationError`] when the boards are too few, do not fix the lens, or contradict each other.
 ///
 /// ```
-/// use fingerpost_geometry::{BoardPoint, Camera, Distortion, Intrinsics, Mount, calibrate_lens};
+/// use fingerpost_calibration::{BoardPoint, calibrate_lens};
+/// use fingerpost_geometry::{Intrinsics, Pixel};
 /// use nalgebra::{Isometry3, Point2, Point3, Vector3};
 /// let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 310.0, cy: 245.0 };
 /// let tilts = [Vector3::new(0.5, 0.0, 0.0), Vector3::new(0.0, -0.5, 0.1), Vector3::new(-0.3, 0.4, 0.0)];
@@ -98,13 +118,13 @@ const LEAST_NOISE_PX: f64 = 0.01;
 ///     let corners = (0..54).map(|i| Point2::new(f64::from(i % 9), f64::from(i / 9)) * 0.025);
 ///     let seen = |p_in_board: Point2<f64>| {
 ///         let p = camera_from_board * Point3::new(p_in_board.x, p_in_board.y, 0.0);
-///         fingerpost_geometry::Pixel::new(500.0 * p.x / p.z + 310.0, 500.0 * p.y / p.z + 245.0)
+///         Pixel::new(500.0 * p.x / p.z + 310.0, 500.0 * p.y / p.z + 245.0)
 ///     };
 ///     corners.map(|p_in_board| BoardPoint { p_in_board, pixel: seen(p_in_board) }).collect()
 /// });
 /// let found = calibrate_lens(&boards, 640, 480)?;
 /// assert!((found.intrinsics.cx - 310.0).abs() < 1e-3 && found.rms_px < 1e-3);
-/// # Ok::<(), fingerpost_geometry::LensCalibrationError>(())
+/// # Ok::<(), fingerpost_calibration::LensCalibrationError>(())
 /// ```
 pub fn calibrate_lens(
     boards: &[Vec<BoardPoint>],

@@ -1,11 +1,11 @@
 //! Lenses that are known, from boards that they would show.
 
+use fingerpost_geometry::Distortion;
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use super::*;
-use crate::Distortion;
 
 const SIZE: (usize, usize) = (1280, 720);
 const LENS: Intrinsics = Intrinsics { fx: 1157.0, fy: 1151.0, cx: 655.0, cy: 371.0 };
