@@ -17,6 +17,7 @@ use fingerpost_vision::picture::RgbImage;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
+use crate::examples::examples;
 use crate::picture_order::OutOfOrder;
 use crate::run::NEAR_SIGMA_M;
 use crate::stage_clock::{FrameClock, stage_name};
@@ -27,6 +28,10 @@ use crate::{inputs, output};
 /// each frame its line of frames.jsonl, with "advice": {"steer_rad", "speed_mps", "controller", "line", "because"}, before the next
 /// is read. A frame that cannot be used is answered by a line with "error", and the advice to slow down.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "advise --camera camera.toml --route route.geojson --start-m 12",
+    "advise --camera camera.toml --route route.geojson --config fingerpost.toml --map town.osm.pbf"
+))]
 pub(crate) struct AdviseArgs {
     /// Calibration of the camera: camera.toml, or the YAML of ROS camera_info or OpenCV.
     #[arg(long, value_name = "FILE")]

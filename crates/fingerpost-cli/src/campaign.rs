@@ -25,6 +25,7 @@ use self::closed_loop::Fault;
 pub(crate) use self::drive::{Driven, measure};
 pub(crate) use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
 use crate::arguments::{InputLimit, PictureSize, Threads};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path, side_by_side};
 
@@ -32,6 +33,10 @@ use crate::{inputs, output, output_path, side_by_side};
 /// place and of motion, by conditions. The truth is only used to measure the results. With --closed-loop the advice drives the
 /// vehicle.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "campaign --drives 8 --conditions clear,shadows --out campaign",
+    "campaign --drives 12 --closed-loop --controllers fuzzy --reports --out closed_loop"
+))]
 pub(crate) struct CampaignArgs {
     /// How many drives, 1 to 1000000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

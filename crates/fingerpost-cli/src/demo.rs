@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::arguments::PictureSize;
 use crate::driver::{Driver, RunSetting, Sequence};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::overlap::{self, Overlap};
@@ -24,6 +25,10 @@ use crate::simulate::{Lens, default_camera};
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
 /// truth is only used to measure the results.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "demo",
+    "demo --out results --json"
+))]
 pub(crate) struct DemoArgs {
     /// Folder to write: a new or empty one, or one of an earlier run, whose results are replaced.
     #[arg(long, value_name = "DIR", default_value = "fingerpost-demo")]

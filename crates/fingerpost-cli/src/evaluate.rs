@@ -12,10 +12,15 @@ use fingerpost_eval::{evaluate_junctions, evaluate_motion, poses_from_kitti, pos
 use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, from_json_lines};
 use fingerpost_io::read_truth;
 
+use crate::examples::examples;
 use crate::output;
 
 /// Compare a finished run, or road surfaces, with truth.
 #[derive(Debug, Subcommand)]
+#[command(before_long_help = examples!(
+    "evaluate junctions run --truth drive/truth.jsonl",
+    "evaluate road --images pictures --labels labels --road 1"
+))]
 pub(crate) enum EvaluateCommand {
     Junctions(JunctionsArgs),
     Motion(MotionArgs),
@@ -29,6 +34,10 @@ pub(crate) enum EvaluateCommand {
 /// A feature counts when the vehicle passes it or comes within 10 m; a detection is false when it lies more than 3 m from
 /// the feature's true place, or the feature has been passed or is never come to. Quantiles are nearest-rank.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "evaluate junctions run --truth drive/truth.jsonl",
+    "evaluate junctions run --truth drive/truth.jsonl --json"
+))]
 pub(crate) struct JunctionsArgs {
     /// Run folder, as written by `fingerpost run`.
     #[arg(value_name = "RUN")]
@@ -44,6 +53,10 @@ pub(crate) struct JunctionsArgs {
 /// Ego-motion: distance, heading at the end, and the error of single steps.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("reference").required(true)))]
+#[command(before_long_help = examples!(
+    "evaluate motion run --truth drive/truth.jsonl",
+    "evaluate motion run --kitti-poses poses/00.txt"
+))]
 pub(crate) struct MotionArgs {
     /// Run folder, as written by `fingerpost run`.
     #[arg(value_name = "RUN")]

@@ -25,6 +25,7 @@ use self::against_truth::Truth;
 use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
+use crate::examples::examples;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 
@@ -32,6 +33,10 @@ use crate::{inputs, output, output_path, simulate, version};
 /// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
 /// is converged, ambiguous, coasting or lost.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "locate --map town.osm.pbf --motion motion.csv --out located",
+    "locate --map town.osm.pbf --motion motion.csv --gps gps.gpx --truth poses.csv --out located"
+))]
 pub(crate) struct LocateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE")]

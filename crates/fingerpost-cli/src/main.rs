@@ -14,6 +14,7 @@ mod convert;
 mod demo;
 mod driver;
 mod evaluate;
+mod examples;
 mod frame_choice;
 mod gps;
 mod inputs;
@@ -53,10 +54,15 @@ use clap::{Parser, Subcommand};
 use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT};
 
 use crate::arguments::WaitingTime;
+use crate::examples::examples;
 
 /// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
 #[derive(Debug, Parser)]
 #[command(name = "fingerpost", version = version::VERSION, about, arg_required_else_help = true)]
+#[command(before_long_help = examples!(
+    "demo",
+    "run drive.mp4 --camera camera.toml --route route.geojson --out run"
+))]
 struct Cli {
     /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, a pipe, ffmpeg.
     #[arg(long, value_name = "S", global = true, default_value_t = WaitingTime(DEFAULT_LONGEST_WAIT))]

@@ -20,6 +20,7 @@ use fingerpost_vision::simd::{CodePath, InstructionSet};
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
+use crate::examples::examples;
 use crate::frame_choice::FrameChoice;
 use crate::gps::GpsFeed;
 use crate::interrupt::Interrupt;
@@ -38,6 +39,10 @@ pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
 /// motion, lanes and the road's middle.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("roads").args(["route", "map"]).multiple(true)))]
+#[command(before_long_help = examples!(
+    "run drive.mp4 --camera camera.toml --route route.geojson --start-m 12 --video --out run",
+    "run /dev/video0 --camera camera.toml --map town.osm.pbf --gps gpsd://127.0.0.1:2947 --out run"
+))]
 pub(crate) struct RunArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads: a video file, rtsp://..., /dev/video0.
     #[arg(value_name = "INPUT")]

@@ -23,6 +23,7 @@ use self::course::CourseArgs;
 use self::world::WorldArgs;
 pub(crate) use self::world::known_vehicle;
 use crate::arguments::{InputLimit, PictureSize};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -30,6 +31,10 @@ use crate::{inputs, output, output_path};
 /// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame; and what its bus says: can.log,
 /// car.dbc and can.toml. Give the folder to `run`.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "simulate --map town.osm --route route.geojson --conditions wet --out drive",
+    "simulate --course highway --length-m 500 --driving drifting --out drive"
+))]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE", required_unless_present_any = ["course", "world"])]

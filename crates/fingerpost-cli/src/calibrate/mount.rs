@@ -12,6 +12,7 @@ use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
 use crate::arguments::number;
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -22,6 +23,10 @@ use crate::{inputs, output, output_path};
 /// drive that does not show the mount well enough is refused and nothing is written.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("scale")))]
+#[command(before_long_help = examples!(
+    "calibrate mount drive.mp4 --camera rough.toml --speed-mps 13.9 --out camera.toml",
+    "calibrate mount pictures/ --fps 10 --camera rough.toml --lane-width-m 3.5 --out camera.toml"
+))]
 pub(crate) struct MountArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads.
     #[arg(value_name = "INPUT")]

@@ -11,6 +11,7 @@ use nalgebra::Point2;
 use serde::Serialize;
 
 use crate::arguments::PictureSize;
+use crate::examples::examples;
 use crate::{output, output_path};
 
 /// Write a camera.toml from four points of the picture whose places on the road were measured (paper 1, section IV-A).
@@ -18,6 +19,10 @@ use crate::{output, output_path};
 /// With --camera, whose lens is known, the mount is solved for, and the camera knows more than the road plane.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("lens").required(true)))]
+#[command(before_long_help = examples!(
+    "calibrate points --image-size 640x480 --points points.txt --out camera.toml",
+    "calibrate points --camera rough.toml --points points.txt --out camera.toml"
+))]
 pub(crate) struct PointsArgs {
     /// Size of the pictures, pixels.
     #[arg(long, value_name = "WxH", group = "lens")]

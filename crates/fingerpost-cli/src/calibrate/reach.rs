@@ -9,6 +9,7 @@ use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_io::read_camera;
 use serde::Serialize;
 
+use crate::examples::examples;
 use crate::output;
 
 /// Print how far ahead each row of the picture shows the road, and how many rows a driver's reaction needs at which speed
@@ -16,6 +17,10 @@ use crate::output;
 ///
 /// Rows are counted from the picture's base, distances ahead from the rear axle, both down the picture's middle.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "calibrate reach --camera camera.toml",
+    "calibrate reach --camera camera.toml --json"
+))]
 pub(crate) struct ReachArgs {
     /// Calibration, camera.toml.
     #[arg(long, value_name = "FILE")]

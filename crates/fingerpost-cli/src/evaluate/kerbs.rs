@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::print_quantiles;
+use crate::examples::examples;
 use crate::road_detector::road_detector;
 use crate::{inputs, output};
 
@@ -24,6 +25,10 @@ use crate::{inputs, output};
 /// seen. Those at least 8 cm high count, 5 to 12 m ahead; 1.5 m behind one is pavement, all between it and the vehicle's axis
 /// road. Where the surface goes on beyond the kerb to the end of what is seen, it is missed, and its error is as large as that.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "evaluate kerbs drive",
+    "evaluate kerbs drive_a drive_b --config fingerpost.toml --json"
+))]
 pub(crate) struct KerbsArgs {
     /// Drive folders, as written by `fingerpost simulate`.
     #[arg(value_name = "DRIVE", required = true)]

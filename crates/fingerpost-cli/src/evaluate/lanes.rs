@@ -18,6 +18,7 @@ use serde::Serialize;
 use self::table::{clip_table, mean_table, tusimple_line};
 use super::records;
 use crate::arguments::{PictureSize, number};
+use crate::examples::examples;
 use crate::{output, output_path};
 
 /// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest and thresholds, by default those of paper 3 (100,
@@ -30,6 +31,10 @@ use crate::{output, output_path};
 /// there is to say.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("reference").required(true)))]
+#[command(before_long_help = examples!(
+    "evaluate lanes run --truth truth.jsonl --plot accuracy.svg",
+    "evaluate lanes run --tusimple labels.json"
+))]
 pub(crate) struct LanesArgs {
     /// Run folders, as written by `fingerpost run`.
     #[arg(value_name = "RUN", required = true)]
