@@ -10,7 +10,7 @@ use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{AdviceRecord, FrameHeader, FrameRecord, TrackState, to_json_line};
-use fingerpost_io::{FedFrame, read_camera, standard_feed};
+use fingerpost_io::{FedFrame, standard_feed};
 use fingerpost_map::LatLon;
 use fingerpost_record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
 use fingerpost_vision::picture::RgbImage;
@@ -62,7 +62,7 @@ const USUAL_DT_S: f64 = 0.1;
 /// Answers frame after frame.
 pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
     let config = inputs::config(args.config.as_deref())?;
-    let camera = read_camera(&args.camera)?;
+    let camera = inputs::camera(&args.camera)?;
     let route = inputs::route(&args.route)?;
     let setting = RunSetting {
         config: &config,

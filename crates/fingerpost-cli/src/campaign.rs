@@ -16,7 +16,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use fingerpost_control::ControllerName;
 use fingerpost_eval::CampaignTally;
-use fingerpost_format::{Campaign, CampaignGroup, ErrorQuantiles};
+use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, ErrorQuantiles};
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
@@ -154,6 +154,12 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
     let inputs = [&args.map, &args.config].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Campaign, inputs)?;
     let _folder = OutputFolder::take(&args.out, FolderKind::Campaign)?;
+    log::info!(
+        "{} drives from seed {}, conditions {}",
+        args.drives,
+        args.seed,
+        setting.conditions.join(", ")
+    );
     let bar = output::progress(Some(args.drives), "drives");
     let campaign = drive_all(&setting, &bar)?;
     bar.finish_and_clear();
@@ -193,6 +199,15 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
         let Some((drive, claims)) = drive::drive(setting, args.seed + number, conditions) else {
             return Ok(());
         };
+        let CampaignDrive { truth, frames, error, .. } = &drive;
+        let error = error.as_deref().unwrap_or("no error");
+        log::debug!(
+            "drive of seed {} ({conditions}): {frames} frames, {} of {} features found, {} falsely, {error}",
+            drive.seed,
+            truth.features_detected,
+            truth.features_total,
+            truth.false_detections
+        );
         let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         tally.add(drive, claims);
         write(args, &tally.campaign())?;

@@ -10,10 +10,9 @@ use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use fingerpost_eval::{evaluate_junctions, evaluate_motion, poses_from_kitti, poses_from_truth};
 use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, from_json_lines};
-use fingerpost_io::read_truth;
 
 use crate::examples::examples;
-use crate::output;
+use crate::{inputs, output};
 
 /// Compare a finished run, or road surfaces, with truth.
 #[derive(Debug, Subcommand)]
@@ -89,7 +88,7 @@ fn junctions(args: &JunctionsArgs) -> Result<()> {
     let summary: Summary = serde_json::from_str(&fingerpost_io::read_text(&summary_path)?)
         .with_context(|| format!("{} is no summary of a run; run again", summary_path.display()))?;
     let ids: Vec<i64> = summary.features.iter().map(|feature| feature.id).collect();
-    let truth = read_truth(&args.truth)?;
+    let truth = inputs::truth(&args.truth)?;
     let evaluation = evaluate_junctions(&records, &truth, &ids)?;
     let numbers = &evaluation.summary;
     output::message(&format!(
@@ -108,7 +107,7 @@ fn motion(args: &MotionArgs) -> Result<()> {
             let text = fingerpost_io::read_text(path)?;
             poses_from_kitti(&text).with_context(|| path.display().to_string())?
         }
-        (Some(path), None) => poses_from_truth(&read_truth(path)?),
+        (Some(path), None) => poses_from_truth(&inputs::truth(path)?),
         (None, None) => Default::default(),
     };
     let evaluation = evaluate_motion(&records, &poses)?;

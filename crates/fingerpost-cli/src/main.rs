@@ -15,6 +15,7 @@ mod demo;
 mod driver;
 mod evaluate;
 mod examples;
+mod facts;
 mod frame_choice;
 mod gps;
 mod inputs;
@@ -46,15 +47,18 @@ mod start_check;
 #[cfg(unix)]
 mod tether;
 mod tune;
+mod verbosity;
 mod version;
 
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT};
 
 use crate::arguments::WaitingTime;
 use crate::examples::examples;
+use crate::verbosity::Verbosity;
 
 /// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
 #[derive(Debug, Parser)]
@@ -67,6 +71,8 @@ struct Cli {
     /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, a pipe, ffmpeg.
     #[arg(long, value_name = "S", global = true, default_value_t = WaitingTime(DEFAULT_LONGEST_WAIT))]
     timeout_s: WaitingTime,
+    #[command(flatten)]
+    verbosity: Verbosity,
     #[command(subcommand)]
     command: Command,
 }
@@ -101,7 +107,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let Cli { timeout_s: WaitingTime(longest_wait), command } = Cli::parse();
+    let started = Instant::now();
+    let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = Cli::parse();
+    verbosity.begin();
     fingerpost_io::set_longest_wait(longest_wait);
     let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
@@ -127,9 +135,12 @@ fn main() -> ExitCode {
         Command::Tether(args) => tether::tether(&args),
     });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => {
+            log::info!("done after {:.1} s", started.elapsed().as_secs_f64());
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            output::message(&format!("fingerpost: {}", output::cause_chain(&error)));
+            output::error(&format!("fingerpost: {}", output::cause_chain(&error)));
             ExitCode::FAILURE
         }
     }

@@ -7,7 +7,7 @@ use clap::Args;
 use fingerpost::mount::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, read_camera, write_file};
+use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, write_file};
 use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
@@ -106,7 +106,7 @@ const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     output_path::check_file(&args.out, [Path::new(&args.input), &args.camera])?;
     let known = known_scale(args)?;
-    let camera = read_camera(&args.camera)?;
+    let camera = inputs::camera(&args.camera)?;
     let mut calibrator = MountCalibrator::new(&camera)?;
     let interrupt = Interrupt::listen()?;
     for_each_frame(args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;

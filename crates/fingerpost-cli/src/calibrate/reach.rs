@@ -6,11 +6,10 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use fingerpost_geometry::{Camera, Pixel};
-use fingerpost_io::read_camera;
 use serde::Serialize;
 
 use crate::examples::examples;
-use crate::output;
+use crate::{inputs, output};
 
 /// Print how far ahead each row of the picture shows the road, and how many rows a driver's reaction needs at which speed
 /// (paper 3, tables II and I, for this camera).
@@ -82,7 +81,7 @@ struct Need {
 
 /// Prints.
 pub(crate) fn reach(args: &ReachArgs) -> Result<()> {
-    let reach = Reach::of(&read_camera(&args.camera)?);
+    let reach = Reach::of(&inputs::camera(&args.camera)?);
     if reach.rows.is_empty() {
         bail!("{} sees no road within {FARTHEST_M} m; see its mount", args.camera.display());
     }

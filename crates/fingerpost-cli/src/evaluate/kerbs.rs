@@ -8,7 +8,7 @@ use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_eval::{KerbEvaluation, KerbScores};
 use fingerpost_format::TruthRecord;
 use fingerpost_geometry::GroundGrid;
-use fingerpost_io::{picture_paths, read_camera, read_picture, read_truth};
+use fingerpost_io::{picture_paths, read_picture};
 use fingerpost_vision::picture::Plane;
 use nalgebra::Point2;
 use rayon::prelude::*;
@@ -84,8 +84,8 @@ fn print(name: &str, numbers: &KerbEvaluation) {
 }
 
 fn scores(drive: &Path, config: &Config) -> Result<KerbScores> {
-    let camera = read_camera(&drive.join("camera.toml"))?;
-    let truth = read_truth(&drive.join("truth.jsonl"))?;
+    let camera = inputs::camera(&drive.join("camera.toml"))?;
+    let truth = inputs::truth(&drive.join("truth.jsonl"))?;
     let paths = picture_paths(drive)?;
     if paths.len() != truth.len() {
         bail!(

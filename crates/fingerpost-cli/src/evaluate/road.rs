@@ -15,7 +15,7 @@ use fingerpost::road_surface::{
     Perspective, RoadDetector, RoadInput, RoadMethod, RoadSurface, RoadSurfaceConfig,
 };
 use fingerpost_eval::{RoadEvaluation, RoadLabels, RoadScores, stage_time};
-use fingerpost_io::{picture_paths, read_camera, read_picture};
+use fingerpost_io::{picture_paths, read_picture};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use serde::Serialize;
 
@@ -186,7 +186,7 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
 /// The ground views that are asked for.
 fn ground_views(args: &RoadArgs, config: &Config) -> Result<Option<GroundViews>> {
     let Some(camera) = &args.ground_view else { return Ok(None) };
-    let camera = if camera.as_os_str() == "assumed" { None } else { Some(read_camera(camera)?) };
+    let camera = if camera.as_os_str() == "assumed" { None } else { Some(inputs::camera(camera)?) };
     GroundViews::new(config, camera, args.from_row).map(Some)
 }
 

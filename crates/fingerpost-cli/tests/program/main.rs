@@ -38,4 +38,5 @@ mod simulated_bus;
 mod simulating;
 mod stalls;
 mod tuning;
+mod verbosity;
 mod video_stub;
