@@ -10,6 +10,8 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
+#[cfg(feature = "completions")]
+mod completions;
 mod convert;
 mod demo;
 mod driver;
@@ -23,6 +25,8 @@ mod interrupt;
 mod licences;
 mod live_gps;
 mod locate;
+#[cfg(feature = "completions")]
+mod man;
 mod mark;
 mod mount_args;
 #[cfg(feature = "onnx")]
@@ -101,6 +105,10 @@ enum Command {
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
+    #[cfg(feature = "completions")]
+    Completions(completions::CompletionsArgs),
+    #[cfg(feature = "completions")]
+    Man(man::ManArgs),
     #[cfg(unix)]
     #[command(name = TETHER_ARGUMENT, hide = true)]
     Tether(tether::TetherArgs),
@@ -131,6 +139,10 @@ fn main() -> ExitCode {
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),
+        #[cfg(feature = "completions")]
+        Command::Completions(args) => completions::completions(&args),
+        #[cfg(feature = "completions")]
+        Command::Man(args) => man::man(&args),
         #[cfg(unix)]
         Command::Tether(args) => tether::tether(&args),
     });

@@ -25,6 +25,8 @@ mod interrupts;
 mod lanes;
 mod live;
 mod locating;
+#[cfg(feature = "completions")]
+mod manual;
 mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
