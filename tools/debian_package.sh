@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes a Debian package of a static binary (tools/static_binary.sh) into FOLDER. It depends on nothing; ffmpeg, for video, is
-# recommended.
+# Makes a Debian package of a static binary (tools/static_binary.sh) into FOLDER, with pages of the manual and what bash, zsh and fish
+# complete. It depends on nothing; ffmpeg, for video, is recommended.
 #
 #     tools/debian_package.sh FINGERPOST FOLDER
 #
@@ -17,6 +17,13 @@ trap 'rm -rf "$root"' EXIT
 chmod 755 "$root"
 
 install -D -m 755 "$program" "$root/usr/bin/fingerpost"
+share="$root/usr/share"
+mkdir -p "$share/man" "$share/bash-completion/completions" "$share/zsh/vendor-completions" "$share/fish/vendor_completions.d"
+"$program" man --out "$share/man/man1"
+gzip -9 --no-name "$share"/man/man1/*.1
+"$program" completions bash >"$share/bash-completion/completions/fingerpost"
+"$program" completions zsh >"$share/zsh/vendor-completions/_fingerpost"
+"$program" completions fish >"$share/fish/vendor_completions.d/fingerpost.fish"
 documents="$root/usr/share/doc/fingerpost"
 install -D -m 644 -t "$documents" README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE crates/fingerpost-sim/assets/ATTRIBUTION.md
 {
@@ -24,6 +31,7 @@ install -D -m 644 -t "$documents" README.md CHANGELOG.md LICENSE-MIT LICENSE-APA
     cat THIRD_PARTY_NOTICES.txt
 } >"$documents/copyright"
 gzip -9 --no-name "$documents/CHANGELOG.md"
+chmod -R u=rwX,go=rX "$root/usr"
 mkdir "$root/DEBIAN"
 cat >"$root/DEBIAN/control" <<CONTROL
 Package: fingerpost

@@ -22,7 +22,7 @@ has_target || {
 }
 
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
-cargo build --quiet --release --locked --package fingerpost-cli --target "$target"
+cargo build --quiet --release --locked --package fingerpost-cli --features completions --target "$target"
 install -m 755 "$CARGO_TARGET_DIR/$target/release/fingerpost" "$out/fingerpost"
 # A binary that names an interpreter or a library needs that of the machine.
 if readelf --program-headers --dynamic "$out/fingerpost" | grep -E 'INTERP|NEEDED'; then

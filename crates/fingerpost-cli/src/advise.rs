@@ -10,13 +10,14 @@ use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{AdviceRecord, FrameHeader, FrameRecord, TrackState, to_json_line};
-use fingerpost_io::{FedFrame, read_camera, standard_feed};
+use fingerpost_io::{FedFrame, standard_feed};
 use fingerpost_map::LatLon;
 use fingerpost_record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
+use crate::examples::examples;
 use crate::picture_order::OutOfOrder;
 use crate::run::NEAR_SIGMA_M;
 use crate::stage_clock::{FrameClock, stage_name};
@@ -27,6 +28,10 @@ use crate::{inputs, output};
 /// each frame its line of frames.jsonl, with "advice": {"steer_rad", "speed_mps", "controller", "line", "because"}, before the next
 /// is read. A frame that cannot be used is answered by a line with "error", and the advice to slow down.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "advise --camera camera.toml --route route.geojson --start-m 12",
+    "advise --camera camera.toml --route route.geojson --config fingerpost.toml --map town.osm.pbf"
+))]
 pub(crate) struct AdviseArgs {
     /// Calibration of the camera: camera.toml, or the YAML of ROS camera_info or OpenCV.
     #[arg(long, value_name = "FILE")]
@@ -57,7 +62,7 @@ const USUAL_DT_S: f64 = 0.1;
 /// Answers frame after frame.
 pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
     let config = inputs::config(args.config.as_deref())?;
-    let camera = read_camera(&args.camera)?;
+    let camera = inputs::camera(&args.camera)?;
     let route = inputs::route(&args.route)?;
     let setting = RunSetting {
         config: &config,

@@ -8,8 +8,14 @@ mod reach;
 use anyhow::Result;
 use clap::Subcommand;
 
+use crate::examples::examples;
+
 /// Calibrate a camera and write its camera.toml, or print how far a calibrated one sees.
 #[derive(Debug, Subcommand)]
+#[command(before_long_help = examples!(
+    "calibrate chessboard pictures/ --corners 9x6 --square-m 0.025 --height-m 1.4 --out rough.toml",
+    "calibrate mount drive.mp4 --camera rough.toml --speed-mps 13.9 --out camera.toml"
+))]
 pub(crate) enum CalibrateCommand {
     Chessboard(chessboard::ChessboardArgs),
     Mount(mount::MountArgs),

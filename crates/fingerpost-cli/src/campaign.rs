@@ -16,7 +16,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use fingerpost_control::ControllerName;
 use fingerpost_eval::CampaignTally;
-use fingerpost_format::{Campaign, CampaignGroup, ErrorQuantiles};
+use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, ErrorQuantiles};
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
@@ -25,6 +25,7 @@ use self::closed_loop::Fault;
 pub(crate) use self::drive::{Driven, measure};
 pub(crate) use self::plan::{DEFAULT_CONDITIONS, Drawing, Plan, WORLD};
 use crate::arguments::{InputLimit, PictureSize, Threads};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path, side_by_side};
 
@@ -32,6 +33,10 @@ use crate::{inputs, output, output_path, side_by_side};
 /// place and of motion, by conditions. The truth is only used to measure the results. With --closed-loop the advice drives the
 /// vehicle.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "campaign --drives 8 --conditions clear,shadows --out campaign",
+    "campaign --drives 12 --closed-loop --controllers fuzzy --reports --out closed_loop"
+))]
 pub(crate) struct CampaignArgs {
     /// How many drives, 1 to 1000000.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
@@ -149,6 +154,12 @@ pub(crate) fn campaign(args: &CampaignArgs) -> Result<()> {
     let inputs = [&args.map, &args.config].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Campaign, inputs)?;
     let _folder = OutputFolder::take(&args.out, FolderKind::Campaign)?;
+    log::info!(
+        "{} drives from seed {}, conditions {}",
+        args.drives,
+        args.seed,
+        setting.conditions.join(", ")
+    );
     let bar = output::progress(Some(args.drives), "drives");
     let campaign = drive_all(&setting, &bar)?;
     bar.finish_and_clear();
@@ -188,6 +199,15 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
         let Some((drive, claims)) = drive::drive(setting, args.seed + number, conditions) else {
             return Ok(());
         };
+        let CampaignDrive { truth, frames, error, .. } = &drive;
+        let error = error.as_deref().unwrap_or("no error");
+        log::debug!(
+            "drive of seed {} ({conditions}): {frames} frames, {} of {} features found, {} falsely, {error}",
+            drive.seed,
+            truth.features_detected,
+            truth.features_total,
+            truth.false_detections
+        );
         let mut tally = tally.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         tally.add(drive, claims);
         write(args, &tally.campaign())?;

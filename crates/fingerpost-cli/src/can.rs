@@ -9,11 +9,16 @@ use fingerpost_io::{SignalLog, SignalSample, write_file};
 use serde::Serialize;
 
 use crate::can_signals::{CanSignals, Meaning};
+use crate::examples::examples;
 use crate::{inputs, output, output_path};
 
 /// Decode the configured signals of a CAN log, say how often each came and between what values, and write them as CSV: to
 /// check names, units and signs before a run.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "can candump.log --dbc car.dbc --config fingerpost.toml",
+    "can candump.log.gz --dbc car.dbc --config fingerpost.toml --out signals.csv"
+))]
 pub(crate) struct CanArgs {
     /// Log of `candump -L`, plain or .gz.
     #[arg(value_name = "LOG")]

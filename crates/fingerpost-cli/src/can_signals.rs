@@ -196,6 +196,9 @@ impl LogFeed {
                 names.join(", ")
             );
         }
+        for (layout, samples) in signals.layouts.iter().zip(&log.samples) {
+            log::info!("{}: {} samples of {}", path.display(), samples.len(), layout.name);
+        }
         let start_s = log.first_s - config.time_offset_s;
         Ok(Self { come: vec![0; signals.layouts.len()], signals, log, start_s })
     }

@@ -15,15 +15,20 @@ use rayon::prelude::*;
 
 use crate::arguments::PictureSize;
 use crate::driver::{Driver, RunSetting, Sequence};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
-use crate::output;
 use crate::overlap::{self, Overlap};
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
 use crate::simulate::{Lens, default_camera};
+use crate::{facts, output};
 
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
 /// truth is only used to measure the results.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "demo",
+    "demo --out results --json"
+))]
 pub(crate) struct DemoArgs {
     /// Folder to write: a new or empty one, or one of an earlier run, whose results are replaced.
     #[arg(long, value_name = "DIR", default_value = "fingerpost-demo")]
@@ -62,6 +67,10 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         recording: RecordingWish::Mcap,
         live_port: None,
     };
+    log::info!("the town: {}", facts::of_roads(&graph));
+    log::info!("the drive: {}", facts::of_route(&route));
+    log::info!("the vehicle: {}", facts::of_camera(&camera));
+    log::info!("drive of {} frames, simulated with seed {}", simulator.frames(), sim_config.seed);
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;
     let bar = output::progress(frames, "frames");

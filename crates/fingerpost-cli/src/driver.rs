@@ -43,7 +43,16 @@ pub(crate) struct RunSetting<'a> {
 impl RunSetting<'_> {
     /// The method before its first frame.
     pub(crate) fn pipeline(&self) -> Result<Pipeline> {
-        let detector = road_detector(&self.config.road_surface)?;
+        let Config { road_surface, track, motion, lanes, advice, .. } = self.config;
+        let detector = road_detector(road_surface)?;
+        log::debug!(
+            "road detector {}, tracker {:?}, motion {:?}, lanes {:?}, controller {}",
+            road_surface.detector.name(),
+            track.method,
+            motion.estimator,
+            lanes.finder,
+            advice.controller.name()
+        );
         Ok(Pipeline::with_road_detector(self.config, self.camera, self.route, self.start_m, detector)?)
     }
 }

@@ -10,12 +10,16 @@ use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use fingerpost_eval::{evaluate_junctions, evaluate_motion, poses_from_kitti, poses_from_truth};
 use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, from_json_lines};
-use fingerpost_io::read_truth;
 
-use crate::output;
+use crate::examples::examples;
+use crate::{inputs, output};
 
 /// Compare a finished run, or road surfaces, with truth.
 #[derive(Debug, Subcommand)]
+#[command(before_long_help = examples!(
+    "evaluate junctions run --truth drive/truth.jsonl",
+    "evaluate road --images pictures --labels labels --road 1"
+))]
 pub(crate) enum EvaluateCommand {
     Junctions(JunctionsArgs),
     Motion(MotionArgs),
@@ -29,6 +33,10 @@ pub(crate) enum EvaluateCommand {
 /// A feature counts when the vehicle passes it or comes within 10 m; a detection is false when it lies more than 3 m from
 /// the feature's true place, or the feature has been passed or is never come to. Quantiles are nearest-rank.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "evaluate junctions run --truth drive/truth.jsonl",
+    "evaluate junctions run --truth drive/truth.jsonl --json"
+))]
 pub(crate) struct JunctionsArgs {
     /// Run folder, as written by `fingerpost run`.
     #[arg(value_name = "RUN")]
@@ -44,6 +52,10 @@ pub(crate) struct JunctionsArgs {
 /// Ego-motion: distance, heading at the end, and the error of single steps.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("reference").required(true)))]
+#[command(before_long_help = examples!(
+    "evaluate motion run --truth drive/truth.jsonl",
+    "evaluate motion run --kitti-poses poses/00.txt"
+))]
 pub(crate) struct MotionArgs {
     /// Run folder, as written by `fingerpost run`.
     #[arg(value_name = "RUN")]
@@ -76,7 +88,7 @@ fn junctions(args: &JunctionsArgs) -> Result<()> {
     let summary: Summary = serde_json::from_str(&fingerpost_io::read_text(&summary_path)?)
         .with_context(|| format!("{} is no summary of a run; run again", summary_path.display()))?;
     let ids: Vec<i64> = summary.features.iter().map(|feature| feature.id).collect();
-    let truth = read_truth(&args.truth)?;
+    let truth = inputs::truth(&args.truth)?;
     let evaluation = evaluate_junctions(&records, &truth, &ids)?;
     let numbers = &evaluation.summary;
     output::message(&format!(
@@ -95,7 +107,7 @@ fn motion(args: &MotionArgs) -> Result<()> {
             let text = fingerpost_io::read_text(path)?;
             poses_from_kitti(&text).with_context(|| path.display().to_string())?
         }
-        (Some(path), None) => poses_from_truth(&read_truth(path)?),
+        (Some(path), None) => poses_from_truth(&inputs::truth(path)?),
         (None, None) => Default::default(),
     };
     let evaluation = evaluate_motion(&records, &poses)?;

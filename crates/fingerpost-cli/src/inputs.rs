@@ -4,11 +4,21 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost::Config;
-use fingerpost_io::FfmpegPrograms;
+use fingerpost_format::TruthRecord;
+use fingerpost_geometry::Camera;
+use fingerpost_io::{FfmpegPrograms, read_camera, read_truth};
 use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
+use log::{Level, log_enabled};
 
 use crate::arguments::InputLimit;
-use crate::output;
+use crate::{facts, output};
+
+/// A camera's calibration.
+pub(crate) fn camera(path: &Path) -> Result<Camera> {
+    let camera = read_camera(path)?;
+    log::info!("{}: {}", path.display(), facts::of_camera(&camera));
+    Ok(camera)
+}
 
 /// The data of an OpenStreetMap file that takes no more than the limit.
 pub(crate) fn osm(path: &Path, limit: InputLimit) -> Result<OsmData> {
@@ -19,7 +29,9 @@ pub(crate) fn osm(path: &Path, limit: InputLimit) -> Result<OsmData> {
 
 /// The roads of an OpenStreetMap file that takes no more than the limit.
 pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
-    RoadGraph::from_osm(&osm(path, limit)?).with_context(|| path.display().to_string())
+    let graph = RoadGraph::from_osm(&osm(path, limit)?).with_context(|| path.display().to_string())?;
+    log::info!("{}: {}", path.display(), facts::of_roads(&graph));
+    Ok(graph)
 }
 
 /// The positions of a GPX file or a receiver's log that takes no more than the limit; what is damaged in it is said.
@@ -33,7 +45,15 @@ pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>
             log.damaged
         ));
     }
+    log::info!("{}: {} GPS positions", path.display(), log.points.len());
     Ok(log.points)
+}
+
+/// The truth of a drive.
+pub(crate) fn truth(path: &Path) -> Result<Vec<TruthRecord>> {
+    let truth = read_truth(path)?;
+    log::info!("{}: truth of {} frames", path.display(), truth.len());
+    Ok(truth)
 }
 
 /// A route file.
@@ -41,6 +61,7 @@ pub(crate) fn route(path: &Path) -> Result<Route> {
     let text = fingerpost_io::read_text(path)?;
     let route = read_route(&text).with_context(|| path.display().to_string())?;
     route.polyline().with_context(|| path.display().to_string())?;
+    log::info!("{}: {}", path.display(), facts::of_route(&route));
     Ok(route)
 }
 
@@ -54,6 +75,11 @@ pub(crate) fn config(path: Option<&Path>) -> Result<Config> {
         format!("{} is no valid configuration; `fingerpost schema` prints every key", path.display())
     })?;
     config.check().with_context(|| path.display().to_string())?;
+    if log_enabled!(Level::Info) {
+        let changed = facts::of_settings(&config);
+        log::info!("{}: settings that are not the default: {}", path.display(), changed.len());
+        changed.iter().for_each(|setting| log::info!("{setting}"));
+    }
     Ok(config)
 }
 

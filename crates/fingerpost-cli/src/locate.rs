@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost_eval::{evaluate_location, stage_time};
 use fingerpost_format::{
-    FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionFaults, MotionLogRow, PlaceLine,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionFaults, MotionLogRow, PlaceLine, StageTime,
     parse_motion_log, parse_pose_log,
 };
 use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
@@ -25,6 +25,7 @@ use self::against_truth::Truth;
 use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
+use crate::examples::examples;
 use crate::gps::GpsTrack;
 use crate::{inputs, output, output_path, simulate, version};
 
@@ -32,6 +33,10 @@ use crate::{inputs, output, output_path, simulate, version};
 /// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
 /// is converged, ambiguous, coasting or lost.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "locate --map town.osm.pbf --motion motion.csv --out located",
+    "locate --map town.osm.pbf --motion motion.csv --gps gps.gpx --truth poses.csv --out located"
+))]
 pub(crate) struct LocateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE")]
@@ -79,6 +84,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     let mut faults = FaultWatch::of(&log);
     faults.say(&args.motion);
     let rows = log.rows;
+    log::info!("{}: {} rows of motion", args.motion.display(), rows.len());
     let truth = match &args.truth {
         Some(path) => {
             let poses = parse_pose_log(&text(path)?).with_context(|| path.display().to_string())?;
@@ -129,6 +135,10 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     let page =
         locating_html(&LocatingInput { title: &title, graph: &graph, drive: &drive, summary: &summary });
     write_file(&folder.path().join("report.html"), page)?;
+    if let Some(StageTime { median, p95 }) = summary.row_ms {
+        log::info!("a row takes {median:.3} ms in the median, {p95:.3} ms at the 95th percentile");
+    }
+    log::info!("{} hypotheses at the most", summary.most_hypotheses);
     print_summary(&summary, args);
     if args.json { output::print_json(&summary) } else { Ok(()) }
 }

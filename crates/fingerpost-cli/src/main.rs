@@ -10,10 +10,14 @@ mod calibrate;
 mod campaign;
 mod can;
 mod can_signals;
+#[cfg(feature = "completions")]
+mod completions;
 mod convert;
 mod demo;
 mod driver;
 mod evaluate;
+mod examples;
+mod facts;
 mod frame_choice;
 mod gps;
 mod inputs;
@@ -21,6 +25,8 @@ mod interrupt;
 mod licences;
 mod live_gps;
 mod locate;
+#[cfg(feature = "completions")]
+mod man;
 mod mark;
 mod mount_args;
 #[cfg(feature = "onnx")]
@@ -45,22 +51,32 @@ mod start_check;
 #[cfg(unix)]
 mod tether;
 mod tune;
+mod verbosity;
 mod version;
 
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::{Parser, Subcommand};
 use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT};
 
 use crate::arguments::WaitingTime;
+use crate::examples::examples;
+use crate::verbosity::Verbosity;
 
 /// Finds the junctions of a route in a camera's picture, follows them and gives a driving line through each.
 #[derive(Debug, Parser)]
 #[command(name = "fingerpost", version = version::VERSION, about, arg_required_else_help = true)]
+#[command(before_long_help = examples!(
+    "demo",
+    "run drive.mp4 --camera camera.toml --route route.geojson --out run"
+))]
 struct Cli {
     /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, a pipe, ffmpeg.
     #[arg(long, value_name = "S", global = true, default_value_t = WaitingTime(DEFAULT_LONGEST_WAIT))]
     timeout_s: WaitingTime,
+    #[command(flatten)]
+    verbosity: Verbosity,
     #[command(subcommand)]
     command: Command,
 }
@@ -89,13 +105,19 @@ enum Command {
     Can(can::CanArgs),
     Schema(schema::SchemaArgs),
     Licences(licences::LicencesArgs),
+    #[cfg(feature = "completions")]
+    Completions(completions::CompletionsArgs),
+    #[cfg(feature = "completions")]
+    Man(man::ManArgs),
     #[cfg(unix)]
     #[command(name = TETHER_ARGUMENT, hide = true)]
     Tether(tether::TetherArgs),
 }
 
 fn main() -> ExitCode {
-    let Cli { timeout_s: WaitingTime(longest_wait), command } = Cli::parse();
+    let started = Instant::now();
+    let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = Cli::parse();
+    verbosity.begin();
     fingerpost_io::set_longest_wait(longest_wait);
     let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
@@ -117,13 +139,20 @@ fn main() -> ExitCode {
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Licences(args) => licences::licences(&args),
+        #[cfg(feature = "completions")]
+        Command::Completions(args) => completions::completions(&args),
+        #[cfg(feature = "completions")]
+        Command::Man(args) => man::man(&args),
         #[cfg(unix)]
         Command::Tether(args) => tether::tether(&args),
     });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => {
+            log::info!("done after {:.1} s", started.elapsed().as_secs_f64());
+            ExitCode::SUCCESS
+        }
         Err(error) => {
-            output::message(&format!("fingerpost: {}", output::cause_chain(&error)));
+            output::error(&format!("fingerpost: {}", output::cause_chain(&error)));
             ExitCode::FAILURE
         }
     }

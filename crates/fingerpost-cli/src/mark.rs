@@ -15,6 +15,7 @@ use fingerpost_mark::{Desk, LaneMarks};
 
 use self::folder::{MarksFolder, TruthTexts};
 use self::footage::Footage;
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::output;
 
@@ -24,6 +25,10 @@ use crate::output;
 /// vehicle. Every edit is saved in marks.json; "Export" on the page writes truth.jsonl, as `evaluate lanes` reads it, and
 /// tusimple.json. With --marks and --export marks become truth without a page.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "mark drive.mp4",
+    "mark drive.mp4 --marks drive-marks/marks.json --export truth"
+))]
 pub(crate) struct MarkArgs {
     /// A folder of pictures, a drive folder of `simulate`, or a video file (needs ffmpeg).
     #[arg(value_name = "INPUT")]

@@ -6,9 +6,10 @@ use anyhow::{Context, Result};
 use clap::{ArgGroup, Args};
 use fingerpost_format::mount_from_toml;
 use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{read_camera, read_text};
+use fingerpost_io::read_text;
 
 use crate::arguments::number;
+use crate::inputs;
 
 /// The camera's mount, or the whole camera.
 #[derive(Debug, Args)]
@@ -43,7 +44,7 @@ impl MountArgs {
     /// Reads what is given.
     pub(crate) fn known(&self) -> Result<KnownCamera> {
         match (&self.camera, &self.mount) {
-            (Some(path), _) => Ok(KnownCamera::Whole(Box::new(read_camera(path)?))),
+            (Some(path), _) => Ok(KnownCamera::Whole(Box::new(inputs::camera(path)?))),
             (None, Some(path)) => {
                 let mount = mount_from_toml(&read_text(path)?).with_context(|| path.display().to_string())?;
                 Ok(KnownCamera::Mount(mount))

@@ -4,15 +4,28 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use fingerpost_format::{ErrorQuantiles, Summary};
-use indicatif::{ProgressBar, ProgressStyle};
+use fingerpost_format::{ErrorQuantiles, StageTime, Summary};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use log::{Level, LevelFilter, log_enabled};
 use serde::Serialize;
 
-/// A message on standard error. Where nobody can read it any more, the program goes on without saying it.
-///
-/// Much of what messages hold comes from files and arguments: what would steer a terminal, break a line unseen, turn the
-/// direction of writing or hide in it is written as its code; lines and tabs stay.
+use crate::verbosity::MESSAGES;
+
+/// A message on standard error, unless it is to be quiet.
 pub(crate) fn message(text: &str) {
+    log::info!(target: MESSAGES, "{text}");
+}
+
+/// What the program fails of, on standard error.
+pub(crate) fn error(text: &str) {
+    log::error!(target: MESSAGES, "{text}");
+}
+
+/// A line on standard error. Where nobody can read it any more, the program goes on without saying it.
+///
+/// Much of what is said comes from files and arguments: what would steer a terminal, break a line unseen, turn the
+/// direction of writing or hide in it is written as its code; lines and tabs stay.
+pub(crate) fn line(text: &str) {
     let _ = writeln!(io::stderr(), "{}", harmless(text));
 }
 
@@ -58,14 +71,14 @@ pub(crate) fn cause_chain(error: &anyhow::Error) -> String {
     })
 }
 
-/// A bar on standard error, shown where that is a terminal; without a length it counts.
+/// A bar on standard error, shown where that is a terminal, unless it is to be quiet or every frame is said; without a length it counts.
 pub(crate) fn progress(length: Option<u64>, unit: &str) -> ProgressBar {
-    let (bar, template) = match length {
-        Some(length) => (
-            ProgressBar::new(length),
-            format!("{{wide_bar}} {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left"),
-        ),
-        None => (ProgressBar::no_length(), format!("{{spinner}} {{pos}} {unit}, {{per_sec}}")),
+    let is_shown = log_enabled!(target: MESSAGES, Level::Info) && log::max_level() < LevelFilter::Debug;
+    let target = if is_shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let bar = ProgressBar::with_draw_target(length, target);
+    let template = match length {
+        Some(_) => format!("{{wide_bar}} {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left"),
+        None => format!("{{spinner}} {{pos}} {unit}, {{per_sec}}"),
     };
     match ProgressStyle::with_template(&template) {
         Ok(style) => bar.with_style(style),
@@ -110,6 +123,9 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
         message(&fault.to_string());
     }
     let Summary { frames, broken_frames, lost_frames, fps, .. } = summary;
+    for (stage, StageTime { median, p95 }) in &summary.stage_ms {
+        log::info!("{stage}: {median:.3} ms a frame in the median, {p95:.3} ms at the 95th percentile");
+    }
     message(&format!("{frames} frames ({broken_frames} broken, {lost_frames} lost) at {fps:.1} a second"));
     message(&format!("results in {}; look at {}", out.display(), out.join("report.html").display()));
 }

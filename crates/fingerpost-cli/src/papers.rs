@@ -31,6 +31,7 @@ use self::measurements::{Measurement, Measurements};
 use self::page::{Asked, PLOTS_FOLDER, Page};
 use self::runs::{Measured, Run};
 use crate::arguments::{Threads, number};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::version::VERSION;
 use crate::{output, output_path, side_by_side};
@@ -38,6 +39,10 @@ use crate::{output, output_path, side_by_side};
 /// Measure the papers' claims again: simulate drives, run the method on them with one setting changed at a time, and write papers.md
 /// with plots and a verdict for each claim. Ended in the middle, the same call goes on with it.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "papers --out papers",
+    "papers --drives 2 --seconds 8 --out papers"
+))]
 pub(crate) struct PapersArgs {
     /// Drives of each kind of roads and clips of each sample, 1 to 1000; with one nothing can be decided.
     #[arg(long, value_name = "N", default_value_t = DRIVES, value_parser = clap::value_parser!(u64).range(1..=1000))]

@@ -283,6 +283,7 @@ impl Recorder {
     fn keep(&mut self, record: FrameRecord) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
+        log::debug!("frame {}: {:?}: {}", record.frame, record.state, record.why);
         self.frames += 1;
         self.lost_frames += u64::from(record.state == TrackState::Lost);
         self.timeline.add(&record, None);
@@ -349,6 +350,7 @@ impl Recorder {
         });
         self.folder.write_report(&report)?;
         self.folder.finish()?;
+        log::info!("summary and report took {:.2} s", self.started.elapsed().as_secs_f64() - elapsed_s);
         compared?;
         video?;
         recording?;

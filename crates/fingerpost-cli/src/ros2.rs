@@ -17,6 +17,7 @@ use fingerpost_ros2::RosNode;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{Driver, RunSetting, Sequence};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::mount_args::{KnownCamera, MountArgs};
 use crate::overlap::{self, Overlap};
@@ -33,6 +34,10 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// on until Ctrl-C; with --out it then leaves a run folder.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("roads").args(["route", "map"]).multiple(true)))]
+#[command(before_long_help = examples!(
+    "ros2 --height-m 1.4 --route route.geojson --start-m 12",
+    "ros2 --camera camera.toml --image-topic /front/image_raw/compressed --map town.osm.pbf --tf --out run"
+))]
 pub(crate) struct Ros2Args {
     #[command(flatten)]
     topics: TopicArgs,

@@ -9,11 +9,16 @@ use fingerpost_record::kind_name;
 use serde::Serialize;
 
 use crate::arguments::{InputLimit, Place};
+use crate::examples::examples;
 use crate::{inputs, output, output_path};
 
 /// Plan a route on an OpenStreetMap map, or match a GPS track to it, and write it with its junctions, side roads and
 /// bends as route.geojson.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "route --map town.osm.pbf --from 47.217850,9.539682 --to 47.221489,9.536800 --out route.geojson",
+    "route --map town.osm.pbf --gpx track.gpx --out route.geojson"
+))]
 pub(crate) struct RouteArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE")]

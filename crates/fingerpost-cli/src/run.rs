@@ -9,9 +9,10 @@ use fingerpost::fix::NearPlace;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost::{Config, Sensors};
 use fingerpost_format::TruthRecord;
+use fingerpost_geometry::Camera;
 use fingerpost_io::{
-    FfmpegPrograms, FolderKind, Frame, FrameError, FrameSource, RunFolder, SourceOptions, VideoDecoder,
-    VideoError, read_camera, read_truth,
+    FfmpegPrograms, FolderKind, Frame, FrameDecoder, FrameError, FrameSource, RunFolder, SourceOptions,
+    VideoDecoder, VideoError,
 };
 use fingerpost_map::{LatLon, Route};
 use fingerpost_record::FrameTime;
@@ -20,6 +21,7 @@ use fingerpost_vision::simd::{CodePath, InstructionSet};
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
 use crate::can_signals::CanFeed;
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
+use crate::examples::examples;
 use crate::frame_choice::FrameChoice;
 use crate::gps::GpsFeed;
 use crate::interrupt::Interrupt;
@@ -38,6 +40,10 @@ pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
 /// motion, lanes and the road's middle.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("roads").args(["route", "map"]).multiple(true)))]
+#[command(before_long_help = examples!(
+    "run drive.mp4 --camera camera.toml --route route.geojson --start-m 12 --video --out run",
+    "run /dev/video0 --camera camera.toml --map town.osm.pbf --gps gpsd://127.0.0.1:2947 --out run"
+))]
 pub(crate) struct RunArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads: a video file, rtsp://..., /dev/video0.
     #[arg(value_name = "INPUT")]
@@ -182,7 +188,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_outputs(args)?;
     limit_instruction_set(args.instruction_set)?;
     let mut config = inputs::config(args.config.as_deref())?;
-    let camera = read_camera(&args.camera)?;
+    let camera = inputs::camera(&args.camera)?;
     let scaling = args.choice.width().map(|width| PictureScaling::to_width(&camera, width));
     let scaling = scaling.transpose()?.flatten();
     let camera = scaling.as_ref().map_or(&camera, PictureScaling::camera).clone();
@@ -194,10 +200,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         config.route_progress.start_sigma_m = NEAR_SIGMA_M;
         Some(start_m)
     });
+    if route.is_some() {
+        let start = start_m.map_or("anywhere".to_owned(), |start_m| format!("at {start_m:.1} m"));
+        log::info!("the drive begins {start} on the route");
+    }
     check_start(&config, start_m, route.as_ref(), gps.as_ref())?;
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
-    let truth = args.truth.as_deref().map(read_truth).transpose()?;
+    let truth = args.truth.as_deref().map(inputs::truth).transpose()?;
     // From here on an end that is wanted is one that leaves results.
     let interrupt = Interrupt::listen()?;
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
@@ -210,6 +220,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         programs: programs.clone(),
     };
     let source = FrameSource::open(&args.input, &options)?;
+    say_what_is_used(args, &source, &camera);
     let setting = RunSetting {
         config: &config,
         camera: &camera,
@@ -379,7 +390,7 @@ impl RecordedDrive {
         let end = if stopped { RunEnd::Interrupted } else { RunEnd::Complete };
         let summary = recorder.finish(end, broke_off.clone().or(self.gave_out), truth);
         if let (true, Err(error)) = (stopped || unused || too_many, &summary) {
-            output::message(&format!("the results are incomplete: {}", output::cause_chain(error)));
+            output::error(&format!("the results are incomplete: {}", output::cause_chain(error)));
         }
         say_what_was_dropped(&args.input, dropped);
         if let Some(failure) = failure {
@@ -466,6 +477,27 @@ impl Iterator for RecordedDrive {
         }
         Some(self.result(frame))
     }
+}
+
+/// Says what of the input is used, and with what of the machine.
+fn say_what_is_used(args: &RunArgs, source: &FrameSource, camera: &Camera) {
+    let length = source
+        .length()
+        .map_or("a number of frames that it does not say".to_owned(), |length| format!("{length} frames"));
+    let decoder = match source.decoder() {
+        FrameDecoder::Pictures => "picture by picture",
+        FrameDecoder::Libraries => "by FFmpeg's libraries",
+        FrameDecoder::Program => "by the program ffmpeg",
+    };
+    log::info!("{}: {length}, {:.3} a second, decoded {decoder}", args.input, source.fps());
+    log::info!("pictures are used at {} x {} pixels", camera.width(), camera.height());
+    let threads = args
+        .threads()
+        .map_or("as many threads as the machine runs".to_owned(), |count| format!("{count} threads"));
+    log::info!(
+        "decoding takes {threads}; kernels use {:?} instructions",
+        CodePath::fastest().instruction_set()
+    );
 }
 
 /// Says how many frames of a live input were passed over.

@@ -5,10 +5,15 @@ use clap::Args;
 use fingerpost::Config;
 use fingerpost::advice::DEFAULT_RULES;
 
+use crate::examples::examples;
 use crate::output;
 
 /// Print the JSON Schema of fingerpost.toml: every key with its unit, range and default.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "schema",
+    "schema --rules > my.fuzzy"
+))]
 pub(crate) struct SchemaArgs {
     /// Print the shipped rules of the fuzzy controller instead: a text to change, for advice.rules.
     #[arg(long)]

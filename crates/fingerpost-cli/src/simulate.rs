@@ -10,9 +10,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount, View};
-use fingerpost_io::{
-    BusTexts, CROSSINGS_FILE, DriveFolder, FolderKind, FrameFormat, JsonLinesFile, read_camera,
-};
+use fingerpost_io::{BusTexts, CROSSINGS_FILE, DriveFolder, FolderKind, FrameFormat, JsonLinesFile};
 use fingerpost_map::{Route, write_route};
 use fingerpost_sim::{
     BUS_DATABASE, BUS_SETTINGS, Conditions, CornerStyle, SimConfig, Simulator, TrafficSide, windscreen_camera,
@@ -23,6 +21,7 @@ use self::course::CourseArgs;
 use self::world::WorldArgs;
 pub(crate) use self::world::known_vehicle;
 use crate::arguments::{InputLimit, PictureSize};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -30,6 +29,10 @@ use crate::{inputs, output, output_path};
 /// route.geojson, truth.jsonl, times.txt and a mask of the road surface for each frame; and what its bus says: can.log,
 /// car.dbc and can.toml. Give the folder to `run`.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "simulate --map town.osm --route route.geojson --conditions wet --out drive",
+    "simulate --course highway --length-m 500 --driving drifting --out drive"
+))]
 pub(crate) struct SimulateArgs {
     /// OpenStreetMap data of the area, .osm (XML) or .osm.pbf.
     #[arg(long, value_name = "FILE", required_unless_present_any = ["course", "world"])]
@@ -194,7 +197,7 @@ fn plan(args: &SimulateArgs) -> Result<Plan> {
     };
     let size = args.size.unwrap_or(SIZE);
     let camera = match (&args.camera, args.road.course) {
-        (Some(path), _) => read_camera(path)?,
+        (Some(path), _) => inputs::camera(path)?,
         (None, Some(_)) => args.lens.on(&windscreen_camera(size.width, size.height)?)?,
         (None, None) => default_camera(size, args.lens)?,
     };
@@ -227,6 +230,14 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         lines.finish()?;
     }
 
+    log::info!(
+        "drive of {} frames, {} x {} pixels, conditions {}, seed {}",
+        simulator.frames(),
+        camera.width(),
+        camera.height(),
+        if args.world.is_wanted() { "of the world" } else { &args.conditions },
+        args.seed
+    );
     let interrupt = Interrupt::listen()?;
     let bar = output::progress(Some(simulator.frames() as u64), "frames");
     let mut written = 0;

@@ -31,12 +31,17 @@ use self::keys::{SearchedSettings, WantedKey};
 use self::trials::Bench;
 use crate::arguments::{InputLimit, PictureSize, Threads, number};
 use crate::campaign::{DEFAULT_CONDITIONS, Drawing, WORLD};
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
 /// Search settings of the method that no others beat in everything, on drives with truth: features missed, false detections, errors
 /// of place, honesty of sigma. Ended in the middle, the same call goes on with it.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "tune --campaign 16 --trials 60 --out tuning",
+    "tune --drives drive_a drive_b drive_c --start-m 12 --keys track.detect_threshold=0.6..0.9 --out tuning"
+))]
 pub(crate) struct TuneArgs {
     /// Drive folders with truth, as `simulate` writes them. Every one of them has the same --start-m.
     #[arg(long, value_name = "DIR", num_args = 1.., required_unless_present = "campaign")]

@@ -73,7 +73,9 @@ pub use picture_file::{
 pub use picture_folder::{PictureFolderError, picture_paths, text_files};
 pub use run_folder::{RunFolder, RunFolderError};
 pub use sampling::Sampling;
-pub use source::{DEFAULT_PICTURE_FPS, Frame, FrameError, FrameSource, SourceError, SourceOptions};
+pub use source::{
+    DEFAULT_PICTURE_FPS, Frame, FrameDecoder, FrameError, FrameSource, SourceError, SourceOptions,
+};
 pub use tether::TETHER_ARGUMENT;
 #[cfg(unix)]
 pub use tether::become_tethered;

@@ -102,6 +102,17 @@ pub struct FrameSource {
     sampling: Sampling,
 }
 
+/// What decodes the frames of an input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrameDecoder {
+    /// Picture files, each by itself, in this process.
+    Pictures,
+    /// FFmpeg's libraries, in this process.
+    Libraries,
+    /// The program ffmpeg.
+    Program,
+}
+
 #[derive(Debug)]
 enum Input {
     Pictures(PictureFrames),
@@ -178,6 +189,14 @@ impl FrameSource {
         match &self.input {
             Input::Pictures(frames) => Some(frames.used.len() as u64),
             Input::Video { video, .. } => Some(self.sampling.count(video.expected_length()?, self.fps)),
+        }
+    }
+
+    /// What decodes the frames. Where the libraries give a video up, the program goes on with it.
+    pub fn decoder(&self) -> FrameDecoder {
+        match &self.input {
+            Input::Pictures(_) => FrameDecoder::Pictures,
+            Input::Video { video, .. } => video.decoder(),
         }
     }
 

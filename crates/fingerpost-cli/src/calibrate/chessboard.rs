@@ -17,6 +17,7 @@ use fingerpost_vision::chessboard::BoardSize;
 use self::pictures::{Looked, look_at_all, paths_of};
 use self::report::Report;
 use crate::arguments::number;
+use crate::examples::examples;
 use crate::{output, output_path};
 
 /// Find a camera's focal lengths, principal point and lens distortion from pictures of a chessboard, and write its camera.toml.
@@ -26,6 +27,10 @@ use crate::{output, output_path};
 /// whole board, or fit far worse than the others, are named and left out; pictures that do not fix the lens are refused and
 /// nothing is written. The mount is written level, at the height given: `calibrate mount` or `calibrate points` finds it.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "calibrate chessboard pictures/ --corners 9x6 --square-m 0.025 --height-m 1.4 --out rough.toml",
+    "calibrate chessboard board_1.jpg board_2.jpg board_3.jpg --corners 7x5 --height-m 1.2 --json --out rough.toml"
+))]
 pub(crate) struct ChessboardArgs {
     /// Pictures of the board (.jpg, .png), or folders of them, all of one size.
     #[arg(value_name = "PICTURES", required = true)]

@@ -7,11 +7,12 @@ use clap::Args;
 use fingerpost_calibration::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, read_camera, write_file};
+use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, write_file};
 use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
 use crate::arguments::number;
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path};
 
@@ -22,6 +23,10 @@ use crate::{inputs, output, output_path};
 /// drive that does not show the mount well enough is refused and nothing is written.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("scale")))]
+#[command(before_long_help = examples!(
+    "calibrate mount drive.mp4 --camera rough.toml --speed-mps 13.9 --out camera.toml",
+    "calibrate mount pictures/ --fps 10 --camera rough.toml --lane-width-m 3.5 --out camera.toml"
+))]
 pub(crate) struct MountArgs {
     /// A folder of pictures, a drive folder of `simulate`, or anything ffmpeg reads.
     #[arg(value_name = "INPUT")]
@@ -101,7 +106,7 @@ const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     output_path::check_file(&args.out, [Path::new(&args.input), &args.camera])?;
     let known = known_scale(args)?;
-    let camera = read_camera(&args.camera)?;
+    let camera = inputs::camera(&args.camera)?;
     let mut calibrator = MountCalibrator::new(&camera)?;
     let interrupt = Interrupt::listen()?;
     for_each_frame(args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;

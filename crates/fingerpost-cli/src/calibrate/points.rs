@@ -7,18 +7,23 @@ use clap::Args;
 use fingerpost_calibration::mount_from_points;
 use fingerpost_format::{camera_to_toml, points_to_toml};
 use fingerpost_geometry::{Camera, Pixel};
-use fingerpost_io::{read_camera, read_text, write_file};
+use fingerpost_io::{read_text, write_file};
 use nalgebra::Point2;
 use serde::Serialize;
 
 use crate::arguments::PictureSize;
-use crate::{output, output_path};
+use crate::examples::examples;
+use crate::{inputs, output, output_path};
 
 /// Write a camera.toml from four points of the picture whose places on the road were measured (paper 1, section IV-A).
 ///
 /// With --camera, whose lens is known, the mount is solved for, and the camera knows more than the road plane.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("lens").required(true)))]
+#[command(before_long_help = examples!(
+    "calibrate points --image-size 640x480 --points points.txt --out camera.toml",
+    "calibrate points --camera rough.toml --points points.txt --out camera.toml"
+))]
 pub(crate) struct PointsArgs {
     /// Size of the pictures, pixels.
     #[arg(long, value_name = "WxH", group = "lens")]
@@ -63,7 +68,7 @@ pub(crate) fn points(args: &PointsArgs) -> Result<()> {
     let inputs = args.camera.as_deref().into_iter().chain([Path::new(&args.points)]);
     output_path::check_file(&args.out, inputs)?;
     let (image, road_m) = four_points(&args.points)?;
-    let camera = args.camera.as_deref().map(read_camera).transpose()?;
+    let camera = args.camera.as_deref().map(inputs::camera).transpose()?;
     let size = match (&camera, args.image_size) {
         (Some(camera), _) => (camera.width(), camera.height()),
         (None, Some(size)) => (size.width, size.height),

@@ -6,15 +6,19 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::Args;
 use fingerpost_calibration::{FARTHEST_M, Reach, ReachOfReaction, ReachOfRows};
-use fingerpost_io::read_camera;
 
-use crate::output;
+use crate::examples::examples;
+use crate::{inputs, output};
 
 /// Print how far ahead each row of the picture shows the road, and how many rows a driver's reaction needs at which speed
 /// (paper 3, tables II and I, for this camera).
 ///
 /// Rows are counted from the picture's base, distances ahead from the rear axle, both down the picture's middle.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "calibrate reach --camera camera.toml",
+    "calibrate reach --camera camera.toml --json"
+))]
 pub(crate) struct ReachArgs {
     /// Calibration, camera.toml.
     #[arg(long, value_name = "FILE")]
@@ -26,7 +30,7 @@ pub(crate) struct ReachArgs {
 
 /// Prints.
 pub(crate) fn reach(args: &ReachArgs) -> Result<()> {
-    let reach = Reach::of(&read_camera(&args.camera)?);
+    let reach = Reach::of(&inputs::camera(&args.camera)?);
     if reach.rows.is_empty() {
         bail!("{} sees no road within {FARTHEST_M} m; see its mount", args.camera.display());
     }

@@ -16,6 +16,7 @@ use fingerpost_io::{
 
 use super::recorded_drive::Converted;
 use crate::arguments::number;
+use crate::examples::examples;
 use crate::{output, output_path};
 
 /// Where KITTI's cameras sit (Geiger et al. 2013, figure 3): above the road, and ahead of the inertial unit, which is at the rear
@@ -27,6 +28,10 @@ const AHEAD_M: f64 = 0.27 + 0.81;
 /// calib_cam_to_cam.txt is beside the drive; or a folder of the odometry benchmark, as sequences/00 with image_2, times.txt and
 /// calib.txt. The camera is 1.65 m above the road and level; `calibrate mount` finds how it looks.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "convert kitti 2011_09_26_drive_0001_sync --out drive",
+    "convert kitti sequences/00 --camera 0 --out drive"
+))]
 pub(crate) struct KittiArgs {
     /// Folder of the sequence.
     #[arg(value_name = "SEQUENCE")]

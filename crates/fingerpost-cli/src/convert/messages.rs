@@ -9,6 +9,7 @@ use fingerpost_io::bag::{Choice, Content, Records, RecordsError, Role, Survey, W
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
 use super::recorded_drive::RecordedDrive;
+use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::mount_args::{KnownCamera, MountArgs};
 use crate::{output, output_path};
@@ -17,6 +18,10 @@ use crate::{output, output_path};
 /// (raw, JPEG or PNG), calibration, GPS, twist or odometry, and an inertial unit; the only one of its kind is taken. A recording that
 /// breaks off is converted as far as it goes.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "convert mcap run.mcap --camera camera.toml --out drive",
+    "convert mcap recording.mcap --height-m 1.4 --image-topic /front/image --out drive"
+))]
 pub(crate) struct McapArgs {
     /// The recording.
     #[arg(value_name = "FILE")]
@@ -28,6 +33,10 @@ pub(crate) struct McapArgs {
 /// From a ROS 2 bag with MCAP storage: sensor_msgs Image or CompressedImage, CameraInfo, NavSatFix and Imu, geometry_msgs Twist,
 /// TwistStamped or TwistWithCovarianceStamped, nav_msgs Odometry, in CDR; the only topic of its kind is taken.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "convert bag recorded_bag --height-m 1.4 --out drive",
+    "convert bag recorded_bag --mount mount.toml --rectified --image-topic /front/image_rect --out drive"
+))]
 pub(crate) struct BagArgs {
     /// The bag's folder, or one of its files.
     #[arg(value_name = "BAG")]

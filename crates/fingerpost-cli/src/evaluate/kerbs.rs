@@ -8,13 +8,14 @@ use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_eval::{KerbEvaluation, KerbScores};
 use fingerpost_format::TruthRecord;
 use fingerpost_geometry::GroundGrid;
-use fingerpost_io::{picture_paths, read_camera, read_picture, read_truth};
+use fingerpost_io::{picture_paths, read_picture};
 use fingerpost_vision::picture::Plane;
 use nalgebra::Point2;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::print_quantiles;
+use crate::examples::examples;
 use crate::road_detector::road_detector;
 use crate::{inputs, output};
 
@@ -24,6 +25,10 @@ use crate::{inputs, output};
 /// seen. Those at least 8 cm high count, 5 to 12 m ahead; 1.5 m behind one is pavement, all between it and the vehicle's axis
 /// road. Where the surface goes on beyond the kerb to the end of what is seen, it is missed, and its error is as large as that.
 #[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "evaluate kerbs drive",
+    "evaluate kerbs drive_a drive_b --config fingerpost.toml --json"
+))]
 pub(crate) struct KerbsArgs {
     /// Drive folders, as written by `fingerpost simulate`.
     #[arg(value_name = "DRIVE", required = true)]
@@ -79,8 +84,8 @@ fn print(name: &str, numbers: &KerbEvaluation) {
 }
 
 fn scores(drive: &Path, config: &Config) -> Result<KerbScores> {
-    let camera = read_camera(&drive.join("camera.toml"))?;
-    let truth = read_truth(&drive.join("truth.jsonl"))?;
+    let camera = inputs::camera(&drive.join("camera.toml"))?;
+    let truth = inputs::truth(&drive.join("truth.jsonl"))?;
     let paths = picture_paths(drive)?;
     if paths.len() != truth.len() {
         bail!(

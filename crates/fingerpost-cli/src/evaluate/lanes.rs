@@ -11,14 +11,14 @@ use fingerpost_eval::{
     evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
 };
 use fingerpost_format::{Summary, TuSimpleRecord, from_json_lines};
-use fingerpost_io::read_truth;
 use fingerpost_report::{SurfacePlot, surface_svg};
 use serde::Serialize;
 
 use self::table::{clip_table, mean_table, tusimple_line};
 use super::records;
 use crate::arguments::{PictureSize, number};
-use crate::{output, output_path};
+use crate::examples::examples;
+use crate::{inputs, output, output_path};
 
 /// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest and thresholds, by default those of paper 3 (100,
 /// 120, 140 and 150 rows; 10, 15 and 20 squared pixels), and the scores of the TuSimple benchmark.
@@ -30,6 +30,10 @@ use crate::{output, output_path};
 /// there is to say.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("reference").required(true)))]
+#[command(before_long_help = examples!(
+    "evaluate lanes run --truth truth.jsonl --plot accuracy.svg",
+    "evaluate lanes run --tusimple labels.json"
+))]
 pub(crate) struct LanesArgs {
     /// Run folders, as written by `fingerpost run`.
     #[arg(value_name = "RUN", required = true)]
@@ -184,7 +188,7 @@ fn tusimple(args: &LanesArgs, labels: &Path) -> Result<()> {
 
 fn clip(run: &Path, truth: &Path, given: Option<[u32; 2]>, measure: &LaneMeasure) -> Result<Clip> {
     let records = records(run)?;
-    let marked = read_truth(truth)?;
+    let marked = inputs::truth(truth)?;
     let evaluation = lane_picture_px(picture_px(run)?, &marked, given)
         .and_then(|picture_px| evaluate_lanes(&records, &marked, picture_px, measure))
         .with_context(|| format!("{} against {}", run.display(), truth.display()))?;

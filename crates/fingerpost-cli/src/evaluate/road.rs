@@ -15,7 +15,7 @@ use fingerpost::road_surface::{
     Perspective, RoadDetector, RoadInput, RoadMethod, RoadSurface, RoadSurfaceConfig,
 };
 use fingerpost_eval::{RoadEvaluation, RoadLabels, RoadScores, stage_time};
-use fingerpost_io::{picture_paths, read_camera, read_picture};
+use fingerpost_io::{picture_paths, read_picture};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use serde::Serialize;
 
@@ -23,6 +23,7 @@ use self::labels::{labels_of, read_labels};
 use self::pictures::{GroundViews, Pictures};
 use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
+use crate::examples::examples;
 use crate::road_detector::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path};
@@ -34,6 +35,10 @@ use crate::{inputs, output, output_path};
 /// 0.95 of its height. The time of a frame is the median, with greys and histogram bins but without decoding.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("wanted").required(true).multiple(true)))]
+#[command(before_long_help = examples!(
+    "evaluate road --images pictures --labels labels --road 1 --void 255",
+    "evaluate road --images pictures --sheet sheet.png --ground-view camera.toml"
+))]
 pub(crate) struct RoadArgs {
     /// Folder of camera pictures.
     #[arg(long, value_name = "DIR")]
@@ -181,7 +186,7 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
 /// The ground views that are asked for.
 fn ground_views(args: &RoadArgs, config: &Config) -> Result<Option<GroundViews>> {
     let Some(camera) = &args.ground_view else { return Ok(None) };
-    let camera = if camera.as_os_str() == "assumed" { None } else { Some(read_camera(camera)?) };
+    let camera = if camera.as_os_str() == "assumed" { None } else { Some(inputs::camera(camera)?) };
     GroundViews::new(config, camera, args.from_row).map(Some)
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use fingerpost::vehicle::VehicleConfig;
 use fingerpost_format::{CampaignDrive, TruthRecord, camera_to_toml};
 use fingerpost_geometry::Camera;
-use fingerpost_io::{DriveFolder, FrameFormat, TuningFolder, read_camera, read_truth};
+use fingerpost_io::{DriveFolder, FrameFormat, TuningFolder};
 use fingerpost_map::{Route, write_route};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -61,11 +61,11 @@ impl TuneDrive {
         Ok(Self {
             folder: folder.to_owned(),
             named: CampaignDrive { seed: number, conditions, ..CampaignDrive::default() },
-            camera: read_camera(&folder.join("camera.toml"))?,
+            camera: inputs::camera(&folder.join("camera.toml"))?,
             route: inputs::route(&folder.join("route.geojson"))?,
             start_m,
             vehicle,
-            truth: read_truth(&folder.join(TRUTH))?,
+            truth: inputs::truth(&folder.join(TRUTH))?,
         })
     }
 
@@ -84,7 +84,7 @@ impl TuneDrive {
                 .with_context(|| format!("the drive of seed {seed} ({conditions})"))?;
         }
         Ok(Self {
-            truth: read_truth(&folder.join(TRUTH))?,
+            truth: inputs::truth(&folder.join(TRUTH))?,
             folder,
             named: CampaignDrive { seed, conditions: conditions.to_owned(), ..CampaignDrive::default() },
             camera: plan.camera,

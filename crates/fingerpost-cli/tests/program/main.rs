@@ -25,6 +25,8 @@ mod interrupts;
 mod lanes;
 mod live;
 mod locating;
+#[cfg(feature = "completions")]
+mod manual;
 mod marking;
 #[cfg(feature = "onnx-runtime")]
 mod networks;
@@ -38,4 +40,5 @@ mod simulated_bus;
 mod simulating;
 mod stalls;
 mod tuning;
+mod verbosity;
 mod video_stub;

@@ -10,6 +10,7 @@ use super::{Pace, VideoPicture, VideoReader};
 use crate::{
     decoders::Decoded,
     ffmpeg::{FfmpegPrograms, VideoError},
+    source::FrameDecoder,
 };
 
 /// What decodes videos. Pictures and their times do not depend on it.
@@ -86,6 +87,15 @@ impl Video {
             return Ok(Self::Libraries { video: Box::new(video), program, ended: false });
         }
         Ok(Self::Program(Box::new(VideoReader::open(input, programs, threads, pace)?)))
+    }
+
+    /// What decodes it.
+    pub(crate) fn decoder(&self) -> FrameDecoder {
+        match self {
+            Self::Program(_) => FrameDecoder::Program,
+            #[cfg(feature = "libav")]
+            Self::Libraries { .. } => FrameDecoder::Libraries,
+        }
     }
 
     /// Frames that the container says it holds; none for live inputs and containers that do not say.

@@ -1,0 +1,97 @@
+//! What `-v` says of what was read, in words.
+
+use std::collections::BTreeMap;
+
+use fingerpost::Config;
+use fingerpost_geometry::{Camera, Distortion, View};
+use fingerpost_map::{RoadGraph, Route};
+use fingerpost_record::kind_name;
+use toml::{Table, Value};
+
+/// A camera: its pictures, its lens and how it is mounted.
+pub(crate) fn of_camera(camera: &Camera) -> String {
+    let (width, height) = (camera.width(), camera.height());
+    let View::Calibrated { intrinsics, distortion, mount, .. } = camera.view() else {
+        return format!("camera of {width} x {height} pixels, known by four points on the road");
+    };
+    let lens = match distortion {
+        Distortion::None => "no distortion",
+        Distortion::BrownConrady { .. } => "Brown-Conrady distortion",
+        Distortion::KannalaBrandt { .. } => "Kannala-Brandt distortion",
+    };
+    let angle = |rad: f64| rad.to_degrees();
+    format!(
+        "camera of {width} x {height} pixels, focal length {:.1} pixels, {lens}, {:.2} m above the road, pitch {:.2}°, yaw {:.2}°, \
+         roll {:.2}°",
+        intrinsics.fx,
+        mount.height_m,
+        angle(mount.pitch_rad),
+        angle(mount.yaw_rad),
+        angle(mount.roll_rad)
+    )
+}
+
+/// A map's roads.
+pub(crate) fn of_roads(graph: &RoadGraph) -> String {
+    let (ways, segments, nodes) = (graph.ways().len(), graph.segments().len(), graph.nodes().len());
+    format!("map with {ways} roads, of {segments} straight pieces between {nodes} nodes")
+}
+
+/// A route: its length, and its features by kind.
+pub(crate) fn of_route(route: &Route) -> String {
+    let length = route.polyline().map_or("no length".to_owned(), |line| format!("{:.0} m", line.length_m()));
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    route.features.iter().for_each(|feature| *kinds.entry(kind_name(feature.kind)).or_default() += 1);
+    let kinds: Vec<String> = kinds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join(", ")) };
+    format!("route of {length} with {} features{kinds}", route.features.len())
+}
+
+/// Settings that are not the default, each with the default: `track.detect_frames = 4 (default 3)`.
+pub(crate) fn of_settings(config: &Config) -> Vec<String> {
+    // What cannot be written has no keys.
+    let table = |config: &Config| -> Table {
+        toml::to_string(config).ok().and_then(|text| text.parse().ok()).unwrap_or_default()
+    };
+    let mut changed = Vec::new();
+    compare("", &table(config), &table(&Config::default()), &mut changed);
+    changed
+}
+
+fn compare(path: &str, table: &Table, default: &Table, changed: &mut Vec<String>) {
+    let left_out = default.keys().filter(|key| !table.contains_key(*key));
+    for key in table.keys().chain(left_out) {
+        let name = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+        match (table.get(key), default.get(key)) {
+            (Some(Value::Table(inner)), Some(Value::Table(default))) => {
+                compare(&name, inner, default, changed)
+            }
+            (value, default) if value != default => {
+                let text = |value: Option<&Value>| value.map_or("none".to_owned(), Value::to_string);
+                changed.push(format!("{name} = {} (default {})", text(value), text(default)));
+            }
+            _ => (),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_named_where_they_differ_and_nowhere_else() {
+        let mut config = Config::default();
+        assert!(of_settings(&config).is_empty());
+        let usual = config.track.detect_frames;
+        config.track.detect_frames = usual + 1;
+        config.can.speed = Some("WHEELS.SPEED".to_owned());
+        assert_eq!(
+            of_settings(&config),
+            [
+                "can.speed = \"WHEELS.SPEED\" (default none)".to_owned(),
+                format!("track.detect_frames = {} (default {usual})", usual + 1)
+            ]
+        );
+    }
+}
