@@ -23,7 +23,7 @@ use self::labels::{labels_of, read_labels};
 use self::pictures::{GroundViews, Pictures};
 use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
-use crate::road_detector::road_detector;
+use crate::parts::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path};
 

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use fingerpost::pipeline::Parts;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::{FeatureIdentity, RoadLabels, RoadScores, evaluate_junctions, stage_time};
 use fingerpost_format::{FrameRecord, TrackState, TruthRecord};
@@ -60,7 +59,7 @@ impl Run {
     pub(super) fn new(variant: Variant, planned: &Planned) -> Result<Self> {
         let scaling = PictureScaling::to_width(&planned.camera, variant.width)?;
         let camera = scaling.as_ref().map_or(&planned.camera, PictureScaling::camera);
-        let mut parts = Parts::default();
+        let mut parts = fingerpost_papers::parts(&variant.config)?;
         if variant.sparse_flow {
             parts.motion_estimator = Some(Box::new(SparseFlow::new(&variant.config.road_surface)));
         }

@@ -7,11 +7,10 @@
 //! displacement. They are held small by priors and thrown away.
 //!
 //! A standing pitch is left out here: it stretches the displacement much as distance does, and is only told from it over
-//! many frames ([`super::camera_turn`]).
+//! many frames, as the method's own alignment does.
 
+use fingerpost::ground_view::Viewpoint;
 use nalgebra::{Point2, Vector2};
-
-use crate::ground_view::Viewpoint;
 
 /// Standard deviations of the change of pitch and of roll between frames, and of a standing roll, radians; a car on its
 /// springs moves by a few tenths of a degree and leans by half a degree in a bend.

@@ -5,10 +5,10 @@
 //! Gauss-Newton, re-weighted by Tukey's biweight until outliers (kerbs, parked cars, shadows that move with the
 //! vehicle) have no say; it starts from the weighted orthogonal Procrustes solution.
 
+use fingerpost::ground_view::Viewpoint;
 use nalgebra::{Isometry2, Matrix2x3, Matrix3, Point2, SMatrix, SVector, Vector2};
 
 use super::sway::{SWAY_SIGMA_RAD, sway_field};
-use crate::ground_view::Viewpoint;
 
 /// A place on the road before and after, vehicle frame, metres.
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,21 @@
+//! The stages of a configuration that the method itself does not have: the papers' own, and a network's detector.
+
+use anyhow::Result;
+use fingerpost::Config;
+use fingerpost::pipeline::Parts;
+use fingerpost::road_surface::{RoadDetector, RoadSurfaceConfig};
+
+/// All stages that are to be given to a pipeline of this configuration.
+pub(crate) fn parts(config: &Config) -> Result<Parts> {
+    let road_detector = Some(road_detector(&config.road_surface)?);
+    Ok(Parts { road_detector, ..fingerpost_papers::parts(config)? })
+}
+
+/// The road detector of these settings; where it needs a network, that is loaded.
+pub(crate) fn road_detector(config: &RoadSurfaceConfig) -> Result<Box<dyn RoadDetector>> {
+    #[cfg(feature = "onnx")]
+    if config.needs_network() {
+        return Ok(config.detector_with(Some(crate::onnx::network(&config.onnx)?))?);
+    }
+    Ok(config.detector()?)
+}

@@ -1,0 +1,54 @@
+//! The papers' own ways, where the method goes another: plug-ins for its pipeline.
+//!
+//! | module | what | trait |
+//! |---|---|---|
+//! | [`motion`] | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
+//!
+//! Their settings are a part of every configuration (`fingerpost::Config`); the stages themselves are given to the pipeline by
+//! whoever builds it: [`parts`] makes those that a configuration asks for. Papers 1 to 3 are those of CONVENTIONS.md.
+
+pub mod motion;
+
+use fingerpost::Config;
+use fingerpost::motion::MotionMethod;
+use fingerpost::pipeline::Parts;
+use fingerpost_vision::farneback::FarnebackError;
+use thiserror::Error;
+
+pub use motion::FarnebackMotion;
+
+/// A stage of the papers that cannot be used as configured.
+#[derive(Debug, Error)]
+pub enum PapersError {
+    /// The flow's parameters are out of range.
+    #[error("motion: {0}")]
+    Flow(#[from] FarnebackError),
+}
+
+/// The stages of the papers that a configuration asks for; none for every other one, which the pipeline makes itself.
+///
+/// ```
+/// use fingerpost::motion::MotionMethod;
+/// use fingerpost::{Config, Pipeline};
+/// use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
+///
+/// let intrinsics = Intrinsics { fx: 210.0, fy: 210.0, cx: 159.5, cy: 119.5 };
+/// let mount = Mount { pitch_rad: 0.14, ..Mount::level(1.5) };
+/// let camera = Camera::calibrated(320, 240, intrinsics, Distortion::None, mount)?;
+/// let mut config = Config::default();
+/// config.motion.estimator = MotionMethod::Farneback;
+/// assert!(Pipeline::new(&config, &camera, None, None).is_err(), "the method itself has no dense flow");
+/// let parts = fingerpost_papers::parts(&config)?;
+/// let pipeline = Pipeline::with_parts(&config, &camera, None, None, parts)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PapersError`] when a stage's settings are out of range.
+pub fn parts(config: &Config) -> Result<Parts, PapersError> {
+    let mut parts = Parts::default();
+    if config.motion.estimator == MotionMethod::Farneback {
+        parts.motion_estimator = Some(Box::new(FarnebackMotion::new(&config.motion.farneback)?));
+    }
+    Ok(parts)
+}
