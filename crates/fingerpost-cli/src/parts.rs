@@ -3,6 +3,8 @@
 use anyhow::Result;
 use fingerpost::Config;
 use fingerpost::pipeline::Parts;
+#[cfg(feature = "onnx")]
+use fingerpost::road_surface::Network;
 use fingerpost::road_surface::{RoadDetector, RoadSurfaceConfig};
 
 /// All stages that are to be given to a pipeline of this configuration.
@@ -15,7 +17,8 @@ pub(crate) fn parts(config: &Config) -> Result<Parts> {
 pub(crate) fn road_detector(config: &RoadSurfaceConfig) -> Result<Box<dyn RoadDetector>> {
     #[cfg(feature = "onnx")]
     if config.needs_network() {
-        return Ok(config.detector_with(Some(crate::onnx::network(&config.onnx)?))?);
+        let network = Network::new(crate::onnx::network(&config.onnx)?);
+        return Ok(config.detector_with(Some(Box::new(network)))?);
     }
-    Ok(config.detector()?)
+    Ok(fingerpost_papers::road_detector(config)?)
 }

@@ -3,19 +3,23 @@
 //! | module | what | trait |
 //! |---|---|---|
 //! | [`motion`] | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
+//! | [`road_surface`] | known surfaces (paper 2, 7.4), and the detector before the ground view (paper 1, figure 4) | `RoadDetector` |
 //!
 //! Their settings are a part of every configuration (`fingerpost::Config`); the stages themselves are given to the pipeline by
 //! whoever builds it: [`parts`] makes those that a configuration asks for. Papers 1 to 3 are those of CONVENTIONS.md.
 
 pub mod motion;
+pub mod road_surface;
 
 use fingerpost::Config;
 use fingerpost::motion::MotionMethod;
 use fingerpost::pipeline::Parts;
+use fingerpost::road_surface::RoadError;
 use fingerpost_vision::farneback::FarnebackError;
 use thiserror::Error;
 
 pub use motion::FarnebackMotion;
+pub use road_surface::{Bank, InCamera, road_detector};
 
 /// A stage of the papers that cannot be used as configured.
 #[derive(Debug, Error)]
@@ -23,6 +27,9 @@ pub enum PapersError {
     /// The flow's parameters are out of range.
     #[error("motion: {0}")]
     Flow(#[from] FarnebackError),
+    /// The road detector's settings are out of range.
+    #[error(transparent)]
+    Road(#[from] RoadError),
 }
 
 /// The stages of the papers that a configuration asks for; none for every other one, which the pipeline makes itself.
@@ -49,6 +56,9 @@ pub fn parts(config: &Config) -> Result<Parts, PapersError> {
     let mut parts = Parts::default();
     if config.motion.estimator == MotionMethod::Farneback {
         parts.motion_estimator = Some(Box::new(FarnebackMotion::new(&config.motion.farneback)?));
+    }
+    if let Some(seeing) = road_surface::seeing(&config.road_surface)? {
+        parts.road_detector = Some(config.road_surface.detector_with(Some(seeing))?);
     }
     Ok(parts)
 }

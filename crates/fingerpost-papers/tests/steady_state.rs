@@ -8,6 +8,7 @@ use fingerpost::Config;
 use fingerpost::lanes::LaneMethod;
 use fingerpost::matching::MatchedSurface;
 use fingerpost::motion::MotionMethod;
+use fingerpost::road_surface::{RoadMethod, RoadPicture};
 use fingerpost::track::State;
 use steady::{NORTH, SOUTH, Scene, coarse};
 
@@ -23,4 +24,21 @@ fn the_papers_motion_surface_and_lanes_allocate_nothing() {
     config.motion.estimator = MotionMethod::Farneback;
     config.matching.surface = MatchedSurface::Binary;
     check(&config);
+}
+
+#[test]
+fn the_bank_allocates_nothing() {
+    let mut config = coarse();
+    config.road_surface.detector = RoadMethod::Bank;
+    check(&config);
+}
+
+#[test]
+fn detectors_that_see_the_camera_picture_allocate_nothing() {
+    for detector in [RoadMethod::Backprojection, RoadMethod::Bank] {
+        let mut config = coarse();
+        config.road_surface.detector = detector;
+        config.road_surface.picture = RoadPicture::Camera;
+        check(&config);
+    }
 }

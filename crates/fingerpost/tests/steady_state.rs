@@ -11,7 +11,7 @@ use allocation_counter::measure;
 use fingerpost::Config;
 use fingerpost::height::HeightUse;
 use fingerpost::pipeline::Parts;
-use fingerpost::road_surface::{RoadError, RoadMethod, RoadNetwork, RoadPicture};
+use fingerpost::road_surface::{Network, RoadDetector, RoadError, RoadMethod, RoadNetwork};
 use fingerpost::track::{State, TrackMethod};
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -43,23 +43,15 @@ fn without_a_route_nothing_is_allocated() {
 
 #[test]
 fn no_road_detector_allocates_anything() {
-    for detector in RoadMethod::ALL {
+    // The bank is the papers' own and is looked at in `fingerpost-papers`.
+    for detector in RoadMethod::ALL.into_iter().filter(|method| *method != RoadMethod::Bank) {
         let mut config = coarse();
         config.road_surface.detector = detector;
-        let network: Box<dyn RoadNetwork> = Box::new(AllIsRoad);
-        let road_detector = Some(config.road_surface.detector_with(Some(network)).unwrap());
+        let network = Some(Network::new(Box::new(AllIsRoad))).filter(|_| config.road_surface.needs_network());
+        let seeing = network.map(|network| -> Box<dyn RoadDetector> { Box::new(network) });
+        let road_detector = Some(config.road_surface.detector_with(seeing).unwrap());
         let parts = Parts { road_detector, ..Parts::default() };
         Scene::with_parts(&config, &[SOUTH, NORTH], None, parts).check(State::NoRoute, 28.0);
-    }
-}
-
-#[test]
-fn detectors_that_see_the_camera_picture_allocate_nothing() {
-    for detector in [RoadMethod::Backprojection, RoadMethod::Bank] {
-        let mut config = coarse();
-        config.road_surface.detector = detector;
-        config.road_surface.picture = RoadPicture::Camera;
-        Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
     }
 }
 

@@ -1,36 +1,25 @@
 //! A detector that sees the camera picture itself, whose probabilities are then laid into the ground view.
 //!
 //! Paper 1, section IV-B and figure 4: road detection works before and after the inverse perspective mapping, and there it
-//! was better after. [`RoadPicture`] chooses; `docs/papers.md` says what comes of either on simulated drives. The detector
+//! was better after. `road_surface.picture` chooses; `docs/papers.md` says what comes of either on simulated drives. The detector
 //! samples the same bit of road: the largest upright rectangle of the camera picture that lies on it.
 
+use fingerpost::ground_view::GroundPicture;
+use fingerpost::road_surface::{
+    KnownPerspective, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile,
+    clear_unseen,
+};
 use fingerpost_geometry::{GroundPixel, Pixel};
 use fingerpost_vision::colour::{BinDivision, HueSaturationBins, grey_and_bins};
 use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
 use fingerpost_vision::warp::WarpTable;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::perspective::{KnownPerspective, clear_unseen};
-use super::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile};
-use crate::ground_view::GroundPicture;
-
-/// The picture in which a detector by colour looks for road.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum RoadPicture {
-    /// The ground view (paper 1, IV-B).
-    #[default]
-    GroundView,
-    /// The camera picture; what is found there is then laid into the ground view (paper 1, figure 4, left).
-    Camera,
-}
+use nalgebra::Point2;
 
 /// How far ahead the horizon is looked for, metres: farther, the road's row changes by less than a hundredth of a pixel.
 const FAR_AWAY_M: f64 = 1e5;
 
 /// A detector around another, which it shows the camera picture.
-pub(super) struct InCamera {
+pub struct InCamera {
     detector: Box<dyn RoadDetector>,
     division: BinDivision,
     picture: GroundPicture,
@@ -53,7 +42,7 @@ impl InCamera {
     ///
     /// # Errors
     /// [`RoadError::Colour`] when the bins cannot be used.
-    pub(super) fn new(detector: Box<dyn RoadDetector>, bins: HueSaturationBins) -> Result<Self, RoadError> {
+    pub fn new(detector: Box<dyn RoadDetector>, bins: HueSaturationBins) -> Result<Self, RoadError> {
         Ok(Self {
             detector,
             division: BinDivision::new(bins)?,
@@ -134,7 +123,7 @@ impl Layout {
                     *pixel = u8::from(view.camera().ground_of_pixel(p).is_some());
                 }
             }
-            let ahead = nalgebra::Point2::new(FAR_AWAY_M, 0.0);
+            let ahead = Point2::new(FAR_AWAY_M, 0.0);
             horizon_row = view.camera().pixel_of_ground(ahead).map_or(f64::INFINITY, |p| p.v);
         }
         Ok(Self {

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use fingerpost_vision::histogram::{BinCounter, Smoothing};
-use fingerpost_vision::picture::Plane;
+use fingerpost_vision::colour::HueSaturationBins;
+use fingerpost_vision::histogram::{BinCounter, Histogram, Smoothing};
+use fingerpost_vision::picture::{Plane, Rect};
 
 use super::known::{KnownSurface, likeness, name_of};
 use super::tones::{TONES, Tones};
@@ -18,21 +19,28 @@ const LEAST_SHARE: f64 = 0.05;
 
 /// The known surfaces and which of them is under way.
 #[derive(Debug)]
-pub(in crate::road_surface) struct SurfaceMemory {
-    pub(super) config: BankConfig,
-    pub(super) tones: Tones,
-    pub(super) tone: Plane<u16>,
-    pub(super) counter: BinCounter,
-    pub(super) smoothing: Smoothing,
-    pub(super) sample: Region,
-    pub(super) known: Vec<KnownSurface>,
+pub struct SurfaceMemory {
+    config: BankConfig,
+    tones: Tones,
+    tone: Plane<u16>,
+    counter: BinCounter,
+    smoothing: Smoothing,
+    sample: Region,
+    known: Vec<KnownSurface>,
     /// Index in `known`.
-    pub(super) under_way: Option<usize>,
+    under_way: Option<usize>,
     unlike_frames: usize,
 }
 
 impl SurfaceMemory {
-    pub(in crate::road_surface) fn new(config: &BankConfig) -> Result<Self, RoadError> {
+    /// Bins of the surfaces' histograms: brightness in the place of hue, tint in that of saturation.
+    pub const TONES: HueSaturationBins = TONES;
+
+    /// No surface is known yet.
+    ///
+    /// # Errors
+    /// [`RoadError::Histogram`] when the histograms cannot be made.
+    pub fn new(config: &BankConfig) -> Result<Self, RoadError> {
         Ok(Self {
             config: config.clone(),
             tones: Tones::new(),
@@ -47,10 +55,10 @@ impl SurfaceMemory {
     }
 
     /// Looks at the sample: names its surface, learns from it, or founds a new one.
-    pub(in crate::road_surface) fn consider(
-        &mut self,
-        input: &RoadInput<'_>,
-    ) -> Result<(BankEvidence, SampleUse), RoadError> {
+    ///
+    /// # Errors
+    /// [`RoadError`] when picture and validity do not fit together.
+    pub fn consider(&mut self, input: &RoadInput<'_>) -> Result<(BankEvidence, SampleUse), RoadError> {
         self.known.iter_mut().for_each(|known| known.unseen_frames = known.unseen_frames.saturating_add(1));
         self.tones.make(input.picture, input.sample, &mut self.tone);
         let tone = self.tone.view();
@@ -87,6 +95,38 @@ impl SurfaceMemory {
             ..BankEvidence::default()
         };
         Ok((evidence, sample_use))
+    }
+
+    /// Makes tones of the whole picture and measures what is seen of them into `whole`.
+    ///
+    /// # Errors
+    /// [`RoadError`] when picture and validity do not fit together.
+    pub fn measure_all(&mut self, input: &RoadInput<'_>, whole: &mut Region) -> Result<(), RoadError> {
+        let (width, height) = input.picture.bin.size();
+        let everything = Rect { x: 0, y: 0, width, height };
+        self.tones.make(input.picture, everything, &mut self.tone);
+        let tone = self.tone.view();
+        whole.measure(everything, tone, input.validity, &mut self.counter, &mut self.smoothing)
+    }
+
+    /// Tone of every pixel, as far as it was made: of the sample, or of the whole picture.
+    pub const fn tones(&self) -> &Plane<u16> {
+        &self.tone
+    }
+
+    /// Histogram of the last sample, of mass 1; empty where nothing of it was seen.
+    pub const fn sample(&self) -> &Histogram {
+        &self.sample.histogram
+    }
+
+    /// Histogram of the surface under way, of mass 1.
+    pub fn under_way(&self) -> Option<&Histogram> {
+        self.under_way.and_then(|index| self.known.get(index)).map(|known| &known.histogram)
+    }
+
+    /// The known surfaces: histogram, of mass 1, and frames since each was last under way.
+    pub fn known(&self) -> impl Iterator<Item = (&Histogram, u64)> {
+        self.known.iter().map(|known| (&known.histogram, known.unseen_frames))
     }
 
     fn most_alike(&self) -> Option<(usize, f64)> {
@@ -133,17 +173,22 @@ impl SurfaceMemory {
     }
 
     /// Takes surfaces over from a file, in place of what was learned.
-    pub(in crate::road_surface) fn know(&mut self, file: &SurfaceFile) -> Result<(), RoadError> {
+    ///
+    /// # Errors
+    /// [`RoadError::Surfaces`] when they cannot be used.
+    pub fn know(&mut self, file: &SurfaceFile) -> Result<(), RoadError> {
         self.known = file.surfaces()?;
         self.under_way = None;
         Ok(())
     }
 
-    pub(in crate::road_surface) fn file(&self) -> SurfaceFile {
+    /// The known surfaces as a file has them.
+    pub fn file(&self) -> SurfaceFile {
         SurfaceFile::of(&self.known)
     }
 
-    pub(in crate::road_surface) fn forget(&mut self) {
+    /// Forgets all surfaces, as at the start of a drive.
+    pub fn forget(&mut self) {
         self.known.clear();
         (self.under_way, self.unlike_frames) = (None, 0);
     }

@@ -1,6 +1,7 @@
 //! Detectors by colour on the camera picture, laid into the ground view (paper 1, figure 4), on a painted road.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
+#[path = "../../fingerpost/tests/painted/mod.rs"]
 mod painted;
 
 use fingerpost::road_surface::{RememberedMethod, RoadMethod, RoadPicture};
@@ -28,7 +29,8 @@ fn settings(detector: RoadMethod, picture: RoadPicture) -> Config {
 fn surface(config: &Config, places: &[(f64, f64)]) -> (Plane<u8>, Vec<f64>) {
     let camera = camera_of_width(480);
     let world = World::new(&ROADS);
-    let mut pipeline = Pipeline::new(config, &camera, None, None).unwrap();
+    let parts = fingerpost_papers::parts(config).unwrap();
+    let mut pipeline = Pipeline::with_parts(config, &camera, None, None, parts).unwrap();
     let mut found = Plane::default();
     for before in (0..FRAMES).rev() {
         // A picture that comes again would be a frozen camera's.
@@ -67,5 +69,17 @@ fn the_order_of_the_stages_changes_what_is_found() {
         let [above, camera] = [RoadPicture::GroundView, RoadPicture::Camera]
             .map(|picture| surface(&settings(detector, picture), &[]).0);
         assert_ne!(above.as_slice(), camera.as_slice(), "{detector:?}");
+    }
+}
+
+#[test]
+fn what_is_asked_for_and_not_given_is_refused_with_what_to_do() {
+    let camera = camera_of_width(480);
+    for (config, asked) in [
+        (settings(RoadMethod::Bank, RoadPicture::GroundView), "\"bank\""),
+        (settings(RoadMethod::Memory, RoadPicture::Camera), "road_surface.picture = \"camera\""),
+    ] {
+        let refused = Pipeline::new(&config, &camera, None, None).err().unwrap().to_string();
+        assert!(refused.contains(asked) && refused.contains("fingerpost_papers::parts"), "{refused}");
     }
 }

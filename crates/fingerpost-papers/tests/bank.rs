@@ -6,6 +6,7 @@ use fingerpost::road_surface::{
     Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod, RoadSurface,
     RoadSurfaceConfig, SurfaceFile, SurfacesError,
 };
+use fingerpost_papers::road_detector;
 use fingerpost_vision::colour::{BinDivision, HueSaturationBins, grey_and_bins};
 use fingerpost_vision::picture::{Rect, RgbImage, ValidityMask};
 
@@ -64,7 +65,7 @@ impl Watcher {
     fn new(detector: RoadMethod) -> Self {
         let config = RoadSurfaceConfig { detector, ..RoadSurfaceConfig::default() };
         let validity = ValidityMask::all_seen(WIDTH, HEIGHT);
-        Self { detector: config.detector().unwrap(), surface: RoadSurface::default(), validity }
+        Self { detector: road_detector(&config).unwrap(), surface: RoadSurface::default(), validity }
     }
 
     fn look(&mut self, picture: &GroundPicture) -> RoadEvidence {
@@ -167,7 +168,7 @@ fn a_file_that_cannot_be_used_is_refused_with_the_reason() {
 fn the_bank_is_bounded_and_the_surface_longest_unmet_gives_way() {
     let mut config = RoadSurfaceConfig { detector: RoadMethod::Bank, ..RoadSurfaceConfig::default() };
     config.bank.surfaces = 2;
-    let mut watcher = Watcher { detector: config.detector().unwrap(), ..Watcher::new(RoadMethod::Bank) };
+    let mut watcher = Watcher { detector: road_detector(&config).unwrap(), ..Watcher::new(RoadMethod::Bank) };
     drive(&mut watcher);
     let names: Vec<String> =
         watcher.detector.known_surfaces().unwrap().surfaces.into_iter().map(|surface| surface.name).collect();
