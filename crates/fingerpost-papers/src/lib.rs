@@ -4,10 +4,13 @@
 //! |---|---|---|
 //! | [`motion`] | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
 //! | [`road_surface`] | known surfaces (paper 2, 7.4), and the detector before the ground view (paper 1, figure 4) | `RoadDetector` |
+//! | [`claims`] | what the papers claim, measured again: settings that are compared, figures, verdicts and the page; with feature `claims` | |
 //!
 //! Their settings are a part of every configuration (`fingerpost::Config`); the stages themselves are given to the pipeline by
 //! whoever builds it: [`parts`] makes those that a configuration asks for. Papers 1 to 3 are those of CONVENTIONS.md.
 
+#[cfg(feature = "claims")]
+pub mod claims;
 pub mod motion;
 pub mod road_surface;
 

@@ -27,7 +27,7 @@ const FLOOR_M: f64 = 0.01;
 const FLOOR_RAD: f64 = 0.02;
 
 /// The estimator with what it keeps of the frame before.
-pub(super) struct SparseFlow {
+pub struct SparseFlow {
     region: RoadSurfaceConfig,
     tracker: LucasKanade,
     previous: GreyPyramid,
@@ -42,7 +42,7 @@ pub(super) struct SparseFlow {
 
 impl SparseFlow {
     /// An estimator that has seen no frame; the region is that of the histogram's sample (paper 1, VI).
-    pub(super) fn new(region: &RoadSurfaceConfig) -> Self {
+    pub fn new(region: &RoadSurfaceConfig) -> Self {
         Self {
             region: region.clone(),
             tracker: LucasKanade { least_strength: LEAST_STRENGTH, ..LucasKanade::default() },

@@ -4,10 +4,9 @@ use fingerpost_eval::{LANE_ROI_ROWS, LANE_THRESHOLDS_PX2};
 use fingerpost_report::{SurfacePlot, surface_svg};
 
 use super::{Page, capital, number, of_difference};
-use crate::papers::lane_claims::{LaneClaim, lane_claims, table};
-use crate::papers::lane_clips::SAMPLES;
-use crate::papers::measurements::Measurements;
-use crate::papers::verdict::{Compared, Outcome, verdict};
+use crate::claims::lane_claims::{LaneClaim, SAMPLES, lane_claims, table};
+use crate::claims::measurements::Measurements;
+use crate::claims::verdict::{Compared, Outcome, verdict};
 
 const LANES_HEAD: &str = "\
 ## Accuracy of lanes by region of interest and threshold

@@ -7,19 +7,21 @@ use std::fmt::Write;
 use fingerpost_report::{IntervalPlot, IntervalPoint, IntervalSeries, interval_svg};
 
 use super::axes::Axis;
-use super::claims::{CLAIMS, Claim, Metric, Test};
 use super::drives::ROADS;
+use super::feature_claims::{CLAIMS, Claim, Metric, Test};
 use super::measurements::Measurements;
 use super::scatter::Mean;
 use super::verdict::{Compared, Outcome, verdict};
 
 /// Folder of the plots beside the page.
-pub(super) const PLOTS_FOLDER: &str = "papers";
+pub const PLOTS_FOLDER: &str = "papers";
 
 /// The page and its plots by name.
-pub(super) struct Page {
-    pub(super) text: String,
-    pub(super) plots: Vec<(String, String)>,
+pub struct Page {
+    /// Markdown.
+    pub text: String,
+    /// File names in [`PLOTS_FOLDER`], and SVG.
+    pub plots: Vec<(String, String)>,
 }
 
 /// What all drives together are called.
@@ -31,17 +33,18 @@ type Judged = (&'static str, Vec<JudgedTest>);
 type JudgedTest = (Test, Option<Compared>);
 
 /// What was asked for.
-pub(super) struct Asked<'a> {
+pub struct Asked<'a> {
     /// The command that makes the page again.
-    pub(super) command: &'a str,
-    pub(super) drives: u64,
-    /// Most of each drive.
-    pub(super) seconds: f64,
+    pub command: &'a str,
+    /// Drives of each kind of roads.
+    pub drives: u64,
+    /// Most seconds of each drive.
+    pub seconds: f64,
 }
 
 impl Page {
     /// The page of these measurements.
-    pub(super) fn of(measurements: &Measurements, asked: &Asked<'_>) -> Self {
+    pub fn of(measurements: &Measurements, asked: &Asked<'_>) -> Self {
         let mut page = Self { text: head(asked), plots: Vec::new() };
         for claim in &CLAIMS {
             page.claim(measurements, claim);

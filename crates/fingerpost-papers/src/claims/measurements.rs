@@ -1,31 +1,36 @@
 //! What was measured of every drive, as the file of measurements keeps it.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::runs::Measured;
 use super::scatter::Mean;
+
+/// What was measured on a drive or clip, by name.
+pub type Measured = BTreeMap<String, f64>;
 
 /// One drive or clip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Measurement {
+pub struct Measurement {
     /// Kind of roads, or day of a clip.
-    pub(super) kind: String,
-    pub(super) seed: u64,
+    pub kind: String,
+    /// Its seed.
+    pub seed: u64,
     /// Most frames that were to be rendered.
-    pub(super) frames: u64,
+    pub frames: u64,
     /// The program that measured it.
-    pub(super) written_by: String,
+    pub written_by: String,
     /// By name: run and metric.
-    pub(super) values: Measured,
+    pub values: Measured,
 }
 
 /// All of them, in the order of kinds and seeds.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Measurements(Vec<Measurement>);
+pub struct Measurements(Vec<Measurement>);
 
 impl Measurements {
     /// In an order that does not depend on which drive was finished first.
-    pub(super) fn new(mut all: Vec<Measurement>) -> Self {
+    pub fn new(mut all: Vec<Measurement>) -> Self {
         all.sort_by(|a, b| (&a.kind, a.seed).cmp(&(&b.kind, b.seed)));
         Self(all)
     }

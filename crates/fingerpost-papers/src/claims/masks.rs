@@ -3,7 +3,6 @@
 //! Places where the route's next feature is, by truth, stand against places of the same route where it is not. A reading is as
 //! good as it tells the one from the other, whatever threshold is chosen.
 
-use anyhow::Result;
 use fingerpost::driving_line::MaskCurve;
 use fingerpost::feature_masks::{MaskCache, node_pixel};
 use fingerpost::feature_model::FeatureModel;
@@ -11,12 +10,14 @@ use fingerpost::matching::{LaidSurface, Match, Matcher, Participation};
 use fingerpost::road_surface::RoadSurface;
 use fingerpost::{Config, Pipeline};
 use fingerpost_format::TruthRecord;
-use fingerpost_geometry::{GroundGrid, Polyline};
+use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
 use fingerpost_map::Route;
-use fingerpost_vision::span::SpanMask;
+use fingerpost_vision::error::PictureError;
+use fingerpost_vision::span::{SpanError, SpanMask};
 use nalgebra::Isometry2;
+use thiserror::Error;
 
-use super::runs::map_from_vehicle;
+use super::figures::map_from_vehicle;
 
 /// A feature so far ahead is read where it is, metres: in view with its arms.
 const THERE_M: [f64; 2] = [6.0, 14.0];
@@ -26,6 +27,17 @@ const ELSEWHERE_AHEAD_M: f64 = 10.0;
 const ELSEWHERE_CLEAR_M: f64 = 20.0;
 /// Share of the true places that a threshold is to let pass.
 const PASSING: f64 = 0.95;
+
+/// A mask that cannot be read.
+#[derive(Debug, Error)]
+pub enum ReadingError {
+    /// The surface cannot be laid out.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The mask cannot be drawn.
+    #[error(transparent)]
+    Mask(#[from] SpanError),
+}
 
 /// A feature with its masks.
 struct Shape {
@@ -42,7 +54,7 @@ struct Reading {
 }
 
 /// All readings of a drive.
-pub(super) struct MaskReading {
+pub struct MaskReading {
     grid: GroundGrid,
     matcher: Matcher,
     line: Polyline,
@@ -53,10 +65,13 @@ pub(super) struct MaskReading {
 
 impl MaskReading {
     /// Nothing read yet of the features of `route`, with the settings of `config`.
-    pub(super) fn new(config: &Config, route: &Route, pipeline: &Pipeline) -> Result<Self> {
+    ///
+    /// # Errors
+    /// [`GeometryError`] when the route or a feature has no shape.
+    pub fn new(config: &Config, route: &Route, pipeline: &Pipeline) -> Result<Self, GeometryError> {
         let grid = *pipeline.view().grid();
         let kerb_radius_m = config.track.alignment.kerb_radius_m;
-        let shape = |model: &FeatureModel| -> Result<Shape> {
+        let shape = |model: &FeatureModel| -> Result<Shape, GeometryError> {
             let (mask, vehicle) = (&config.feature_mask, &config.vehicle);
             let curve = MaskCurve::new(mask, vehicle, model)?;
             let masks = MaskCache::new(mask, kerb_radius_m, vehicle, &grid, model, curve.as_ref());
@@ -70,7 +85,7 @@ impl MaskReading {
                 .stops()
                 .iter()
                 .map(|stop| shape(&stop.model))
-                .collect::<Result<_>>()?,
+                .collect::<Result<_, _>>()?,
             grid,
             matched: Match::default(),
             readings: Vec::new(),
@@ -78,7 +93,10 @@ impl MaskReading {
     }
 
     /// Reads the route's next feature where it is, or where nothing is.
-    pub(super) fn read(&mut self, surface: &RoadSurface, truth: &TruthRecord) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`ReadingError`] when a mask cannot be drawn or laid over the surface.
+    pub fn read(&mut self, surface: &RoadSurface, truth: &TruthRecord) -> Result<(), ReadingError> {
         let vehicle = map_from_vehicle(truth);
         let along_m = self.line.nearest(vehicle.translation.vector.into()).along_m;
         let Some(next) = self.shapes.iter().position(|shape| shape.model.route_m > along_m) else {
@@ -105,7 +123,7 @@ impl MaskReading {
     }
 
     /// How well either reading tells the places apart, by name.
-    pub(super) fn values(self) -> Vec<(&'static str, f64)> {
+    pub fn values(self) -> Vec<(&'static str, f64)> {
         let names = [["told_0", "falsely_0"], ["told_1", "falsely_1"]];
         let mut values = Vec::new();
         for (way, [told, falsely]) in names.into_iter().enumerate() {
@@ -127,7 +145,7 @@ fn read_both_ways(
     masks: &mut MaskCache,
     matched: &mut Match,
     vehicle_from_feature: &Isometry2<f64>,
-) -> Result<Option<[f64; 2]>> {
+) -> Result<Option<[f64; 2]>, ReadingError> {
     laid.explain(masks, vehicle_from_feature, matched)?;
     let (column, row) = node_pixel(grid, vehicle_from_feature);
     let drawn = masks.at(vehicle_from_feature.rotation.angle())?;

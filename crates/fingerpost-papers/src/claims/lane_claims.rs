@@ -2,9 +2,24 @@
 
 use fingerpost_eval::{LANE_ROI_ROWS, LANE_THRESHOLDS_PX2};
 
-use super::lane_clips::{SAMPLES, cell_name};
 use super::measurements::Measurements;
 use super::verdict::{Better, Compared, Expectation};
+
+/// Six samples as in the paper, which chose them by marking, time of day, contrast, shadow and glare: the simulator's days that
+/// come nearest.
+pub const SAMPLES: [(&str, &str); 6] = [
+    ("lane_continuous", "continuous lines"),
+    ("lane_broken", "broken lines"),
+    ("lane_double", "double line, the inner one broken"),
+    ("lane_night", "night, oncoming lamps"),
+    ("lane_shadows", "shadows"),
+    ("lane_patches", "patches on the asphalt"),
+];
+
+/// Name of the accuracy of a region and a threshold.
+pub fn cell_name(roi_rows: u32, threshold_px2: f64) -> String {
+    format!("rows_{roi_rows}.within_{threshold_px2}")
+}
 
 /// Accuracy from which the paper's "87~98%" begins.
 const LEAST_ACCURACY_PCT: f64 = 87.0;

@@ -4,7 +4,7 @@ use fingerpost::Config;
 use fingerpost::motion::MotionMethod;
 use fingerpost::road_surface::RoadPicture;
 
-use super::drives::{RENDERED_FPS, SIZE};
+use super::drives::{RENDERED_FPS, SIZE_PX};
 
 /// A setting with its values.
 #[derive(Debug, Clone, Copy)]
@@ -39,17 +39,19 @@ enum Change {
 
 /// A way to run the method on a drive.
 #[derive(Debug, Clone)]
-pub(super) struct Variant {
+pub struct Variant {
     /// Name in the file of measurements.
-    pub(super) name: String,
-    pub(super) config: Config,
+    pub name: String,
+    /// The settings.
+    pub config: Config,
     /// Width of the pictures, pixels.
-    pub(super) width: usize,
+    pub width: usize,
     /// Every so many rendered frames one is used.
-    pub(super) every: usize,
-    pub(super) sparse_flow: bool,
+    pub every: usize,
+    /// Whether the motion is that of [`super::SparseFlow`], not the settings'.
+    pub sparse_flow: bool,
     /// Whether the masks are compared on it.
-    pub(super) reads_masks: bool,
+    pub reads_masks: bool,
 }
 
 pub(super) const ORDER: Axis = Axis {
@@ -87,7 +89,7 @@ pub(super) const WIDTH: Axis = Axis {
     label: "picture width, pixels",
     values: &[150.0, 256.0, 384.0, 512.0],
     names: &[],
-    base: SIZE.width as f64,
+    base: SIZE_PX[0] as f64,
     change: Change::Width,
 };
 
@@ -190,11 +192,11 @@ impl Axis {
 }
 
 /// Every run on a drive: the settings as they are, and each value of each axis beside them.
-pub(super) fn variants(config: &Config) -> Vec<Variant> {
+pub fn variants(config: &Config) -> Vec<Variant> {
     let base = Variant {
         name: BASE.to_owned(),
         config: config.clone(),
-        width: SIZE.width,
+        width: SIZE_PX[0],
         every: (RENDERED_FPS / RATE.base).round() as usize,
         sparse_flow: false,
         reads_masks: true,
