@@ -9,12 +9,14 @@
 mod simulated;
 
 use fingerpost::motion::{
-    DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, MotionEstimator, MotionMethod,
+    DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, Motion, MotionEstimator, MotionMethod,
 };
+use fingerpost::mount::{AttitudeObservation, ObservedAngle};
 use fingerpost::{Config, Pipeline};
 use fingerpost_papers::FarnebackMotion;
+use fingerpost_sim::SimConfig;
 use nalgebra::Vector3;
-use simulated::{camera, is_measured_in_other_views, motions, rms, turns};
+use simulated::{camera, is_measured_in_other_views, motions, rms, simulator, turns, view};
 
 fn farneback(model: FlowModel) -> FarnebackMotion {
     FarnebackMotion::new(&FarnebackMotionConfig { model, ..FarnebackMotionConfig::default() }).unwrap()
@@ -49,6 +51,27 @@ fn direct_alignment_is_more_accurate_than_flow() {
 fn another_ground_view_starts_anew() {
     let measured = is_measured_in_other_views(&mut farneback(FlowModel::Rigid));
     assert_eq!(measured, [false, true, false, true]);
+}
+
+/// A road smoothed away by a video's compression stays where it is in the picture; trees and signs beside it do not.
+#[test]
+fn flow_that_stands_while_the_camera_travels_is_no_motion() {
+    let (simulator, view) = (simulator(&SimConfig { start_m: 30.0, ..SimConfig::default() }), view());
+    let mut picture = view.black_picture();
+    view.render(&simulator.frame(0).picture, &mut picture).unwrap();
+    let ahead = ObservedAngle { angle_rad: 0.0, variance_rad2: 1e-5 };
+    let travels = AttitudeObservation { pitch: Some(ahead), ..AttitudeObservation::default() };
+    let mut estimator = farneback(FlowModel::Mean);
+    let mut found = Vec::new();
+    for attitude in [travels; 5].into_iter().chain([AttitudeObservation::default(); 5]) {
+        let motion = estimator.estimate(&view, &picture, &attitude).unwrap();
+        found.extend(motion.map(|(motion, _)| motion));
+    }
+    assert!(found[1..4].iter().all(|motion| *motion == Motion::unknown()), "{found:?}");
+    assert!(
+        found[7..].iter().all(|motion| motion.quality > 0.5),
+        "a vehicle that has stopped stands: {found:?}"
+    );
 }
 
 #[test]

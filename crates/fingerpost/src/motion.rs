@@ -7,6 +7,7 @@
 mod camera_turn;
 mod direct;
 mod farneback;
+mod seen_travel;
 mod steady;
 
 use fingerpost_vision::error::PictureError;
@@ -19,6 +20,7 @@ use thiserror::Error;
 use camera_turn::TurnFilter;
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotionConfig, FlowModel};
+pub use seen_travel::SeenTravel;
 pub use steady::SteadyMotion;
 
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};

@@ -5,12 +5,13 @@
 //! papers take its mean; in a turn the road also rotates about the vehicle, so by default the rigid motion that
 //! explains the field best is taken, of which the mean flow is the part without a turn.
 //!
-//! Limits: featureless road gives no flow; suspension pitch shows as motion.
+//! Limits: featureless road gives no flow; suspension pitch shows as motion. A compressed video's smooth asphalt stays where it
+//! was in the picture: flow that says so while the camera is seen to travel is taken for no motion at all.
 
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     FarnebackMotionConfig, FlowModel, FlowSample, FlowStart, Motion, MotionError, MotionEstimator,
-    MotionEvidence, mean_flow, told_apart,
+    MotionEvidence, SeenTravel, mean_flow, told_apart,
 };
 use fingerpost::mount::AttitudeObservation;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
@@ -50,6 +51,7 @@ pub struct FarnebackMotion {
     halves: Vec<usize>,
     evidence: MotionEvidence,
     last: Isometry2<f64>,
+    travel: SeenTravel,
     /// Grey difference that the last fit left, grey levels.
     last_difference: f64,
 }
@@ -78,6 +80,7 @@ impl FarnebackMotion {
             halves: Vec::new(),
             evidence: MotionEvidence::default(),
             last: Isometry2::identity(),
+            travel: SeenTravel::default(),
             last_difference: 0.0,
         })
     }
@@ -207,6 +210,10 @@ impl FarnebackMotion {
         evidence.region = region;
         evidence.residual_px = fitted.residual_m / grid.metres_per_pixel();
         evidence.start = start;
+        if self.travel.contradicts(&motion) {
+            // Flow that reads no travel where the whole picture shows some says nothing, and not that the vehicle stands.
+            return Ok(Some(Motion::unknown()));
+        }
         let previous_from_current = motion.inverse();
         let covariance = fitted.covariance + floor(&previous_from_current);
         Ok(Some(Motion { previous_from_current, covariance, quality }))
@@ -218,8 +225,9 @@ impl MotionEstimator for FarnebackMotion {
         &mut self,
         view: &GroundView,
         picture: &GroundPicture,
-        _attitude: &AttitudeObservation,
+        attitude: &AttitudeObservation,
     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+        self.travel = self.travel.after(attitude);
         let same_size = |previous: &Plane<u8>| previous.size() == picture.grey.size();
         let Some(mut previous) = self.previous.take().filter(same_size) else {
             self.previous = Some(picture.grey.clone());
@@ -234,6 +242,7 @@ impl MotionEstimator for FarnebackMotion {
     fn reset(&mut self) {
         self.previous = None;
         self.last = Isometry2::identity();
+        self.travel = SeenTravel::default();
         self.last_difference = 0.0;
     }
 }

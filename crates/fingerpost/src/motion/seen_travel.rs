@@ -15,16 +15,17 @@ const SEEN_TRAVEL_M: f64 = 0.03;
 
 /// Two for each frame in which the camera was seen to travel, less one for each since in which it was not.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct SeenTravel(u32);
+pub struct SeenTravel(u32);
 
 impl SeenTravel {
     /// After another frame, with what it says about the camera's attitude: the pitch is seen by the direction of travel.
-    pub(super) fn after(self, attitude: &AttitudeObservation) -> Self {
+    #[must_use]
+    pub fn after(self, attitude: &AttitudeObservation) -> Self {
         Self(attitude.pitch.map_or(self.0.saturating_sub(1), |_| (self.0 + 2).min(MOST)))
     }
 
     /// Whether the camera travels farther than a motion says.
-    pub(super) fn contradicts(self, current_from_previous: &Isometry2<f64>) -> bool {
+    pub fn contradicts(self, current_from_previous: &Isometry2<f64>) -> bool {
         self.0 >= TRAVELS && current_from_previous.inverse().translation.x < SEEN_TRAVEL_M
     }
 }
