@@ -26,8 +26,9 @@ pub enum LaneMethod {
 pub struct LanesConfig {
     /// How lanes are found.
     pub finder: LaneMethod,
-    /// Time that a driver needs to begin to brake, seconds; with the speed it gives how far ahead of the vehicle's
-    /// front lines are searched for; by default that of a driver on the telephone (paper 3, table I).
+    /// Paper 3's own (finder "sections"): time that a driver needs to begin to brake, seconds; with the speed it gives how far
+    /// ahead of the vehicle's front lines are searched for; by default that of a driver on the telephone (table I). Of "markings"
+    /// it only says where a new edge's first line is looked for.
     #[schemars(range(min = 0.1, max = 5.0))]
     pub reaction_time_s: f64,
     /// Least distance from the rear axle to which lines are searched for, however slow the vehicle, metres; by default that
@@ -39,7 +40,8 @@ pub struct LanesConfig {
     /// paper's table II.
     #[schemars(range(min = 10.0, max = 150.0))]
     pub most_range_m: f64,
-    /// Frames in the buffer that strengthens broken markings.
+    /// Paper 3's own (finder "sections"): frames in the buffer that strengthens broken markings. Of "markings" it only says in
+    /// what a new edge's first line is looked for.
     #[schemars(range(min = 1, max = 30))]
     pub buffer_frames: usize,
     /// Lower threshold of the edge detector against the upper one.
