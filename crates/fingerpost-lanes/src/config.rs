@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::departure::DepartureConfig;
-use super::{LaneDetector, LaneError, LaneFinder, SectionTracker};
+use super::{LaneDetector, LaneError, LaneFinder};
 
 /// Whether lanes are looked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -13,8 +13,8 @@ pub enum LaneMethod {
     /// By their markings' paint, followed on the road (beyond paper 3).
     #[default]
     Markings,
-    /// By straight lines in sections of the picture, joined by a spline (paper 3, as it is written); knows no paint, no lane widths
-    /// and no kinds of markings.
+    /// By straight lines in sections of the picture, joined by a spline, paper 3's own (`fingerpost_papers::SectionTracker`);
+    /// knows no paint, no lane widths and no kinds of markings.
     Sections,
     /// Not at all.
     Off,
@@ -110,11 +110,11 @@ impl LanesConfig {
     /// The finder of these settings; none where lanes are not wanted.
     ///
     /// # Errors
-    /// [`LaneError`] when its kernels cannot be set up.
+    /// [`LaneError`] when its kernels cannot be set up, or the papers' own is asked for, which is not a part of this crate.
     pub fn finder(&self) -> Result<Option<Box<dyn LaneDetector>>, LaneError> {
         Ok(match self.finder {
             LaneMethod::Markings => Some(Box::new(LaneFinder::new(self)?)),
-            LaneMethod::Sections => Some(Box::new(SectionTracker::new(self)?)),
+            LaneMethod::Sections => return Err(LaneError::NotGiven),
             LaneMethod::Off => None,
         })
     }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`motion`] | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
 //! | [`road_surface`] | known surfaces (paper 2, 7.4), and the detector before the ground view (paper 1, figure 4) | `RoadDetector` |
+//! | [`lanes`] | lines in sections of the picture, kept from frame to frame (paper 3, III-C) | `LaneDetector` |
 //! | [`claims`] | what the papers claim, measured again: settings that are compared, figures, verdicts and the page; with feature `claims` | |
 //!
 //! Their settings are a part of every configuration (`fingerpost::Config`); the stages themselves are given to the pipeline by
@@ -11,6 +12,7 @@
 
 #[cfg(feature = "claims")]
 pub mod claims;
+pub mod lanes;
 pub mod motion;
 pub mod road_surface;
 
@@ -18,9 +20,11 @@ use fingerpost::Config;
 use fingerpost::motion::MotionMethod;
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::RoadError;
+use fingerpost_lanes::{LaneError, LaneMethod};
 use fingerpost_vision::farneback::FarnebackError;
 use thiserror::Error;
 
+pub use lanes::SectionTracker;
 pub use motion::FarnebackMotion;
 pub use road_surface::{Bank, InCamera, road_detector};
 
@@ -33,6 +37,9 @@ pub enum PapersError {
     /// The road detector's settings are out of range.
     #[error(transparent)]
     Road(#[from] RoadError),
+    /// The lane finder's kernels cannot be set up.
+    #[error(transparent)]
+    Lane(#[from] LaneError),
 }
 
 /// The stages of the papers that a configuration asks for; none for every other one, which the pipeline makes itself.
@@ -62,6 +69,9 @@ pub fn parts(config: &Config) -> Result<Parts, PapersError> {
     }
     if let Some(seeing) = road_surface::seeing(&config.road_surface)? {
         parts.road_detector = Some(config.road_surface.detector_with(Some(seeing))?);
+    }
+    if config.lanes.finder == LaneMethod::Sections {
+        parts.lane_finder = Some(Box::new(SectionTracker::new(&config.lanes)?));
     }
     Ok(parts)
 }

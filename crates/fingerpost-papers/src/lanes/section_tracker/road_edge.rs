@@ -1,10 +1,8 @@
 //! An edge of the picture as a curve on the road, for the departure warning and the record; the paper knows pixels alone.
 
 use fingerpost_geometry::Pixel;
+use fingerpost_lanes::{LaneEdge, RoadView};
 use nalgebra::{Matrix3, Vector3};
-
-use crate::LaneEdge;
-use crate::road_view::RoadView;
 
 /// How well a Hough line's ends lie, pixels: a line may run from one edge of a marking to the other, which is 3 to 8 pixels in the
 /// upper sections of a picture 640 wide.

@@ -1,14 +1,21 @@
 //! Paper 3's own tracker on painted pictures.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a failed expectation is a failed test"
+)]
+
+#[path = "../../fingerpost-lanes/tests/lanes/road.rs"]
+mod road;
 
 use fingerpost_control::VehicleState;
 use fingerpost_geometry::Camera;
-use fingerpost_lanes::{
-    Lane, LaneDetector, LaneFinder, LaneInput, LanesConfig, LineVerdict, SectionTracker, Side,
-};
+use fingerpost_lanes::{Lane, LaneDetector, LaneFinder, LaneInput, LanesConfig, LineVerdict, Side};
+use fingerpost_papers::SectionTracker;
 use fingerpost_vision::picture::RgbImage;
 
-use super::deviation_px;
-use super::road::{Road, camera};
+use road::{Road, camera, deviation_px};
 
 fn straight(painted: fn(f64) -> bool) -> Road {
     Road { edges_m: [1.6, -1.8], heading_rad: 0.0, curvature_per_m: 0.0, painted }

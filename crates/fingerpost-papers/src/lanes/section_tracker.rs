@@ -4,7 +4,7 @@
 //! with the largest inner angle, the innermost, is the edge. A section without a valid line keeps its last one for n frames, but
 //! the uppermost, whose place is not drawn then (the paper's indicator). A side of which nothing has been valid for longer is
 //! lost until it has been valid several frames in a row. The paper also stops while the driver changes lanes on purpose;
-//! as its figure 19 has it, the lane goes on being found and the warning alone is silent (`departure`).
+//! as its figure 19 has it, the lane goes on being found and the warning alone is silent (`fingerpost_lanes::departure`).
 //!
 //! Nothing here knows paint, the lane's width or the camera's pitch: what bounds no marking is taken for one where it leads the
 //! same way.
@@ -12,13 +12,12 @@
 mod road_edge;
 
 use fingerpost_geometry::{Camera, Pchip};
+use fingerpost_lanes::{
+    Lane, LaneDetector, LaneEdges, LaneError, LaneEvidence, LaneInput, LaneRegion, LanesConfig,
+    LineCandidate, LineSelection, Marking, MarkingEdges, RoadView, SectionLines, Side, lay_points,
+};
 
 use self::road_edge::RoadEdge;
-use super::edges::{LaneEdges, LaneError, MarkingEdges};
-use super::region::LaneRegion;
-use super::road_view::RoadView;
-use super::sections::{LineCandidate, LineSelection, SectionLines};
-use super::{Lane, LaneDetector, LaneEvidence, LaneInput, LanesConfig, Marking, Side, lay_points};
 
 /// Frames in a row with a valid line after which a side that was lost is given out again: the paper's "successive sequence";
 /// number ours.
