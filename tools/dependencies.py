@@ -27,10 +27,17 @@ def asked_for(manifest, kinds=("dependencies", "dev-dependencies")):
             yield from part.get(kind, {}).items()
 
 
+def source_of(path):
+    """A file's text, with those of the files that it takes in from elsewhere."""
+    text = path.read_text(encoding="utf-8")
+    taken_in = re.findall(r'^#\[path = "([^"]+)"\]$', text, re.MULTILINE)
+    return "\n".join([text, *(source_of(path.parent / other) for other in taken_in)])
+
+
 def unnamed(folder, manifest):
     """What a package asks for and its source does not name."""
     for kind, places in (("dependencies", SHIPPED), ("dev-dependencies", SHIPPED + TESTS)):
-        source = "\n".join(path.read_text(encoding="utf-8") for place in places for path in (folder / place).rglob("*.rs"))
+        source = "\n".join(source_of(path) for place in places for path in (folder / place).rglob("*.rs"))
         for name, _ in asked_for(manifest, [kind]):
             word = name.replace("-", "_")
             if not re.search(rf"\b{word}(::|!)|\b(use|extern crate) {word}\b", source):

@@ -3,9 +3,12 @@
 use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost::ground_view::{GroundPicture, GroundView};
-use fingerpost::motion::{FlowModel, MotionConfig, MotionEstimator, MotionMethod};
+use fingerpost::motion::{
+    DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, MotionEstimator,
+};
 use fingerpost::mount::AttitudeObservation;
 use fingerpost_geometry::wrap_angle;
+use fingerpost_papers::FarnebackMotion;
 use fingerpost_sim::{SimConfig, Simulator};
 use nalgebra::{Isometry2, Vector2};
 use serde_json::json;
@@ -32,25 +35,31 @@ struct Drive {
     steps: Vec<Isometry2<f64>>,
 }
 
+/// The papers' estimator by what is taken from the flow; by no flow, the method's own.
+fn estimator(flow: Option<FlowModel>) -> Result<Box<dyn MotionEstimator>> {
+    Ok(match flow {
+        None => Box::new(DirectMotion::new(&DirectMotionConfig::default())),
+        Some(model) => {
+            let config = FarnebackMotionConfig { model, ..FarnebackMotionConfig::default() };
+            Box::new(FarnebackMotion::new(&config)?)
+        }
+    })
+}
+
 /// Times and compares the estimators.
 pub fn motion(opencv: &mut OpenCv, effort: Effort) -> Result<Section> {
     let drive = Drive::simulate()?;
-    let farneback = |model| {
-        let mut config = MotionConfig { estimator: MotionMethod::Farneback, ..MotionConfig::default() };
-        config.farneback.model = model;
-        config
-    };
     let estimators = [
-        ("direct alignment", MotionConfig { estimator: MotionMethod::Direct, ..MotionConfig::default() }),
-        ("mean of Farneback's flow", farneback(FlowModel::Mean)),
-        ("rigid motion of Farneback's flow", farneback(FlowModel::Rigid)),
+        ("direct alignment", None),
+        ("mean of Farneback's flow", Some(FlowModel::Mean)),
+        ("rigid motion of Farneback's flow", Some(FlowModel::Rigid)),
     ];
     let mut section = Section::new(
         "Motion",
         "one thread; a frame of a simulated drive; OpenCV: its flow alone on 128 x 128; errors are root mean squares a frame",
     );
-    for (name, config) in &estimators {
-        section.figures.extend(drive.errors(name, config.estimator()?)?);
+    for (name, flow) in estimators {
+        section.figures.extend(drive.errors(name, estimator(flow)?)?);
     }
     let patch = |picture: &GroundPicture| -> Result<Array> {
         let (width, height) = picture.grey.size();
@@ -61,8 +70,8 @@ pub fn motion(opencv: &mut OpenCv, effort: Effort) -> Result<Section> {
     };
     opencv.prepare("farneback", &json!({}), &[patch(&drive.pictures[0])?, patch(&drive.pictures[1])?])?;
     let mut contestants = Vec::new();
-    for (name, config) in &estimators {
-        contestants.push(drive.contestant(name, config.estimator()?));
+    for (name, flow) in estimators {
+        contestants.push(drive.contestant(name, estimator(flow)?));
     }
     contestants.push(opencv.contestant());
     let measured = side_by_side(effort, &mut contestants)?;

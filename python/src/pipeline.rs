@@ -51,16 +51,13 @@ impl Pipeline {
         config.check().map_err(exception!(ConfigError))?;
         let near = near.map(place).transpose()?.map(|at| NearPlace { at, sigma_m: NEAR_SIGMA_M });
         let (camera, route) = (&camera.0, route.map(|route| &route.0));
-        let mut pipeline =
-            py.detach(|| fingerpost::Pipeline::new(&config, camera, route, start_m)).map_err(|error| {
-                match error {
-                    PipelineError::Config(_) | PipelineError::Advice(_) => {
-                        ConfigError::new_err(chain(&error))
-                    }
-                    PipelineError::Route(_) | PipelineError::Mask(_) => MapError::new_err(chain(&error)),
-                    _ => CameraError::new_err(chain(&error)),
-                }
-            })?;
+        let parts = fingerpost_papers::parts(&config).map_err(exception!(ConfigError))?;
+        let made = py.detach(|| fingerpost::Pipeline::with_parts(&config, camera, route, start_m, parts));
+        let mut pipeline = made.map_err(|error| match error {
+            PipelineError::Config(_) | PipelineError::Advice(_) => ConfigError::new_err(chain(&error)),
+            PipelineError::Route(_) | PipelineError::Mask(_) => MapError::new_err(chain(&error)),
+            _ => CameraError::new_err(chain(&error)),
+        })?;
         if let Some(roads) = roads {
             pipeline.locate_on(&roads.0, near);
         }

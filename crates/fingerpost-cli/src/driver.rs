@@ -18,10 +18,10 @@ use fingerpost_record::{FrameTime, feature_identities, frame_record};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
 
+use crate::parts::parts;
 use crate::picture_order::OutOfOrder;
 use crate::picture_scaling::PictureScaling;
 use crate::recorder::{Pictures, Subject, Wishes};
-use crate::road_detector::road_detector;
 use crate::stage_clock::{FrameClock, stage_name};
 use crate::version::WRITTEN_BY;
 
@@ -44,7 +44,6 @@ impl RunSetting<'_> {
     /// The method before its first frame.
     pub(crate) fn pipeline(&self) -> Result<Pipeline> {
         let Config { road_surface, track, motion, lanes, advice, .. } = self.config;
-        let detector = road_detector(road_surface)?;
         log::debug!(
             "road detector {}, tracker {:?}, motion {:?}, lanes {:?}, controller {}",
             road_surface.detector.name(),
@@ -53,7 +52,8 @@ impl RunSetting<'_> {
             lanes.finder,
             advice.controller.name()
         );
-        Ok(Pipeline::with_road_detector(self.config, self.camera, self.route, self.start_m, detector)?)
+        let parts = parts(self.config)?;
+        Ok(Pipeline::with_parts(self.config, self.camera, self.route, self.start_m, parts)?)
     }
 }
 

@@ -35,10 +35,10 @@ mod output;
 mod output_path;
 mod overlap;
 mod papers;
+mod parts;
 mod picture_order;
 mod picture_scaling;
 mod recorder;
-mod road_detector;
 #[cfg(feature = "ros2")]
 mod ros2;
 mod route;

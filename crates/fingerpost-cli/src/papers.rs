@@ -4,35 +4,27 @@
 //! drive by drive and no picture is stored. Each finished drive is a line of `measured.jsonl`; the same call goes on behind them.
 //! The page is made of those lines alone.
 
-mod axes;
-mod claims;
-mod drives;
-mod lane_claims;
 mod lane_clips;
-mod masks;
-mod measurements;
-mod page;
 mod runs;
-mod scatter;
-mod sparse_flow;
-mod verdict;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use fingerpost::Config;
 use fingerpost_format::from_json_lines;
 use fingerpost_io::{FolderKind, JsonLinesFile, OutputFolder, create_folder, write_file};
+use fingerpost_papers::claims::{
+    Asked, Measured, Measurement, Measurements, PLOTS_FOLDER, Page, RENDERED_FPS, ROADS, RoadKind, SAMPLES,
+    SIZE_PX, variants,
+};
 
-use self::drives::{RENDERED_FPS, ROADS, RoadKind};
-use self::lane_clips::SAMPLES;
-use self::measurements::{Measurement, Measurements};
-use self::page::{Asked, PLOTS_FOLDER, Page};
-use self::runs::{Measured, Run};
-use crate::arguments::{Threads, number};
+use self::runs::Run;
+use crate::arguments::{PictureSize, Threads, number};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
+use crate::simulate::{Lens, default_camera};
 use crate::version::VERSION;
 use crate::{output, output_path, side_by_side};
 
@@ -70,6 +62,9 @@ const MEASURED_FILE: &str = "measured.jsonl";
 /// File of the page.
 const PAGE_FILE: &str = "papers.md";
 
+/// The papers' own settings.
+const PAPERS_TOML: &str = include_str!("../papers.toml");
+
 /// A drive or clip to be measured.
 #[derive(Debug, Clone, Copy)]
 enum Piece {
@@ -96,8 +91,11 @@ impl Piece {
 
 /// Measures all settings on one drive; none when it was interrupted.
 fn drive(road: &RoadKind, seed: u64, frames: usize, interrupt: &Interrupt) -> Result<Option<Measured>> {
-    let planned = road.plan(seed, frames)?;
-    let variants = axes::variants(&planned.config);
+    let [width, height] = SIZE_PX;
+    let camera = default_camera(PictureSize { width, height }, Lens::None)?;
+    let settings: Config = toml::from_str(PAPERS_TOML).context("papers.toml")?;
+    let planned = road.plan((&settings, &camera), seed, frames)?;
+    let variants = variants(&planned.config);
     let mut runs =
         variants.into_iter().map(|variant| Run::new(variant, &planned)).collect::<Result<Vec<_>>>()?;
     let mut truth = Vec::new();

@@ -87,7 +87,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE", requires = "can")]
     dbc: Option<PathBuf>,
     /// Road surfaces known from earlier drives, JSON; those learned on this one are added at its end. A file that does not
-    /// exist yet is made. Needs a detector that knows surfaces, such as "combined".
+    /// exist yet is made. "combined", the default, names the surface under way by them; "bank", the papers' own, finds road by them.
     #[arg(long, value_name = "FILE")]
     bank: Option<PathBuf>,
     /// Truth to compare with, truth.jsonl; the method never sees it.

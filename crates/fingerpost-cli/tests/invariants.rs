@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates whose results follow from their arguments alone.
-const PURE: [&str; 14] = [
+const PURE: [&str; 15] = [
     "fingerpost",
     "fingerpost-calibration",
     "fingerpost-control",
@@ -17,6 +17,7 @@ const PURE: [&str; 14] = [
     "fingerpost-lanes",
     "fingerpost-locate",
     "fingerpost-map",
+    "fingerpost-papers",
     "fingerpost-record",
     "fingerpost-report",
     "fingerpost-search",

@@ -51,16 +51,39 @@ fn fingerpost(arguments: &[&str]) -> String {
 
 /// Accuracy of the lane's edges in a clip, mean over all regions and thresholds (paper 3, equation 2), percent.
 fn mean_accuracy_pct(clip: &str, camera: &str) -> f64 {
+    mean_accuracy_with(clip, camera, &[])
+}
+
+/// The same of a run with more options.
+fn mean_accuracy_with(clip: &str, camera: &str, options: &[&str]) -> f64 {
     let folder = TempDir::new().unwrap();
     let (truth, run) = (folder.path().join("truth"), folder.path().join("run"));
     let video = data(&format!("udacity/{clip}.mp4"));
     let video = text(&video);
     fingerpost(&["mark", video, "--marks", &marks(&format!("{clip}.json")), "--export", text(&truth)]);
-    fingerpost(&["run", video, "--camera", &marks(camera), "--out", text(&run)]);
+    let camera = marks(camera);
+    fingerpost(&[&["run", video, "--camera", &camera, "--out", text(&run)], options].concat());
     let truth = truth.join("truth.jsonl");
     let printed = fingerpost(&["evaluate", "lanes", text(&run), "--truth", text(&truth), "--json"]);
     let numbers: Value = serde_json::from_str(&printed).unwrap();
     numbers["clips"][0]["mean_accuracy_pct"].as_f64().unwrap()
+}
+
+/// What the papers' settings make of paper 3 is what its own tracker makes of it with all else as by default.
+#[test]
+fn the_papers_settings_run_paper_3_as_well_as_its_tracker_alone() {
+    let folder = TempDir::new().unwrap();
+    let sections = folder.path().join("sections.toml");
+    fs::write(&sections, "[lanes]\nfinder = \"sections\"\n").unwrap();
+    let papers = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../papers.toml");
+    let [alone, papers] = [&sections, &papers].map(|config| {
+        mean_accuracy_with(
+            "p1_solidWhiteRight",
+            "p1_solidWhiteRight.camera.toml",
+            &["--config", text(config)],
+        )
+    });
+    assert!(alone > 75.0 && papers > alone - 2.0, "{papers} %, its tracker alone {alone} %");
 }
 
 // The aim is 98 % on each clip.

@@ -45,7 +45,7 @@ pub(crate) fn bank(bytes: &[u8]) -> bool {
     let Ok(surfaces) = serde_json::from_slice::<SurfaceFile>(bytes) else { return false };
     let detector = || {
         let config = RoadSurfaceConfig { detector: RoadMethod::Bank, ..RoadSurfaceConfig::default() };
-        must(config.detector(), "a detector")
+        must(fingerpost_papers::road_detector(&config), "a detector")
     };
     let mut first = detector();
     if first.know(&surfaces).is_ok()

@@ -73,7 +73,9 @@ fn frame() -> RgbImage {
 fn outcome(text: &str) -> Result<(), String> {
     let config: Config = toml::from_str(text).map_err(|error| error.to_string())?;
     config.check().map_err(|error| error.to_string())?;
-    let mut pipeline = Pipeline::new(&config, &camera(), None, None).map_err(|error| error.to_string())?;
+    let parts = fingerpost_papers::parts(&config).map_err(|error| error.to_string())?;
+    let mut pipeline =
+        Pipeline::with_parts(&config, &camera(), None, None, parts).map_err(|error| error.to_string())?;
     for _ in 0..2 {
         let sensors = Sensors { dt_s: Some(0.1), ..Sensors::default() };
         pipeline.step(&frame(), sensors, &mut |_| {}).map_err(|error| error.to_string())?;

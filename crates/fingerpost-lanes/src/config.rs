@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::departure::DepartureConfig;
-use super::{LaneDetector, LaneError, LaneFinder, SectionTracker};
+use super::{LaneDetector, LaneError, LaneFinder};
 
 /// Whether lanes are looked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -13,8 +13,8 @@ pub enum LaneMethod {
     /// By their markings' paint, followed on the road (beyond paper 3).
     #[default]
     Markings,
-    /// By straight lines in sections of the picture, joined by a spline (paper 3, as it is written); knows no paint, no lane widths
-    /// and no kinds of markings.
+    /// By straight lines in sections of the picture, joined by a spline, paper 3's own (`fingerpost_papers::SectionTracker`);
+    /// knows no paint, no lane widths and no kinds of markings.
     Sections,
     /// Not at all.
     Off,
@@ -26,8 +26,9 @@ pub enum LaneMethod {
 pub struct LanesConfig {
     /// How lanes are found.
     pub finder: LaneMethod,
-    /// Time that a driver needs to begin to brake, seconds; with the speed it gives how far ahead of the vehicle's
-    /// front lines are searched for; by default that of a driver on the telephone (paper 3, table I).
+    /// Paper 3's own (finder "sections"): time that a driver needs to begin to brake, seconds; with the speed it gives how far
+    /// ahead of the vehicle's front lines are searched for; by default that of a driver on the telephone (table I). Of "markings"
+    /// it only says where a new edge's first line is looked for.
     #[schemars(range(min = 0.1, max = 5.0))]
     pub reaction_time_s: f64,
     /// Least distance from the rear axle to which lines are searched for, however slow the vehicle, metres; by default that
@@ -39,7 +40,8 @@ pub struct LanesConfig {
     /// paper's table II.
     #[schemars(range(min = 10.0, max = 150.0))]
     pub most_range_m: f64,
-    /// Frames in the buffer that strengthens broken markings.
+    /// Paper 3's own (finder "sections"): frames in the buffer that strengthens broken markings. Of "markings" it only says in
+    /// what a new edge's first line is looked for.
     #[schemars(range(min = 1, max = 30))]
     pub buffer_frames: usize,
     /// Lower threshold of the edge detector against the upper one.
@@ -108,11 +110,11 @@ impl LanesConfig {
     /// The finder of these settings; none where lanes are not wanted.
     ///
     /// # Errors
-    /// [`LaneError`] when its kernels cannot be set up.
+    /// [`LaneError`] when its kernels cannot be set up, or the papers' own is asked for, which is not a part of this crate.
     pub fn finder(&self) -> Result<Option<Box<dyn LaneDetector>>, LaneError> {
         Ok(match self.finder {
             LaneMethod::Markings => Some(Box::new(LaneFinder::new(self)?)),
-            LaneMethod::Sections => Some(Box::new(SectionTracker::new(self)?)),
+            LaneMethod::Sections => return Err(LaneError::NotGiven),
             LaneMethod::Off => None,
         })
     }

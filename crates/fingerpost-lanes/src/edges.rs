@@ -44,6 +44,12 @@ const THRESHOLD_STEP: f64 = 1.25;
 /// A lane finder that cannot be set up.
 #[derive(Debug, Error)]
 pub enum LaneError {
+    /// Paper 3's own finder is asked for, and none was given.
+    #[error(
+        "lanes.finder = \"sections\" is the papers' own: give the pipeline the parts of `fingerpost_papers::parts`, or choose \
+         \"markings\""
+    )]
+    NotGiven,
     /// Thresholds of the edge detector.
     #[error("lanes: {0}")]
     Canny(#[from] CannyError),

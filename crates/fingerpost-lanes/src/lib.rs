@@ -5,7 +5,8 @@
 //! lines, selection, spline). Beyond the paper: an edge counts as one only where it bounds a bar that is likelier paint than
 //! anything else, by what lies on both sides of it (`paint_odds`); its places are read from the picture to fractions of a
 //! pixel (`paint`); and the lane is followed as a curve on the road, which fills the gaps of broken lines and carries it
-//! through frames that show nothing. The paper's own way from the sections on is `section_tracker`.
+//! through frames that show nothing. The paper's own way from the sections on is
+//! `fingerpost_papers::SectionTracker`.
 //!
 //! A frame, the camera and what is known of the vehicle in ([`LaneInput`]), the [`Lane`] and its [`LaneEvidence`] out, by
 //! whatever is behind [`LaneDetector`]; [`departure`] warns where the lane is being left. Frames and signs are those of
@@ -24,7 +25,6 @@ mod paint;
 mod paint_odds;
 mod region;
 mod road_view;
-mod section_tracker;
 mod sections;
 mod shape;
 mod tracing;
@@ -43,7 +43,6 @@ pub use finder::LaneFinder;
 pub use marking::{Marking, MarkingColour, MarkingKind};
 pub use region::LaneRegion;
 pub use road_view::RoadView;
-pub use section_tracker::SectionTracker;
 pub use sections::{LineCandidate, LineSelection, LineVerdict, SectionLines};
 pub use shape::lay_points;
 pub use tracing::{Traced, TracedPoint};

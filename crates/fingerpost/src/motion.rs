@@ -1,19 +1,16 @@
 //! Ego-motion: how the vehicle moved since the frame before, from the ground view.
 //!
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
-//! ground view a frame. [`DirectMotion`] aligns the road itself; [`FarnebackMotion`] is the papers' way; [`SteadyMotion`] is
-//! bracketing in its place (paper 2, section 7.2).
+//! ground view a frame. [`DirectMotion`] aligns the road itself; [`SteadyMotion`] is bracketing in its place (paper 2, section
+//! 7.2). The papers' own way, a fit to Farneback's flow, is in `fingerpost-papers`.
 
 mod camera_turn;
-mod coarse;
 mod direct;
 mod farneback;
-mod rigid_fit;
+mod seen_travel;
 mod steady;
-mod sway;
 
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::farneback::FarnebackError;
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Matrix3, Vector3};
 use schemars::JsonSchema;
@@ -22,7 +19,8 @@ use thiserror::Error;
 
 use camera_turn::TurnFilter;
 pub use direct::{DirectMotion, DirectMotionConfig};
-pub use farneback::{FarnebackMotion, FarnebackMotionConfig, FlowModel};
+pub use farneback::{FarnebackMotionConfig, FlowModel};
+pub use seen_travel::SeenTravel;
 pub use steady::SteadyMotion;
 
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
@@ -48,7 +46,7 @@ pub enum MotionMethod {
     /// The road ahead aligned with that of the frame before ([`DirectMotion`]).
     #[default]
     Direct,
-    /// Dense flow, as in the papers ([`FarnebackMotion`]).
+    /// Dense flow, the papers' own (`fingerpost_papers::FarnebackMotion`).
     Farneback,
     /// Not at all: the vehicle goes on as the features that are found again show it ([`SteadyMotion`]; paper 2, 7.2).
     Bracketing,
@@ -58,11 +56,11 @@ impl MotionConfig {
     /// The estimator of these settings; it has seen no frame yet.
     ///
     /// # Errors
-    /// [`MotionError::Flow`] when the flow's parameters are out of range.
+    /// [`MotionError::NotGiven`] where the papers' own is asked for, which is not a part of this crate.
     pub fn estimator(&self) -> Result<Box<dyn MotionEstimator>, MotionError> {
         Ok(match self.estimator {
             MotionMethod::Direct => Box::new(DirectMotion::new(&self.direct)),
-            MotionMethod::Farneback => Box::new(FarnebackMotion::new(&self.farneback)?),
+            MotionMethod::Farneback => return Err(MotionError::NotGiven),
             MotionMethod::Bracketing => Box::new(SteadyMotion::default()),
         })
     }
@@ -156,9 +154,18 @@ pub enum FlowStart {
 /// A motion that cannot be estimated.
 #[derive(Debug, Error)]
 pub enum MotionError {
-    /// The flow cannot be computed as configured.
-    #[error("motion: {0}")]
-    Flow(#[from] FarnebackError),
+    /// The papers' own estimator is asked for, and none was given.
+    #[error(
+        "motion.estimator = \"farneback\" is the papers' own: give the pipeline the parts of `fingerpost_papers::parts`, or choose \
+         \"direct\""
+    )]
+    NotGiven,
+    /// An estimator that was given fails.
+    #[error("motion: {reason}")]
+    Estimator {
+        /// What it says.
+        reason: String,
+    },
     /// Pictures do not fit together.
     #[error("motion: {0}")]
     Picture(#[from] PictureError),
@@ -167,6 +174,13 @@ pub enum MotionError {
         "motion: too little road is seen straight ahead; enlarge the motion's region in the configuration or mount the camera lower"
     )]
     NoRegion,
+}
+
+impl MotionError {
+    /// What an estimator of another crate says.
+    pub fn of_estimator(error: impl std::error::Error) -> Self {
+        Self::Estimator { reason: error.to_string() }
+    }
 }
 
 /// A way to measure the vehicle's motion on the road.
@@ -193,7 +207,7 @@ pub trait MotionEstimator: Send {
 
 /// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
 /// road without texture looks alike however far the vehicle moved.
-fn told_apart(left_over: f64, shifted: f64) -> f64 {
+pub fn told_apart(left_over: f64, shifted: f64) -> f64 {
     if left_over.is_finite() && shifted > 0.0 {
         (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
     } else {
@@ -201,7 +215,8 @@ fn told_apart(left_over: f64, shifted: f64) -> f64 {
     }
 }
 
-fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
+/// The weighted mean of displacements, pixels right and down; 0 where there are none.
+pub fn mean_flow(samples: &[FlowSample]) -> [f64; 2] {
     let total = samples.iter().map(|s| s.weight).sum::<f64>().max(1e-9);
     let mean = |axis: usize| {
         samples.iter().map(|s| s.weight * (s.to_px[axis] - s.from_px[axis])).sum::<f64>() / total

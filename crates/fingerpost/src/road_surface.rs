@@ -1,14 +1,14 @@
 //! Road surface: which pixels are road, as a probability.
 //!
 //! Paper 1, section IV-B. A [`RoadDetector`] turns a picture and the place where road is assumed into a probability
-//! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait.
+//! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait. The papers' bank
+//! of known surfaces and their detector before the ground view are in `fingerpost-papers`.
 
 mod backprojection;
-mod bank;
 mod colour_counts;
 mod colours;
 mod fused;
-mod in_camera;
+mod known_surfaces;
 mod memory;
 mod named;
 mod network;
@@ -30,14 +30,16 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use backprojection::{Backprojection, BackprojectionConfig};
-pub use bank::{Bank, BankConfig, BankEvidence, SurfaceFile, SurfaceRecord, SurfacesError};
-pub use in_camera::RoadPicture;
+pub use known_surfaces::{
+    BankConfig, BankEvidence, SurfaceFile, SurfaceMemory, SurfaceRecord, SurfacesError,
+};
 pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
 pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
+pub use perspective::{KnownPerspective, clear_unseen};
+pub use region::Region;
 
 use fused::Fused;
-use in_camera::InCamera;
 use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
@@ -50,8 +52,8 @@ use crate::motion::Motion;
 pub struct RoadSurfaceConfig {
     /// How the road is distinguished from what is beside it.
     pub detector: RoadMethod,
-    /// The picture in which "backprojection" and "bank" look for road, alone or remembered (paper 1, figure 4); the others
-    /// choose theirs.
+    /// The picture in which "backprojection" and "bank" look for road, alone or remembered; the others choose theirs. "camera" is
+    /// the papers' own (paper 1, figure 4).
     pub picture: RoadPicture,
     /// Length of the region assumed to be road, metres from the nearest place seen ahead.
     #[schemars(range(min = 0.5, max = 20.0))]
@@ -93,7 +95,7 @@ impl Default for RoadSurfaceConfig {
 pub enum RoadMethod {
     /// The papers' histogram back-projection ([`Backprojection`]).
     Backprojection,
-    /// Whatever looks like a known surface ([`Bank`]).
+    /// Whatever looks like a known surface, the papers' own (`fingerpost_papers::Bank`).
     Bank,
     /// A classifier trained as the drive goes ([`Online`]).
     Online,
@@ -124,6 +126,17 @@ impl RoadMethod {
     }
 }
 
+/// The picture in which a detector by colour looks for road.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RoadPicture {
+    /// The ground view (paper 1, IV-B).
+    #[default]
+    GroundView,
+    /// The camera picture; what is found there is then laid into the ground view (paper 1, figure 4, left).
+    Camera,
+}
+
 /// Sides of the region assumed to be road in a camera picture, shares of the picture's: left, top, right, bottom. It is
 /// what a forward-looking camera shows of the lane some metres ahead, above the bonnet.
 const CAMERA_SAMPLE: [f64; 4] = [0.35, 0.72, 0.65, 0.95];
@@ -132,63 +145,62 @@ impl RoadSurfaceConfig {
     /// The detector of these settings; it has learned nothing yet.
     ///
     /// # Errors
-    /// [`RoadError`] when its settings are out of range, or it needs a network.
+    /// [`RoadError`] when its settings are out of range, or what sees is not a part of this crate.
     pub fn detector(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
         self.detector_with(None)
     }
 
-    /// The same, with the network that it asks where [`Self::needs_network`].
+    /// The same with another detector that sees, alone or to be remembered: a [`Network`] where [`Self::needs_network`], or the
+    /// papers'.
     ///
     /// # Errors
-    /// [`RoadError`] when its settings are out of range, or it needs a network and there is none.
+    /// [`RoadError`] when settings are out of range, or what sees is not a part of this crate and was not given.
     pub fn detector_with(
         &self,
-        network: Option<Box<dyn RoadNetwork>>,
+        seeing: Option<Box<dyn RoadDetector>>,
     ) -> Result<Box<dyn RoadDetector>, RoadError> {
+        let seeing = seeing.map_or_else(|| self.seeing(), Ok)?;
         Ok(match self.detector {
-            RoadMethod::Backprojection => self.backprojecting()?,
-            RoadMethod::Bank => self.by_bank()?,
-            RoadMethod::Online => Box::new(Online::new(&self.online)),
-            RoadMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
-            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, self.seeing(network)?)),
+            RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, seeing)),
             RoadMethod::Combined => {
                 let in_camera = Box::new(Online::new(&self.online));
-                let named = Box::new(Named::new(&self.bank, in_camera, self.seeing(network)?)?);
+                let named = Box::new(Named::new(&self.bank, in_camera, seeing)?);
                 Box::new(Memory::new(self.detector, &self.memory, named))
             }
+            _ => seeing,
         })
     }
 
     /// Whether the detector asks a network, itself or as what is remembered.
     pub fn needs_network(&self) -> bool {
-        let remembers = matches!(self.detector, RoadMethod::Memory | RoadMethod::Combined);
-        self.detector == RoadMethod::Onnx || (remembers && self.memory.of == RememberedMethod::Onnx)
+        self.seen_by() == RememberedMethod::Onnx
     }
 
-    /// The detector whose surfaces are remembered.
-    fn seeing(&self, network: Option<Box<dyn RoadNetwork>>) -> Result<Box<dyn RoadDetector>, RoadError> {
-        Ok(match self.memory.of {
-            RememberedMethod::Backprojection => self.backprojecting()?,
-            RememberedMethod::Bank => self.by_bank()?,
-            RememberedMethod::Online => Box::new(Online::new(&self.online)),
-            RememberedMethod::Onnx => Box::new(Network::new(network.ok_or(RoadError::NoNetwork)?)),
-            RememberedMethod::Fused => Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?),
-        })
+    /// What sees: the detector itself, or the one whose surfaces it remembers.
+    pub const fn seen_by(&self) -> RememberedMethod {
+        match self.detector {
+            RoadMethod::Backprojection => RememberedMethod::Backprojection,
+            RoadMethod::Bank => RememberedMethod::Bank,
+            RoadMethod::Online => RememberedMethod::Online,
+            RoadMethod::Onnx => RememberedMethod::Onnx,
+            RoadMethod::Memory | RoadMethod::Combined => self.memory.of,
+        }
     }
 
-    fn backprojecting(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
-        self.in_its_picture(Box::new(Backprojection::new(&self.backprojection)?))
-    }
-
-    fn by_bank(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
-        self.in_its_picture(Box::new(Bank::new(&self.bank)?))
-    }
-
-    /// A detector by colour that looks at the picture of these settings.
-    fn in_its_picture(&self, detector: Box<dyn RoadDetector>) -> Result<Box<dyn RoadDetector>, RoadError> {
-        Ok(match self.picture {
-            RoadPicture::GroundView => detector,
-            RoadPicture::Camera => Box::new(InCamera::new(detector, self.backprojection.bins())?),
+    fn seeing(&self) -> Result<Box<dyn RoadDetector>, RoadError> {
+        Ok(match (self.seen_by(), self.picture) {
+            (RememberedMethod::Backprojection, RoadPicture::GroundView) => {
+                Box::new(Backprojection::new(&self.backprojection)?)
+            }
+            (RememberedMethod::Backprojection, RoadPicture::Camera) => {
+                return Err(RoadError::NoCameraPicture);
+            }
+            (RememberedMethod::Bank, _) => return Err(RoadError::NoBank),
+            (RememberedMethod::Online, _) => Box::new(Online::new(&self.online)),
+            (RememberedMethod::Onnx, _) => return Err(RoadError::NoNetwork),
+            (RememberedMethod::Fused, _) => {
+                Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?)
+            }
         })
     }
 
@@ -348,6 +360,18 @@ pub enum RoadError {
          detector"
     )]
     NoNetwork,
+    /// The bank of known surfaces is asked for, and was not given.
+    #[error(
+        "road_surface asks for \"bank\", the papers' own: give the pipeline the parts of `fingerpost_papers::parts`, or choose \
+         another detector"
+    )]
+    NoBank,
+    /// Road is to be looked for in the camera picture, and no detector that does was given.
+    #[error(
+        "road_surface.picture = \"camera\" is the papers' own: give the pipeline the parts of `fingerpost_papers::parts`, or choose \
+         \"ground_view\""
+    )]
+    NoCameraPicture,
     /// The network fails.
     #[error("road_surface: {reason}")]
     Network {

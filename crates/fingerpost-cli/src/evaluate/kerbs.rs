@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::print_quantiles;
 use crate::examples::examples;
-use crate::road_detector::road_detector;
+use crate::parts::parts;
 use crate::{inputs, output};
 
 /// Kerbs: where the road surface ends against where the kerb is, pavement that is called road, and road that is not.
@@ -98,8 +98,7 @@ fn scores(drive: &Path, config: &Config) -> Result<KerbScores> {
     if truth.iter().all(|frame| frame.kerb_left_m.is_empty() && frame.kerb_right_m.is_empty()) {
         bail!("{} has no kerbs; simulate with the conditions street or street_shade", drive.display());
     }
-    let mut pipeline =
-        Pipeline::with_road_detector(config, &camera, None, None, road_detector(&config.road_surface)?)?;
+    let mut pipeline = Pipeline::with_parts(config, &camera, None, None, parts(config)?)?;
     let grid = *pipeline.view().grid();
     let mut scores = KerbScores::default();
     let mut before: Option<&TruthRecord> = None;

@@ -24,7 +24,7 @@ use self::pictures::{GroundViews, Pictures};
 use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
 use crate::examples::examples;
-use crate::road_detector::road_detector;
+use crate::parts::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path};
 

@@ -6,24 +6,13 @@
 use anyhow::Result;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_eval::{LaneMeasure, evaluate_lanes};
+use fingerpost_papers::claims::{Measured, cell_name};
 use fingerpost_record::{FrameTime, frame_record};
 use fingerpost_sim::{
     Conditions, DrivingManner, DrivingPlan, RoadCourse, SimConfig, Simulator, windscreen_camera,
 };
 
-use super::runs::Measured;
 use crate::interrupt::Interrupt;
-
-/// Six samples as in the paper, which chose them by marking, time of day, contrast, shadow and glare: the simulator's days that
-/// come nearest.
-pub(super) const SAMPLES: [(&str, &str); 6] = [
-    ("lane_continuous", "continuous lines"),
-    ("lane_broken", "broken lines"),
-    ("lane_double", "double line, the inner one broken"),
-    ("lane_night", "night, oncoming lamps"),
-    ("lane_shadows", "shadows"),
-    ("lane_patches", "patches on the asphalt"),
-];
 
 /// The paper's pictures (III: "480x640 at the frame rate of 30fps").
 const PICTURE_PX: [u32; 2] = [640, 480];
@@ -35,11 +24,6 @@ const SPEED_MPS: f64 = 20.0;
 /// The clip's first place on its road, and the road beyond its end, as far as lines are seen, metres.
 const START_M: f64 = 5.0;
 const END_GAP_M: f64 = 150.0;
-
-/// Name of the accuracy of a region and a threshold.
-pub(super) fn cell_name(roi_rows: u32, threshold_px2: f64) -> String {
-    format!("rows_{roi_rows}.within_{threshold_px2}")
-}
 
 /// Measures the clip of a seed on the day of that name; none when it was interrupted.
 pub(super) fn measure(

@@ -7,7 +7,6 @@
 )]
 
 mod road;
-mod sections;
 mod settings;
 
 use fingerpost_control::VehicleState;
@@ -15,7 +14,7 @@ use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_lanes::{Lane, LaneError, LaneFinder, LaneInput, LanesConfig, Side};
 use fingerpost_vision::picture::RgbImage;
 
-use self::road::{HEIGHT, Road, WIDTH, camera};
+use self::road::{HEIGHT, Road, WIDTH, camera, deviation_px};
 
 fn found(camera: &Camera, pictures: &[RgbImage]) -> Lane {
     let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
@@ -27,27 +26,6 @@ fn found(camera: &Camera, pictures: &[RgbImage]) -> Lane {
         finder.find(camera, &input, &mut lane).unwrap();
     }
     lane.unwrap()
-}
-
-/// Root mean square distance of an edge from the road's, pixels, over the lowest 150 rows.
-fn deviation_px(camera: &Camera, road: &Road, lane: &Lane, side: Side) -> f64 {
-    let edge = lane.edge(side).unwrap_or_else(|| panic!("no {side:?} edge"));
-    let index = usize::from(side == Side::Right);
-    let mut squares = Vec::new();
-    for ahead_dm in 30..150 {
-        let ahead_m = 0.1 * f64::from(ahead_dm);
-        let place = nalgebra::Point2::new(ahead_m, road.left_m(index, ahead_m));
-        let truth = camera.pixel_of_ground(place).unwrap();
-        if truth.v > HEIGHT as f64 - 1.0 || truth.v < HEIGHT as f64 - 150.0 {
-            continue;
-        }
-        let after = edge.points_px.iter().position(|p| p.v <= truth.v).expect("the edge covers the rows");
-        let [a, b] = [edge.points_px[after.saturating_sub(1)], edge.points_px[after]];
-        let share = if after == 0 { 0.0 } else { (truth.v - a.v) / (b.v - a.v) };
-        squares.push((a.u + share * (b.u - a.u) - truth.u).powi(2));
-    }
-    assert!(squares.len() > 20, "rows are compared");
-    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
 #[test]

@@ -1,6 +1,7 @@
-//! A grey road with two lines, painted.
+//! A grey road with two lines, painted, and how far off an edge is there.
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel};
+use fingerpost_lanes::{Lane, Side};
 use fingerpost_vision::picture::RgbImage;
 
 pub(crate) const WIDTH: usize = 640;
@@ -51,4 +52,25 @@ impl Road {
             && (self.painted)(place.x)
             && [outside_left, outside_right].iter().any(|m| (0.0..LINE_M).contains(m))
     }
+}
+
+/// Root mean square distance of an edge from the road's, pixels, over the lowest 150 rows.
+pub(crate) fn deviation_px(camera: &Camera, road: &Road, lane: &Lane, side: Side) -> f64 {
+    let edge = lane.edge(side).unwrap_or_else(|| panic!("no {side:?} edge"));
+    let index = usize::from(side == Side::Right);
+    let mut squares = Vec::new();
+    for ahead_dm in 30..150 {
+        let ahead_m = 0.1 * f64::from(ahead_dm);
+        let place = nalgebra::Point2::new(ahead_m, road.left_m(index, ahead_m));
+        let truth = camera.pixel_of_ground(place).unwrap();
+        if truth.v > HEIGHT as f64 - 1.0 || truth.v < HEIGHT as f64 - 150.0 {
+            continue;
+        }
+        let after = edge.points_px.iter().position(|p| p.v <= truth.v).expect("the edge covers the rows");
+        let [a, b] = [edge.points_px[after.saturating_sub(1)], edge.points_px[after]];
+        let share = if after == 0 { 0.0 } else { (truth.v - a.v) / (b.v - a.v) };
+        squares.push((a.u + share * (b.u - a.u) - truth.u).powi(2));
+    }
+    assert!(squares.len() > 20, "rows are compared");
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }

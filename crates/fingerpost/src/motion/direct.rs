@@ -19,7 +19,6 @@ mod expected;
 mod gauss_newton;
 mod patch;
 mod plane_warp;
-mod seen_travel;
 mod start;
 
 use fingerpost_vision::alignment::{Brightness, Residuals};
@@ -32,10 +31,11 @@ use self::expected::Expected;
 use self::gauss_newton::Estimate;
 use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
-use self::seen_travel::SeenTravel;
 use self::start::{FINE_STEP_M, cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
-use super::{FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, mean_flow};
+use super::{
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, SeenTravel, mean_flow,
+};
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::mount::AttitudeObservation;
 

@@ -2,8 +2,9 @@
 
 use fingerpost_vision::picture::Plane;
 
-use super::bank::SurfaceMemory;
-use super::{BankConfig, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile};
+use super::{
+    BankConfig, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile, SurfaceMemory,
+};
 
 /// A detector whose evidence names the surface under way; its probabilities are those of the perspective's detector alone.
 pub(super) struct Named {

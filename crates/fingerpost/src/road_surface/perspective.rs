@@ -12,15 +12,24 @@ use super::{Perspective, RoadInput};
 
 /// A perspective to be remembered: what a table from the camera picture depends on.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum KnownPerspective {
+pub enum KnownPerspective {
     /// The camera's.
-    Camera { horizon_row: f64 },
+    Camera {
+        /// Row of the horizon, pixels from the centre of the top row.
+        horizon_row: f64,
+    },
     /// From above.
-    Ground { camera: Box<Camera>, grid: GroundGrid },
+    Ground {
+        /// The camera whose frames are shown.
+        camera: Box<Camera>,
+        /// The ground view's raster.
+        grid: GroundGrid,
+    },
 }
 
 impl KnownPerspective {
-    pub(super) fn of(perspective: Perspective<'_>) -> Self {
+    /// What is to be remembered of `perspective`.
+    pub fn of(perspective: Perspective<'_>) -> Self {
         match perspective {
             Perspective::Camera { horizon_row } => Self::Camera { horizon_row },
             Perspective::Ground { view, .. } => {
@@ -30,7 +39,7 @@ impl KnownPerspective {
     }
 
     /// Whether `perspective` is the same.
-    pub(super) fn is(&self, perspective: Perspective<'_>) -> bool {
+    pub fn is(&self, perspective: Perspective<'_>) -> bool {
         match (self, perspective) {
             (Self::Camera { horizon_row: known }, Perspective::Camera { horizon_row }) => {
                 known.to_bits() == horizon_row.to_bits()
@@ -45,7 +54,7 @@ impl KnownPerspective {
 
 impl<'a> RoadInput<'a> {
     /// The camera's picture.
-    pub(super) fn camera_picture(&self) -> &'a RgbImage {
+    pub fn camera_picture(&self) -> &'a RgbImage {
         match self.perspective {
             Perspective::Camera { .. } => &self.picture.colour,
             Perspective::Ground { frame, .. } => frame,
@@ -65,7 +74,7 @@ impl<'a> RoadInput<'a> {
     }
 
     /// Where a place of the picture that is asked for lies in the camera picture, where the camera sees it.
-    pub(super) fn camera_from_asked(&self, [column, row]: [f64; 2]) -> Option<Pixel> {
+    pub fn camera_from_asked(&self, [column, row]: [f64; 2]) -> Option<Pixel> {
         match self.perspective {
             Perspective::Camera { .. } => Some(Pixel::new(column, row)),
             Perspective::Ground { view, .. } => {
@@ -78,7 +87,10 @@ impl<'a> RoadInput<'a> {
     /// The table that lays a reduced camera picture of `columns` x `rows` pixels into the picture that is asked for;
     /// `reduced_from_camera` says where a place of the camera picture lies in the reduced one. Half a reduced pixel lies
     /// beyond the centres of the outermost ones and shows those.
-    pub(super) fn table_from_reduced(
+    ///
+    /// # Errors
+    /// [`PictureError`] when either picture has no pixels.
+    pub fn table_from_reduced(
         &self,
         (columns, rows): (usize, usize),
         reduced_from_camera: impl Fn(Pixel) -> [f64; 2],
@@ -94,7 +106,7 @@ impl<'a> RoadInput<'a> {
 }
 
 /// Sets the probability of what is not seen to 0.
-pub(super) fn clear_unseen(validity: &ValidityMask, probability: &mut Plane<u8>) {
+pub fn clear_unseen(validity: &ValidityMask, probability: &mut Plane<u8>) {
     for y in 0..probability.height() {
         let row = probability.row_mut(y);
         let mut done = 0;

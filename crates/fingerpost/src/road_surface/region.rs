@@ -9,15 +9,19 @@ use super::RoadError;
 
 /// A rectangle of a picture and the histogram of what is seen there.
 #[derive(Debug)]
-pub(super) struct Region {
+pub struct Region {
     rect: Rect,
     spans: SpanMask,
     /// Smoothed, mass 1; empty where nothing is seen.
-    pub(super) histogram: Histogram,
+    pub histogram: Histogram,
 }
 
 impl Region {
-    pub(super) fn new(bins: HueSaturationBins) -> Result<Self, RoadError> {
+    /// Of nothing yet; `bins` are those of the pictures.
+    ///
+    /// # Errors
+    /// [`RoadError::Histogram`] when the bins cannot be used.
+    pub fn new(bins: HueSaturationBins) -> Result<Self, RoadError> {
         let rect = Rect { x: 0, y: 0, width: 0, height: 0 };
         Ok(Self { rect, spans: SpanMask::from_rect(rect), histogram: Histogram::new(bins)? })
     }

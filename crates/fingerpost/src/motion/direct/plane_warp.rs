@@ -158,7 +158,8 @@ impl Raster {
         [[self.corner.x, 0.0, -self.metres_per_pixel], [self.corner.y, -self.metres_per_pixel, 0.0]]
     }
 
-    /// How places move for a unit of pitch and of roll: [`crate::motion::sway::sway_field`] as polynomials.
+    /// How places move for a unit of pitch and of roll, as polynomials: seen from height h by a camera turned by a small pitch p
+    /// and roll r, the place (X, Y) from its foot is shown at (X + p (X^2 + h^2)/h - r XY/h, Y + p XY/h - r (Y^2 + h^2)/h).
     fn sway_fields(&self, [x, y]: [Affine; 2]) -> ([Quadratic; 2], [Quadratic; 2]) {
         let height = self.viewpoint.height_m;
         let from_foot = |mut place: Affine, foot: f64| {

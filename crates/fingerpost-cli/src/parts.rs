@@ -1,0 +1,24 @@
+//! The stages of a configuration that the method itself does not have: the papers' own, and a network's detector.
+
+use anyhow::Result;
+use fingerpost::Config;
+use fingerpost::pipeline::Parts;
+#[cfg(feature = "onnx")]
+use fingerpost::road_surface::Network;
+use fingerpost::road_surface::{RoadDetector, RoadSurfaceConfig};
+
+/// All stages that are to be given to a pipeline of this configuration.
+pub(crate) fn parts(config: &Config) -> Result<Parts> {
+    let road_detector = Some(road_detector(&config.road_surface)?);
+    Ok(Parts { road_detector, ..fingerpost_papers::parts(config)? })
+}
+
+/// The road detector of these settings; where it needs a network, that is loaded.
+pub(crate) fn road_detector(config: &RoadSurfaceConfig) -> Result<Box<dyn RoadDetector>> {
+    #[cfg(feature = "onnx")]
+    if config.needs_network() {
+        let network = Network::new(crate::onnx::network(&config.onnx)?);
+        return Ok(config.detector_with(Some(Box::new(network)))?);
+    }
+    Ok(fingerpost_papers::road_detector(config)?)
+}
