@@ -13,7 +13,6 @@
 mod cross_section;
 mod height_likelihoods;
 mod height_map;
-mod joining;
 mod laid_over;
 mod past_views;
 mod raised_squares;
@@ -27,7 +26,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::height_map::HeightMap;
-pub(crate) use self::joining::Joining;
 use self::laid_over::{LaidOver, Raster};
 use self::past_views::{PastView, PastViews, SPACING_M};
 use self::raised_squares::{RaisedSquares, Squares};
@@ -103,9 +101,9 @@ const CELL_PX: (usize, usize) = (2, 1);
 /// A motion less sure than this leaves the map behind, metres.
 const LEFT_BEHIND_M: f64 = 1.0;
 /// Units of log-odds in a square.
-const UNIT: f64 = 256.0;
+pub(crate) const UNIT: f64 = 256.0;
 /// Largest log-odds of a square.
-const MOST_LOG_ODDS: f32 = 8.0;
+pub(crate) const MOST_LOG_ODDS: f32 = 8.0;
 /// Farther to the side nothing is looked at, metres.
 const ASIDE_M: f64 = 8.0;
 

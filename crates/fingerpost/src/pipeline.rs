@@ -22,13 +22,15 @@ use crate::config::{Config, ConfigError};
 use crate::feature_masks::PlacedMasks;
 use crate::fix::{FixEvidence, FixInput, FixStage, MapFix, NearPlace};
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
-use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse, Joining};
+use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
 use crate::motion::{Motion, MotionError, MotionEvidence};
 use crate::mount::MountEstimate;
-use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
+use crate::road_surface::{
+    Joining, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
+};
 use crate::track::{
     FeatureTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
 };

@@ -8,6 +8,7 @@ mod backprojection;
 mod colour_counts;
 mod colours;
 mod fused;
+mod height_joining;
 mod known_surfaces;
 mod memory;
 mod named;
@@ -38,6 +39,8 @@ pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, 
 pub use online::{Online, OnlineConfig, OnlineEvidence};
 pub use perspective::{KnownPerspective, clear_unseen};
 pub use region::Region;
+
+pub(crate) use height_joining::Joining;
 
 use fused::Fused;
 use named::Named;

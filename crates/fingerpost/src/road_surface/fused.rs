@@ -16,10 +16,9 @@ use super::perspective::clear_unseen;
 use super::verge_colours::VergeColours;
 use super::way_colours::WayColours;
 use super::{
-    Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
-    RoadInput, SampleUse,
+    Backprojection, BackprojectionConfig, Joining, Online, Perspective, RoadDetector, RoadError,
+    RoadEvidence, RoadInput, SampleUse,
 };
-use crate::height::Joining;
 
 /// Doubt about the classifier, of 255: a quarter of what it is sure of may be wrong, so that clear colours outvote it.
 const DOUBT: u8 = 64;

@@ -8,8 +8,8 @@ use fingerpost_vision::error::PictureError;
 use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::picture::{Plane, ValidityMask};
 
-use super::{GroundHeight, MOST_LOG_ODDS, UNIT};
-use crate::road_surface::RoadSurface;
+use super::RoadSurface;
+use crate::height::{GroundHeight, MOST_LOG_ODDS, UNIT};
 
 /// A prior that says nothing, 256 standing for 1.
 const EVEN: u8 = 128;
@@ -57,7 +57,7 @@ impl Joining {
     ///
     /// # Errors
     /// [`PictureError`] when they do not fit together.
-    pub(crate) fn join_seen(
+    pub(super) fn join_seen(
         &mut self,
         height: &GroundHeight,
         validity: &ValidityMask,
