@@ -1,7 +1,7 @@
 //! Whether a given start, a GPS track and a route can belong to one drive.
 
 use anyhow::{Result, bail};
-use fingerpost::route_progress::RouteProgressConfig;
+use fingerpost::progress::RouteProgressConfig;
 use fingerpost_map::{LatLon, Route};
 
 /// Standard deviations of start and GPS by which the two may lie apart, beyond what a position may lie off the route.

@@ -12,6 +12,7 @@
 //! Memory is bounded, no call allocates, and the same calls give the same numbers.
 
 pub(crate) mod component;
+mod config;
 mod elsewhere;
 mod feature;
 mod gps;
@@ -22,6 +23,7 @@ mod tests;
 mod travel;
 
 use self::component::Component;
+pub use self::config::RouteProgressConfig;
 use self::elsewhere::Elsewhere;
 pub use self::feature::{FeatureOutcome, FeaturePlace};
 pub use self::gps::GpsUse;
@@ -30,7 +32,6 @@ use self::mixture::Mixture;
 use self::noise::Noise;
 pub use self::travel::Travel;
 use self::travel::Travelled;
-use crate::route_progress::RouteProgressConfig;
 
 /// Most Gaussians of a belief: a few places that look alike, each passed or not, seen or not.
 const CAPACITY: usize = 24;

@@ -1,6 +1,6 @@
 //! What is known of the errors before anything is measured.
 
-use crate::route_progress::RouteProgressConfig;
+use super::RouteProgressConfig;
 
 /// Distance over which the scale error becomes another, metres: it is the road's height under the camera and the mount's pitch
 /// on it, which a street keeps and the next may not. A guess; it bounds what many features in a row can teach of the scale.

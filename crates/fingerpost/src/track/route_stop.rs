@@ -10,7 +10,7 @@ use crate::driving_line::{DrivingLine, DrivingLineConfig, MaskCurve, driving_lin
 use crate::feature_masks::{FeatureMaskConfig, MaskCache};
 use crate::feature_model::FeatureModel;
 use crate::ground_view::Viewpoint;
-use crate::route_progress::RouteProgressConfig;
+use crate::progress::RouteProgressConfig;
 use crate::vehicle::VehicleConfig;
 
 /// A feature of the route, ready to be looked for.

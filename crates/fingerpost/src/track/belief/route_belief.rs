@@ -10,8 +10,7 @@ use nalgebra::{Isometry2, Point2};
 
 use super::feature_belief::{FeatureBelief, Seen, Workspace};
 use super::likelihood::Ground;
-use crate::progress::{GpsUse, Progress, Travel};
-use crate::route_progress::RouteProgressConfig;
+use crate::progress::{GpsUse, Progress, RouteProgressConfig, Travel};
 use crate::track::{RouteStop, TrackConfig};
 
 /// Most features that are weighed at a time: what a view of 20 m can hold, and one that a doubt about the progress adds.
