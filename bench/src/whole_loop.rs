@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost::Config;
-use fingerpost::driving_line::MaskCurve;
-use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache};
+use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache, MaskCurve};
 use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;

@@ -6,30 +6,26 @@
 //! turning circle asks for it and the road has room. With its corner weighted by cos(turn / 2) a rational curve of the
 //! papers' three points is the arc of that radius (Farin: Curves and surfaces for CAGD, 2002, section 12.5).
 //!
-//! What a feature is found by is not this line but the papers' own curve ([`MaskCurve`]).
+//! What a feature is found by is not this line but the papers' own curve ([`MaskCurve`](crate::feature_masks::MaskCurve)).
 //!
 //! Limits: where the arc is still too tight, as a circle of 25 m at a right angle, a line that the vehicle can drive would
 //! leave the road. The line then stays, and [`DrivingLine::within_turning_circle`] and the frame's `why` say it. The kerb is an
 //! arc, as assumed or measured; a chamfer is taken for one.
 
-mod conic;
 mod corner;
 mod joining;
-mod mask_curve;
 
 use fingerpost_geometry::{GeometryError, Polyline};
 use nalgebra::{Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conic::Conic;
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
-pub use self::mask_curve::MaskCurve;
-
 pub(crate) use self::joining::driving_lines;
 
-use self::conic::Conic;
 use self::corner::Corner;
 
 /// Settings of the driving line.
@@ -82,8 +78,6 @@ pub struct DrivingLine {
     pub turning_radius_m: f64,
 }
 
-/// Pieces into which the curve is cut; at 25 m of curve a piece is shorter than a pixel of steering.
-const CURVE_PIECES: usize = 64;
 /// Distance on either side of a point of approach or exit over which its curvature is measured, metres.
 const CORNER_SPREAD_M: f64 = 3.0;
 /// Pieces of a bend's length whose ends are averaged: half a metre each.
@@ -139,7 +133,7 @@ impl DrivingLine {
             setbacks_m = corner.setbacks_m(within_m, &inbound, &outbound);
             curve = corner.curve(&inbound, &outbound, setbacks_m);
         }
-        let sampled = sampled(&curve)?;
+        let sampled = curve.sampled()?;
         let (points, curvature_per_m) = hand_out(config, &inbound, &curve, &sampled, &outbound, setbacks_m);
         Ok(Some(Self {
             control: curve.control,
@@ -167,11 +161,6 @@ impl DrivingLine {
     pub const fn end(&self) -> Point2<f64> {
         self.control[2]
     }
-}
-
-/// The curve in [`CURVE_PIECES`].
-fn sampled(curve: &Conic) -> Result<Polyline, GeometryError> {
-    Polyline::new((0..=CURVE_PIECES).map(|i| curve.at(i as f64 / CURVE_PIECES as f64)))
 }
 
 fn hand_out(

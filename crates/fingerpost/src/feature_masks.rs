@@ -5,6 +5,7 @@
 //! vehicle's own width. Spans are relative to the feature's node, so that one drawing serves every place at the same heading;
 //! drawings are kept by heading. Beside the arms lie strips where their verges are expected (`verge.rs`).
 
+mod mask_curve;
 mod verge;
 
 use std::collections::BTreeMap;
@@ -17,10 +18,10 @@ use nalgebra::{Isometry2, Point2, Vector2};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::driving_line::MaskCurve;
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
+pub use mask_curve::MaskCurve;
 pub use verge::{VergeStrip, VergeStrips};
 
 /// Settings of the feature masks.

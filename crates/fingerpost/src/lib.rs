@@ -37,6 +37,7 @@ pub mod calibration_check;
 pub mod camera_state;
 pub mod centreline;
 pub mod config;
+mod conic;
 pub mod driving_line;
 pub mod feature_masks;
 pub mod feature_model;

@@ -3,8 +3,7 @@
 
 mod painted;
 
-use fingerpost::driving_line::MaskCurve;
-use fingerpost::feature_masks::FeatureMaskConfig;
+use fingerpost::feature_masks::{FeatureMaskConfig, MaskCurve};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};

@@ -3,8 +3,7 @@
 //! Places where the route's next feature is, by truth, stand against places of the same route where it is not. A reading is as
 //! good as it tells the one from the other, whatever threshold is chosen.
 
-use fingerpost::driving_line::MaskCurve;
-use fingerpost::feature_masks::{MaskCache, node_pixel};
+use fingerpost::feature_masks::{MaskCache, MaskCurve, node_pixel};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::matching::{LaidSurface, Match, Matcher, Participation};
 use fingerpost::road_surface::RoadSurface;

@@ -2,17 +2,14 @@
 
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use fingerpost_map::FeatureKind;
-use nalgebra::{Point2, Vector2};
 
-use super::Conic;
+use crate::conic::{Conic, End, crossing, ends};
 use crate::feature_model::ArmModel;
 use crate::vehicle::VehicleConfig;
 
 /// How far the nodes of a map lie from the middle of a road that bends between them, metres: a bend that is drawn as one
 /// corner leaves it by as much.
 const MAP_CUT_M: f64 = 0.4;
-/// Tangents under this angle, radians (6 degrees), cross somewhere along the road.
-const STRAIGHT_RAD: f64 = 0.1;
 /// Sharper turns have no arc between two lanes of use, radians (170 degrees).
 const SHARPEST_RAD: f64 = 2.97;
 /// Distance between the ends that are tried where no arc was found at once, metres.
@@ -131,7 +128,7 @@ impl Corner {
 
     /// The curve with these ends: the papers' three points, as round as an arc.
     pub(super) fn curve(self, inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
-        let mut curve = three_points(inbound, outbound, setbacks_m);
+        let mut curve = Conic::between(inbound, outbound, setbacks_m);
         curve.round_up_to(self.radius_m());
         curve
     }
@@ -146,35 +143,4 @@ fn legs_of(start: End, end: End) -> Option<[f64; 2]> {
 /// Whether tangents are as long as each other to some metres, as those of an arc are.
 fn are_equal(legs_m: [f64; 2], within_m: f64) -> bool {
     (legs_m[0] - legs_m[1]).abs() <= within_m
-}
-
-/// The papers' curve with its ends so far before the end of the inbound and behind the start of the outbound line, metres.
-pub(super) fn three_points(inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Conic {
-    let [start, end] = ends(inbound, outbound, setbacks_m);
-    // Else between the ends of the offset lines, which lie beside the node.
-    let corner = crossing(start, end).unwrap_or_else(|| {
-        let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
-        Point2::from(0.5 * (before.coords + after.coords))
-    });
-    Conic::bezier([start.0, corner, end.0])
-}
-
-/// Place and direction of a line's end.
-type End = (Point2<f64>, Vector2<f64>);
-
-fn ends(inbound: &Polyline, outbound: &Polyline, [before_m, behind_m]: [f64; 2]) -> [End; 2] {
-    [inbound.at(inbound.length_m() - before_m), outbound.at(behind_m)]
-}
-
-/// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
-/// the roads along their own direction.
-fn crossing((start, inward): End, (end, outward): End) -> Option<Point2<f64>> {
-    let sine = inward.perp(&outward);
-    // Under this angle the crossing runs away along the road.
-    if sine.abs() < STRAIGHT_RAD {
-        return None;
-    }
-    let gap = end - start;
-    let (along, back) = (gap.perp(&outward) / sine, gap.perp(&inward) / sine);
-    (along > 0.0 && back < 0.0).then(|| start + inward * along)
 }

@@ -37,7 +37,7 @@ use super::{
     CandidatePlace, Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State,
     TrackConfig, TrackEvidence, TrackOutput,
 };
-use crate::driving_line::MaskCurve;
+use crate::feature_masks::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::CameraAttitude;

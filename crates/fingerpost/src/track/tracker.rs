@@ -21,7 +21,7 @@ use super::{
     Decision, ExpectedAhead, FeatureStep, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State,
     TrackConfig, TrackEvidence, TrackOutput,
 };
-use crate::driving_line::MaskCurve;
+use crate::feature_masks::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::route_progress::RouteProgress;

@@ -6,8 +6,7 @@ use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::Point2;
 
 use super::*;
-use crate::driving_line::MaskCurve;
-use crate::feature_masks::FeatureMaskConfig;
+use crate::feature_masks::{FeatureMaskConfig, MaskCurve};
 use crate::feature_model::ArmModel;
 use crate::matching::{MatchConfig, Matcher};
 use crate::road_surface::RoadSurface;

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use super::confirming::Bracketing;
 use super::searching::edges_elsewhere;
 use super::{Mode, PASSED_M, Passing, Tracker};
-use crate::driving_line::MaskCurve;
+use crate::feature_masks::MaskCurve;
 use crate::matching::LaidSurface;
 use crate::track::{Decision, RouteStop, State, TrackEvidence};
 

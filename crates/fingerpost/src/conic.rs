@@ -1,33 +1,55 @@
-//! A rational quadratic Bezier curve: the papers' curve, an arc of a circle, and all that is between.
+//! A rational quadratic Bezier curve from one road into another: the papers' curve, an arc of a circle, and all that is between.
 
+use fingerpost_geometry::{GeometryError, Polyline};
 use nalgebra::{Point2, Vector2};
 
-use super::CURVE_PIECES;
-
+/// Pieces into which the curve is cut; at 25 m of curve a piece is shorter than a pixel of steering.
+const CURVE_PIECES: usize = 64;
+/// Tangents under this angle, radians (6 degrees), cross somewhere along the road.
+const STRAIGHT_RAD: f64 = 0.1;
 /// Weights that are tried between those of the Bezier curve and of the arc.
 const WEIGHTS: usize = 16;
 
 /// The curve of three control points, whose middle one has a weight of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Conic {
-    pub(super) control: [Point2<f64>; 3],
+pub(crate) struct Conic {
+    pub(crate) control: [Point2<f64>; 3],
     weight: f64,
 }
 
 impl Conic {
     /// The plain quadratic Bezier curve.
-    pub(super) const fn bezier(control: [Point2<f64>; 3]) -> Self {
+    const fn bezier(control: [Point2<f64>; 3]) -> Self {
         Self { control, weight: 1.0 }
     }
 
+    /// The papers' curve with its ends so far before the end of the inbound and behind the start of the outbound line, metres.
+    pub(crate) fn between(inbound: &Polyline, outbound: &Polyline, setbacks_m: [f64; 2]) -> Self {
+        let [start, end] = ends(inbound, outbound, setbacks_m);
+        // Else between the ends of the offset lines, which lie beside the node.
+        let corner = crossing(start, end).unwrap_or_else(|| {
+            let (before, after) = (inbound.at(inbound.length_m()).0, outbound.at(0.0).0);
+            Point2::from(0.5 * (before.coords + after.coords))
+        });
+        Self::bezier([start.0, corner, end.0])
+    }
+
+    /// The curve in [`CURVE_PIECES`].
+    ///
+    /// # Errors
+    /// [`GeometryError`] when it has no extent.
+    pub(crate) fn sampled(&self) -> Result<Polyline, GeometryError> {
+        Polyline::new((0..=CURVE_PIECES).map(|i| self.at(i as f64 / CURVE_PIECES as f64)))
+    }
+
     /// The place at a parameter from 0 to 1.
-    pub(super) fn at(&self, t: f64) -> Point2<f64> {
+    pub(crate) fn at(&self, t: f64) -> Point2<f64> {
         let ([place, ..], [weight, ..]) = self.homogeneous(t);
         Point2::from(place / weight)
     }
 
     /// Signed curvature there, 1/m, positive to the left; zero where the curve stands still.
-    pub(super) fn curvature_per_m(&self, t: f64) -> f64 {
+    pub(crate) fn curvature_per_m(&self, t: f64) -> f64 {
         let ([place, first, second], [weight, by_first, by_second]) = self.homogeneous(t);
         let here = place / weight;
         let speed = (first - here * by_first) / weight;
@@ -37,14 +59,14 @@ impl Conic {
     }
 
     /// Radius at the tightest place, metres; infinite on a straight curve.
-    pub(super) fn tightest_radius_m(&self) -> f64 {
+    pub(crate) fn tightest_radius_m(&self) -> f64 {
         let curvature = |i: usize| self.curvature_per_m(i as f64 / CURVE_PIECES as f64).abs();
         let tightest_per_m = (0..=CURVE_PIECES).map(curvature).fold(0.0, f64::max);
         if tightest_per_m > 0.0 { 1.0 / tightest_per_m } else { f64::INFINITY }
     }
 
     /// Takes weight from the corner until the curve is nowhere tighter than this, or as round as it can be.
-    pub(super) fn round_up_to(&mut self, radius_m: f64) {
+    pub(crate) fn round_up_to(&mut self, radius_m: f64) {
         let [start, corner, end] = self.control;
         let turn_rad = (corner - start).angle(&(end - corner));
         let arc = libm::cos(0.5 * turn_rad);
@@ -77,6 +99,27 @@ impl Conic {
         let (x, y) = (of([a.x, w * b.x, c.x]), of([a.y, w * b.y, c.y]));
         ([0, 1, 2].map(|i| Vector2::new(x[i], y[i])), of([1.0, w, 1.0]))
     }
+}
+
+/// Place and direction of a line's end.
+pub(crate) type End = (Point2<f64>, Vector2<f64>);
+
+/// The ends so far before the end of the inbound and behind the start of the outbound line, metres.
+pub(crate) fn ends(inbound: &Polyline, outbound: &Polyline, [before_m, behind_m]: [f64; 2]) -> [End; 2] {
+    [inbound.at(inbound.length_m() - before_m), outbound.at(behind_m)]
+}
+
+/// Where the tangents meet, if they do so ahead of the start and behind the end; the curve then leaves and enters
+/// the roads along their own direction.
+pub(crate) fn crossing((start, inward): End, (end, outward): End) -> Option<Point2<f64>> {
+    let sine = inward.perp(&outward);
+    // Under this angle the crossing runs away along the road.
+    if sine.abs() < STRAIGHT_RAD {
+        return None;
+    }
+    let gap = end - start;
+    let (along, back) = (gap.perp(&outward) / sine, gap.perp(&inward) / sine);
+    (along > 0.0 && back < 0.0).then(|| start + inward * along)
 }
 
 #[cfg(test)]

@@ -8,15 +8,14 @@
 //! Curves and surfaces for CAGD, 2002, section 12.5).
 //!
 //! It is one of the feature's masks, and its ends say when the vehicle turns in and has turned out. Nobody steers along it: it
-//! cuts corners that a [`DrivingLine`](super::DrivingLine) goes round in its lane. What is found by it must not change with how
+//! cuts corners that a [`DrivingLine`](crate::driving_line::DrivingLine) goes round in its lane. What is found by it must not change with how
 //! the vehicle is to be steered.
 
 use fingerpost_geometry::{GeometryError, Polyline};
 use nalgebra::Point2;
 
-use super::corner::three_points;
-use super::sampled;
-use crate::feature_masks::FeatureMaskConfig;
+use super::FeatureMaskConfig;
+use crate::conic::Conic;
 use crate::feature_model::FeatureModel;
 use crate::vehicle::VehicleConfig;
 
@@ -50,15 +49,15 @@ impl MaskCurve {
         let outbound = exit.course.offset(share * exit.width_m)?;
         let most_m = config.curve_max_setback_m.max(config.curve_min_setback_m);
         let mut setback_m = config.curve_min_setback_m;
-        let mut curve = three_points(&inbound, &outbound, [setback_m; 2]);
+        let mut curve = Conic::between(&inbound, &outbound, [setback_m; 2]);
         while curve.tightest_radius_m() < vehicle.turning_radius_m && setback_m + SETBACK_STEP_M <= most_m {
             setback_m += SETBACK_STEP_M;
-            curve = three_points(&inbound, &outbound, [setback_m; 2]);
+            curve = Conic::between(&inbound, &outbound, [setback_m; 2]);
         }
         curve.round_up_to(vehicle.turning_radius_m);
         Ok(Some(Self {
             control: curve.control,
-            curve: sampled(&curve)?,
+            curve: curve.sampled()?,
             tightest_radius_m: curve.tightest_radius_m(),
         }))
     }
