@@ -1,16 +1,14 @@
 //! The effective configuration of a run: one table a stage.
 
-pub(crate) mod declared;
-
 use std::sync::LazyLock;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use thiserror::Error;
 
 use crate::advice::AdviceConfig;
 use crate::centreline::CentrelineConfig;
+use crate::declared::{self, ConfigError};
 use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
@@ -60,18 +58,6 @@ pub struct Config {
     pub lanes: LanesConfig,
     /// Advice to a controller.
     pub advice: AdviceConfig,
-}
-
-/// A setting that cannot be used.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("{key} = {} cannot be used: give {expected}", declared::number(*.value))]
-pub struct ConfigError {
-    /// Key, with its table.
-    pub key: String,
-    /// Value found.
-    pub value: f64,
-    /// What would be accepted, with its unit.
-    pub expected: String,
 }
 
 /// The schema of all settings, made when it is first asked for.

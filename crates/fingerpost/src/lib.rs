@@ -38,6 +38,7 @@ pub mod camera_state;
 pub mod centreline;
 pub mod config;
 mod conic;
+mod declared;
 pub mod driving_line;
 pub mod feature_masks;
 pub mod feature_model;
@@ -65,5 +66,6 @@ pub use fingerpost_map as map;
 pub use fingerpost_vision as vision;
 pub use nalgebra;
 
-pub use config::{Config, ConfigError};
+pub use config::Config;
+pub use declared::ConfigError;
 pub use pipeline::{FrameEvidence, FrameOutput, Pipeline, PipelineError, Sensors, Stage};

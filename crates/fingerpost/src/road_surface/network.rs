@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::perspective::{KnownPerspective, clear_unseen};
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
-use crate::config::{ConfigError, declared};
+use crate::declared::{self, ConfigError};
 
 /// Settings of the detector "onnx": which network, and what goes in and comes out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

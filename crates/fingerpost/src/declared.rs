@@ -7,8 +7,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::Serialize;
 use serde_json::Value;
-
-use super::ConfigError;
+use thiserror::Error;
 
 /// Ends of keys and the units that they stand for; the longest that fits counts.
 const UNITS: [(&str, &str); 13] = [
@@ -26,6 +25,18 @@ const UNITS: [(&str, &str); 13] = [
     ("_bins", "bins"),
     ("_frames", "frames"),
 ];
+
+/// A setting that cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{key} = {} cannot be used: give {expected}", number(*.value))]
+pub struct ConfigError {
+    /// Key, with its table.
+    pub key: String,
+    /// Value found.
+    pub value: f64,
+    /// What would be accepted, with its unit.
+    pub expected: String,
+}
 
 /// The schema of `T` in one piece: of each field the meaning, the unit where it has one, range and default.
 pub(crate) fn schema_of<T: JsonSchema>() -> Value {
@@ -106,7 +117,7 @@ fn error(schema: &Value, key: &str, value: f64) -> ConfigError {
 }
 
 /// A number in a few digits, with an exponent where it is very large or small.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     match value.abs() {
         size if size.is_nan() => "NaN or infinity".to_owned(),
         size if size == 0.0 || (1e-4..1e7).contains(&size) => value.to_string(),
