@@ -6,7 +6,7 @@ use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, MotionEstimator,
 };
-use fingerpost::mount::AttitudeObservation;
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost_geometry::wrap_angle;
 use fingerpost_papers::FarnebackMotion;
 use fingerpost_sim::{SimConfig, Simulator};

@@ -10,7 +10,7 @@ use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
-use fingerpost::mount::AttitudeObservation;
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
 use fingerpost::track::{CandidateSearch, PoseFilter, Reach};
 use fingerpost_geometry::{GroundPixel, Polyline};

@@ -13,7 +13,7 @@ mod error;
 mod road_plane;
 mod way;
 
-use fingerpost::mount::{BackCheck, Sighting, Sightings, SparseSetting, angles_of_travel};
+use fingerpost::attitude::{BackCheck, Sighting, Sightings, SparseSetting, angles_of_travel};
 use fingerpost_geometry::{Camera, Mount, View};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::Vector3;

@@ -8,10 +8,10 @@
 #[path = "../../fingerpost/tests/simulated/mod.rs"]
 mod simulated;
 
+use fingerpost::attitude::{AttitudeObservation, ObservedAngle};
 use fingerpost::motion::{
     DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, Motion, MotionEstimator, MotionMethod,
 };
-use fingerpost::mount::{AttitudeObservation, ObservedAngle};
 use fingerpost::{Config, Pipeline};
 use fingerpost_papers::FarnebackMotion;
 use fingerpost_sim::SimConfig;

@@ -33,6 +33,7 @@
 //! localisation"; paper 2, the same author's "Implementation discussion" of it.
 
 pub mod advice;
+pub mod attitude;
 pub mod calibration_check;
 pub mod camera_state;
 pub mod centreline;

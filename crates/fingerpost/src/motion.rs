@@ -23,8 +23,8 @@ pub use farneback::{FarnebackMotionConfig, FlowModel};
 pub use seen_travel::SeenTravel;
 pub use steady::SteadyMotion;
 
+use crate::attitude::AttitudeObservation;
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
-use crate::mount::AttitudeObservation;
 use crate::track::FeatureStep;
 
 /// Settings of the ego-motion.

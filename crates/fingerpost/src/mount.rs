@@ -1,47 +1,22 @@
 //! The mount while driving: where the camera looks against what the calibration says, and whether it has been moved.
 //!
 //! A camera's angles are known from a calibration, and then the vehicle is loaded, brakes, is washed or loses a screw. Every
-//! frame some of the angles can be seen anew: from the road's own motion in the ground view, from the point of the picture
-//! that the vehicle moves towards. Such [`AttitudeObservation`]s are noisy and rarely complete; [`MountFilter`] joins them
-//! into a [`MountEstimate`]: a slow correction to the configured mount, the suspension's part of the pitch, and whether
-//! either can be believed.
+//! frame some of the angles can be seen anew ([`attitude`](crate::attitude)): from the road's own motion in the ground view, from the
+//! point of the picture that the vehicle moves towards. [`MountFilter`] joins them into a [`MountEstimate`]: a slow correction to the
+//! configured mount, the suspension's part of the pitch, and whether either can be believed.
 //!
 //! Angles are those of the mount (`CONVENTIONS.md`): pitch positive nose down, yaw positive left, roll positive left side
 //! up, all as differences from the configured mount.
 //!
 //! Limits: height and place of the camera are taken as configured.
 
-mod camera_motion;
 mod fault;
 mod filter;
-mod sighting;
-mod sparse;
-mod watch;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use camera_motion::CameraMotion;
 pub use filter::MountFilter;
-pub use fingerpost_geometry::ObservedAngle;
-pub use sighting::{Sighting, Sightings, angles_of_travel};
-pub use sparse::{BackCheck, RayPair, SparseSetting};
-pub use watch::AttitudeWatch;
-
-/// What one frame says about the camera's attitude: differences from the configured mount, where they could be seen.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct AttitudeObservation {
-    /// Pitch against the road that the vehicle stands on, the suspension's part included; positive nose down.
-    pub pitch: Option<ObservedAngle>,
-    /// Roll against that road; positive left side up.
-    pub roll: Option<ObservedAngle>,
-    /// Yaw against the direction in which the camera moves; positive left. None in sharp turns.
-    pub yaw: Option<ObservedAngle>,
-    /// Change of the pitch since the frame before.
-    pub pitch_change: Option<ObservedAngle>,
-    /// Change of the roll since the frame before.
-    pub roll_change: Option<ObservedAngle>,
-}
 
 /// Whether an estimate of the mount can be used.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -138,34 +113,6 @@ impl Default for MountConfig {
             suspension_sigma_deg: 0.3,
             valid_sigma_deg: 0.35,
             moved_deg: 1.8,
-        }
-    }
-}
-
-/// Least standard deviation of a turn that the picture shows between two frames: 0.02 degrees.
-const CHANGE_FLOOR_RAD: f64 = 3.5e-4;
-/// What a turn's own standard deviation is short by: corners of one thing err together (30 drives of drawn worlds, 5 to 30 frames a second).
-const CHANGE_UNDERRATED: f64 = 2.5;
-
-/// The variance of a turn that was seen between two frames, square radians, with what its own leaves out.
-pub(crate) fn lasting_variance_rad2(turn: &ObservedAngle) -> f64 {
-    (CHANGE_UNDERRATED * CHANGE_UNDERRATED * turn.variance_rad2).max(CHANGE_FLOOR_RAD * CHANGE_FLOOR_RAD)
-}
-
-impl AttitudeObservation {
-    /// This observation and an independent one of the same frame as one.
-    #[must_use]
-    pub fn joined_with(&self, other: &Self) -> Self {
-        let joined = |a: Option<ObservedAngle>, b: Option<ObservedAngle>| match (a, b) {
-            (Some(a), Some(b)) => Some(a.joined_with(b)),
-            (a, b) => a.or(b),
-        };
-        Self {
-            pitch: joined(self.pitch, other.pitch),
-            roll: joined(self.roll, other.roll),
-            yaw: joined(self.yaw, other.yaw),
-            pitch_change: joined(self.pitch_change, other.pitch_change),
-            roll_change: joined(self.roll_change, other.roll_change),
         }
     }
 }

@@ -8,9 +8,9 @@
 
 mod simulated;
 
+use fingerpost::attitude::{AttitudeObservation, ObservedAngle};
 use fingerpost::ground_view::GroundPicture;
 use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionEstimator};
-use fingerpost::mount::{AttitudeObservation, ObservedAngle};
 use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use nalgebra::Isometry2;

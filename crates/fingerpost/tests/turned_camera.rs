@@ -4,8 +4,9 @@
 // A helper that fails has failed the test that calls it.
 #![allow(clippy::unwrap_used)]
 
+use fingerpost::attitude::AttitudeWatch;
 use fingerpost::motion::Motion;
-use fingerpost::mount::{AttitudeWatch, MountAngle, MountConfig, MountEstimate, MountFilter, MountState};
+use fingerpost::mount::{MountAngle, MountConfig, MountEstimate, MountFilter, MountState};
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
 use fingerpost_map::{OsmData, RoadGraph, read_route};
 use fingerpost_sim::{Conditions, RoadCourse, SimConfig, Simulator, windscreen_camera};

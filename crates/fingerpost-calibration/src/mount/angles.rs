@@ -1,6 +1,6 @@
 //! Pitch, yaw and roll as means over a drive, with standard deviations that its waves and pushes leave.
 
-use fingerpost::mount::{Sighting, angles_of_travel};
+use fingerpost::attitude::{Sighting, angles_of_travel};
 use fingerpost_geometry::Mount;
 use nalgebra::Vector3;
 

@@ -5,7 +5,7 @@
 //! camera's height h. So m is measured for each pair and a vector fitted to it: its direction is the road's normal, its
 //! length the way in heights of the camera. Weights leave out what stands on the road.
 
-use fingerpost::mount::{CameraMotion, RayPair};
+use fingerpost::attitude::{CameraMotion, RayPair};
 use nalgebra::{Matrix3, Vector3};
 
 /// The plane as one pair of frames shows it.

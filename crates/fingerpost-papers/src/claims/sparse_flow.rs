@@ -4,9 +4,9 @@
 //! flow is as in the dense one: the grey ground view, the region in front of the vehicle, the mean, and a start from the
 //! motion of the frame before.
 
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
-use fingerpost::mount::AttitudeObservation;
 use fingerpost::road_surface::RoadSurfaceConfig;
 use fingerpost_vision::corners::{Corner, CornerFinder};
 use fingerpost_vision::lucas_kanade::LucasKanade;

@@ -8,12 +8,12 @@
 //! Limits: featureless road gives no flow; suspension pitch shows as motion. A compressed video's smooth asphalt stays where it
 //! was in the picture: flow that says so while the camera is seen to travel is taken for no motion at all.
 
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     FarnebackMotionConfig, FlowModel, FlowSample, FlowStart, Motion, MotionError, MotionEstimator,
     MotionEvidence, SeenTravel, mean_flow, told_apart,
 };
-use fingerpost::mount::AttitudeObservation;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::farneback::{Farneback, FarnebackError, FarnebackParams};
 use fingerpost_vision::picture::{Plane, Rect};

@@ -21,8 +21,8 @@
 use nalgebra::{Matrix4, Matrix5, SMatrix, SVector, Vector4, Vector5};
 
 use super::CameraAttitude;
+use crate::attitude::{AttitudeObservation, ObservedAngle, lasting_variance_rad2};
 use crate::ground_view::CameraTurn;
-use crate::mount::{AttitudeObservation, ObservedAngle, lasting_variance_rad2};
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 /// How one of the two angles may go.

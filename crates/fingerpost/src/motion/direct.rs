@@ -36,8 +36,8 @@ use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{
     FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, SeenTravel, mean_flow,
 };
+use crate::attitude::AttitudeObservation;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::mount::AttitudeObservation;
 
 /// Settings of the motion by direct alignment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

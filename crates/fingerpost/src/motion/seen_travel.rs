@@ -5,7 +5,7 @@
 
 use nalgebra::Isometry2;
 
-use crate::mount::AttitudeObservation;
+use crate::attitude::AttitudeObservation;
 
 /// The camera travels when it was seen to do so in two frames of three.
 const TRAVELS: u32 = 3;

@@ -10,8 +10,8 @@
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 
 use super::{Motion, MotionError, MotionEstimator, MotionEvidence};
+use crate::attitude::AttitudeObservation;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::mount::AttitudeObservation;
 use crate::track::FeatureStep;
 
 /// Way of a frame before any is known, and its standard deviation, metres: up to 50 km/h at ten frames a second.

@@ -4,10 +4,8 @@ use fingerpost_geometry::wrap_angle;
 use nalgebra::{Matrix2, Vector2};
 
 use super::fault::{AngleWatch, RollJump};
-use super::{
-    AttitudeObservation, MountAngle, MountConfig, MountContradiction, MountEstimate, MountFault, MountState,
-    ObservedAngle,
-};
+use super::{MountAngle, MountConfig, MountContradiction, MountEstimate, MountFault, MountState};
+use crate::attitude::{AttitudeObservation, ObservedAngle};
 use crate::motion::Motion;
 
 /// Least standard deviation of a change of the pitch: what a single pair of frames makes of a few corners.

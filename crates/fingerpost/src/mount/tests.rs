@@ -1,6 +1,7 @@
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::*;
+use crate::attitude::{AttitudeObservation, ObservedAngle};
 use crate::motion::Motion;
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -139,16 +140,6 @@ fn a_calibration_that_cannot_be_true_is_named_and_a_possible_one_is_not() {
             }
         }
     }
-}
-
-#[test]
-fn joining_observations_weighs_them_by_their_variance() {
-    let a = AttitudeObservation { pitch: seen(1.0, 0.1), ..Default::default() };
-    let b = AttitudeObservation { pitch: seen(2.0, 0.2), yaw: seen(0.3, 0.1), ..Default::default() };
-    let both = a.joined_with(&b);
-    assert!((both.pitch.unwrap().angle_rad / DEGREE - 1.2).abs() < 1e-9);
-    assert!((both.pitch.unwrap().variance_rad2.sqrt() / DEGREE - 0.1 * 0.8_f64.sqrt()).abs() < 1e-9);
-    assert_eq!(both.yaw, b.yaw);
 }
 
 /// The camera sweeps round a circle of 25 m at 5 m/s and 30 frames a second: it moves 3.3 degrees to the inside all the time.

@@ -4,10 +4,11 @@ use fingerpost_geometry::Camera;
 use fingerpost_vision::picture::RgbImage;
 
 use super::{PipelineError, Sensors, Stage};
+use crate::attitude::{AttitudeWatch, ObservedAngle};
 use crate::config::Config;
 use crate::ground_view::{GroundPicture, GroundView};
 use crate::motion::{CameraAttitude, Motion, MotionEstimator, MotionEvidence};
-use crate::mount::{AttitudeWatch, MountEstimate, MountFilter, ObservedAngle};
+use crate::mount::{MountEstimate, MountFilter};
 use crate::track::FeatureStep;
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSignals, VehicleState};
 

@@ -16,7 +16,7 @@ use crate::road_surface::RoadDetector;
 /// ```
 /// use fingerpost::ground_view::{GroundPicture, GroundView};
 /// use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
-/// use fingerpost::mount::AttitudeObservation;
+/// use fingerpost::attitude::AttitudeObservation;
 /// use fingerpost::pipeline::Parts;
 /// use fingerpost::{Config, Pipeline, Sensors};
 /// use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};

@@ -2,9 +2,9 @@
 #![allow(unreachable_pub, dead_code, reason = "shared by several test programs, each of which uses a part")]
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
+use fingerpost::attitude::{AttitudeObservation, AttitudeWatch};
 use fingerpost::ground_view::{GroundPicture, GroundView, GroundViewConfig};
 use fingerpost::motion::{Motion, MotionEstimator};
-use fingerpost::mount::{AttitudeObservation, AttitudeWatch};
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, wrap_angle};
 use fingerpost_map::{OsmData, RoadGraph, read_route};
 use fingerpost_sim::{Conditions, SimConfig, Simulator};

@@ -5,8 +5,8 @@ use nalgebra::{Isometry2, Matrix3, Vector3};
 
 use super::Last;
 use super::gauss_newton::Prior;
+use crate::attitude::AttitudeObservation;
 use crate::motion::camera_turn::{PredictedTurn, TurnFilter};
-use crate::mount::AttitudeObservation;
 
 /// Change of the motion from frame to frame, one standard deviation: metres forward and left, radians. A frame may last a
 /// fifth of a second.
