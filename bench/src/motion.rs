@@ -121,10 +121,10 @@ impl Drive {
         let mut driven = [0.0; 2];
         estimator.estimate(&self.view, &self.pictures[0], &AttitudeObservation::default())?;
         for (picture, step) in self.pictures[1..].iter().zip(&self.steps) {
-            let (motion, _) = estimator
+            let (output, _) = estimator
                 .estimate(&self.view, picture, &AttitudeObservation::default())?
                 .context("a motion of every frame")?;
-            let found = motion.previous_from_current;
+            let found = output.motion.previous_from_current;
             let apart = found.translation.vector - step.translation.vector;
             let yaw = wrap_angle(found.rotation.angle() - step.rotation.angle());
             squares.iter_mut().zip([apart.x, apart.y, yaw]).for_each(|(sum, error)| *sum += error * error);

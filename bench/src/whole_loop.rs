@@ -188,7 +188,7 @@ impl Loop {
         self.moved = self
             .motion
             .estimate(&self.view, &self.ground, &AttitudeObservation::default())?
-            .map(|(motion, _)| motion);
+            .map(|(output, _)| output.motion);
         let previous_from_current =
             self.moved.map_or_else(Isometry2::identity, |motion| motion.previous_from_current);
         lap(3);

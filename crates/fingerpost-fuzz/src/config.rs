@@ -30,7 +30,7 @@ pub(crate) fn fuzzy_rules(bytes: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(bytes) else { return false };
     let mut config = Config::default();
     (config.advice.controller, config.advice.rules) = (ControllerName::Fuzzy, Some(text.to_owned()));
-    let Ok(stage) = AdviceStage::new(&config) else { return false };
+    let Ok(stage) = AdviceStage::new(&config.advice_setting()) else { return false };
     let written = text.lines().filter(|line| line.split_whitespace().next() == Some("rule")).count();
     assert_eq!(stage.rules().count(), written);
     true

@@ -65,7 +65,7 @@ fn flow_that_stands_while_the_camera_travels_is_no_motion() {
     let mut found = Vec::new();
     for attitude in [travels; 5].into_iter().chain([AttitudeObservation::default(); 5]) {
         let motion = estimator.estimate(&view, &picture, &attitude).unwrap();
-        found.extend(motion.map(|(motion, _)| motion));
+        found.extend(motion.map(|(output, _)| output.motion));
     }
     assert!(found[1..4].iter().all(|motion| *motion == Motion::unknown()), "{found:?}");
     assert!(

@@ -25,12 +25,13 @@ pub use fingerpost_control::{ControllerName, DEFAULT_RULES, VehicleLimits};
 pub use line::{LineKind, RoadEnd};
 
 use self::expected_turn::ExpectedTurn;
-use self::line::{Led, LineFinder};
+use self::line::{Led, LineFinder, turns};
 use self::words::Because;
-use crate::Config;
-use crate::centreline::CentrelineEvidence;
-use crate::pipeline::FrameOutput;
-use crate::track::{CandidatePlace, Decision, RouteStop, TrackEvidence};
+use crate::centreline::Centreline;
+use crate::lanes::Lane;
+use crate::motion::Motion;
+use crate::track::{RouteStop, TrackOutput};
+use crate::vehicle::VehicleConfig;
 
 /// What the vehicle is advised to do.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -73,19 +74,34 @@ pub enum Stop {
     Control(ControlError),
 }
 
-/// What a frame says besides the output.
+/// What the stage goes by.
+#[derive(Debug, Clone, Copy)]
+pub struct AdviceSetting<'a> {
+    /// How to drive.
+    pub advice: &'a AdviceConfig,
+    /// The vehicle.
+    pub vehicle: &'a VehicleConfig,
+    /// How far ahead the ground view shows the road, metres.
+    pub far_m: f64,
+    /// How far ahead the centreline aims, metres.
+    pub aim_m: f64,
+}
+
+/// What a frame says.
 #[derive(Debug, Clone, Copy)]
 pub struct AdviceInput<'a> {
-    /// What the method says of the frame; its advice is not read.
-    pub output: &'a FrameOutput,
+    /// The vehicle's motion since the frame before; none where there is none.
+    pub motion: Option<&'a Motion>,
+    /// The vehicle's speed, m/s; none where it is not known.
+    pub speed_mps: Option<f64>,
+    /// Where the tracker has the feature at hand.
+    pub track: &'a TrackOutput,
     /// The features of the route.
     pub stops: &'a [RouteStop],
-    /// What decided the frame.
-    pub decision: &'a Decision,
-    /// A feature whose place is not sure enough to follow it.
-    pub candidate: Option<CandidatePlace>,
-    /// How the road's middle was found.
-    pub centreline: &'a CentrelineEvidence,
+    /// The road's middle; none where it is not known.
+    pub centreline: Option<&'a Centreline>,
+    /// The lane; none where it is not known.
+    pub lane: Option<&'a Lane>,
     /// Seconds since the frame before; none in the first one and where frames have no times.
     pub dt_s: Option<f64>,
 }
@@ -118,18 +134,18 @@ impl AdviceStage {
     ///
     /// # Errors
     /// [`FuzzyError`] when the fuzzy controller is chosen and its rules cannot be used.
-    pub fn new(config: &Config) -> Result<Self, FuzzyError> {
-        let rules = config.advice.rules.as_deref().unwrap_or(DEFAULT_RULES);
-        let steersman =
-            Steersman::new(config.advice.controller, config.advice.limits(&config.vehicle), rules)?;
-        Ok(Self::with(config, steersman))
+    pub fn new(setting: &AdviceSetting<'_>) -> Result<Self, FuzzyError> {
+        let AdviceSetting { advice, vehicle, .. } = *setting;
+        let rules = advice.rules.as_deref().unwrap_or(DEFAULT_RULES);
+        let steersman = Steersman::new(advice.controller, advice.limits(vehicle), rules)?;
+        Ok(Self::with(setting, steersman))
     }
 
     /// The same with a steersman of the program's own.
-    pub fn with(config: &Config, steersman: Steersman) -> Self {
+    pub fn with(setting: &AdviceSetting<'_>, steersman: Steersman) -> Self {
         Self {
             steersman,
-            finder: LineFinder::new(config),
+            finder: LineFinder::new(setting),
             led: None,
             path: Vec::new(),
             moved: Vec::new(),
@@ -156,7 +172,7 @@ impl AdviceStage {
             self.led = Some(led);
         }
         self.watch_route(input);
-        self.turn = ExpectedTurn::next(&input.output.track, input.stops);
+        self.turn = ExpectedTurn::next(input.track, input.stops);
         let advised = match self.strayed {
             Some(index) => Err(Stop::Strayed { index }),
             None => self.steer(input),
@@ -192,29 +208,14 @@ impl AdviceStage {
         .write_to(because);
     }
 
-    /// Puts the advice for a frame into its output.
-    pub(crate) fn step(
-        &mut self,
-        output: &mut FrameOutput,
-        stops: &[RouteStop],
-        (track, centreline): (&TrackEvidence, &CentrelineEvidence),
-        dt_s: Option<f64>,
-    ) {
-        let mut advice = std::mem::take(&mut output.advice);
-        let (decision, candidate) = (&track.decision, track.candidate);
-        let input = AdviceInput { output, stops, decision, candidate, centreline, dt_s };
-        self.advise(&input, &mut advice);
-        output.advice = advice;
-    }
-
     /// Moves the line that is kept with the vehicle.
     fn drive_on(&mut self, input: &AdviceInput<'_>) {
         let Some(led) = &mut self.led else { return };
-        let seen = input.output.motion.as_ref().filter(|motion| motion.quality > 0.0);
+        let seen = input.motion.filter(|motion| motion.quality > 0.0);
         let (previous_from_current, sigma) = match (seen, input.dt_s) {
             (Some(motion), _) => (motion.previous_from_current, KEPT_SIGMA),
             (None, Some(dt_s)) => {
-                let speed_mps = input.output.vehicle.speed_mps.unwrap_or(self.last.speed_mps);
+                let speed_mps = input.speed_mps.unwrap_or(self.last.speed_mps);
                 (
                     self.steersman
                         .limits()
@@ -231,13 +232,11 @@ impl AdviceStage {
 
     /// Notices that the vehicle is not where the route leads, and that it is again.
     fn watch_route(&mut self, input: &AdviceInput<'_>) {
-        if let Decision::Skipped { index } = *input.decision {
-            let turns = input.stops.get(index).is_some_and(|stop| {
-                stop.model.exit().is_some_and(crate::feature_model::ArmModel::leaves_the_line)
-            });
+        if let Some(index) = input.track.skipped {
+            let turns = input.stops.get(index).is_some_and(turns);
             self.strayed = self.strayed.or(turns.then_some(index));
         }
-        if input.output.track.followed.is_some() {
+        if input.track.followed.is_some() {
             self.strayed = None;
         }
     }
@@ -247,7 +246,7 @@ impl AdviceStage {
         let led = self.led.as_ref().ok_or(Stop::NoLine)?;
         let situation = Situation {
             path: &self.path,
-            speed_mps: input.output.vehicle.speed_mps.unwrap_or(self.last.speed_mps),
+            speed_mps: input.speed_mps.unwrap_or(self.last.speed_mps),
             steer_rad: self.last.steer_rad,
             lateral_sigma_m: led.sigma_m,
             room_m: led.room_m,

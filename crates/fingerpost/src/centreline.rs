@@ -178,7 +178,17 @@ impl CentrelineFinder {
         };
         self.evidence.none_because = found.err();
         self.evidence.corner = self.corner;
-        Ok((found.ok(), &self.evidence))
+        Ok((found.ok().map(|road| self.with_surroundings(road)), &self.evidence))
+    }
+
+    /// The road's middle with what else the frame shows of the road.
+    fn with_surroundings(&self, road: Centreline) -> Centreline {
+        Centreline {
+            is_shown: self.evidence.sections.iter().any(|section| section.section_use.shows_edge()),
+            way_on: self.evidence.ways.map(|ways| ways.kind),
+            corner_begins_m: self.corner.map(|corner| corner.begins_m(road.width_m)),
+            ..road
+        }
     }
 
     /// In place of [`CentrelineFinder::find`] where there is no surface of this frame.

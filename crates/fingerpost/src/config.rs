@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::advice::AdviceConfig;
+use crate::advice::{AdviceConfig, AdviceSetting};
 use crate::centreline::CentrelineConfig;
 use crate::declared::{self, ConfigError};
 use crate::driving_line::DrivingLineConfig;
@@ -67,6 +67,16 @@ impl Config {
     /// The JSON Schema of all settings: what each means, its unit (`x-unit`), range and default.
     pub fn schema() -> &'static Value {
         &SCHEMA
+    }
+
+    /// What the advice goes by.
+    pub fn advice_setting(&self) -> AdviceSetting<'_> {
+        AdviceSetting {
+            advice: &self.advice,
+            vehicle: &self.vehicle,
+            far_m: self.ground_view.far_m,
+            aim_m: self.centreline.look_ahead_m,
+        }
     }
 
     /// Checks every number against the range that its field declares; the stages check what only they know.

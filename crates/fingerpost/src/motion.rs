@@ -25,7 +25,6 @@ pub use steady::SteadyMotion;
 
 use crate::attitude::AttitudeObservation;
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
-use crate::track::FeatureStep;
 
 /// Settings of the ego-motion.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -90,6 +89,31 @@ impl Motion {
     }
 }
 
+/// How the vehicle moved since the frame before by a feature that was seen in both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureStep {
+    /// The vehicle's new pose in its old frame: metres forward and left, radians to the left.
+    pub previous_from_current: Isometry2<f64>,
+    /// Variances of the way forward (m2) and of the turn (rad2).
+    pub variances: [f64; 2],
+}
+
+/// What an estimator says of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionOutput {
+    /// How the vehicle moved.
+    pub motion: Motion,
+    /// How the camera is turned by all that was seen so far.
+    pub camera: CameraAttitude,
+}
+
+impl From<Motion> for MotionOutput {
+    /// A motion that says nothing of the camera.
+    fn from(motion: Motion) -> Self {
+        Self { motion, camera: CameraAttitude::default() }
+    }
+}
+
 /// How a motion was found.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MotionEvidence {
@@ -106,8 +130,6 @@ pub struct MotionEvidence {
     pub start: FlowStart,
     /// How the camera was turned, as this frame alone shows it; none where nothing was measured.
     pub attitude: Option<AttitudeObservation>,
-    /// How the camera is turned by all that was seen so far.
-    pub camera: CameraAttitude,
 }
 
 /// How the camera is turned against its mount, and how well that is known.
@@ -196,7 +218,7 @@ pub trait MotionEstimator: Send {
         view: &GroundView,
         picture: &GroundPicture,
         attitude: &AttitudeObservation,
-    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError>;
+    ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError>;
 
     /// Takes in how the vehicle moved to the frame given last by a feature that is followed; one that measures passes it by.
     fn learn(&mut self, _step: &FeatureStep) {}

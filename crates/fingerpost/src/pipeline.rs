@@ -14,7 +14,7 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
 
-use crate::advice::{Advice, AdviceStage};
+use crate::advice::{Advice, AdviceInput, AdviceStage};
 use crate::calibration_check::{self, CalibrationFault};
 use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
 use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
@@ -274,7 +274,7 @@ impl Pipeline {
             matcher: parts.take_matcher(config, view.grid()),
             tracker,
             lanes: LaneWatch::new(parts.take_lane_finder(config)?),
-            advice: AdviceStage::new(config)?,
+            advice: AdviceStage::new(&config.advice_setting())?,
             map: route.and_then(|route| route.line.first()).map(|first| TangentPlane::new(first.at)),
             fix: None,
             config: config.clone(),
@@ -320,7 +320,7 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
-        if let Some(step) = &self.track_evidence.step {
+        if let Some(step) = &self.output.track.step {
             self.ego.learn(step);
         }
         let Self {
@@ -376,6 +376,7 @@ impl Pipeline {
             LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
         let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
         Why {
+            camera: &output.camera,
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
@@ -384,14 +385,14 @@ impl Pipeline {
             signals: signals.is_some().then_some(&ego.signals_evidence),
             lane: output.lane.as_ref().zip(lanes.evidence),
             turns_through: lanes.turns_through,
-            ways: centreline_evidence.ways.as_ref(),
+            centreline: centreline_evidence,
             departure: output.departure.as_ref(),
             fix: fix_evidence.as_ref(),
         }
         .write_to(&mut output.why);
         finished(Stage::Lanes);
 
-        self.advice.step(output, tracker.stops(), (track_evidence, centreline_evidence), sensors.dt_s);
+        output.advise(&mut self.advice, tracker.stops(), sensors.dt_s);
         finished(Stage::Advice);
 
         let evidence = FrameEvidence {
@@ -447,7 +448,23 @@ impl FrameOutput {
     /// What the followed feature says of the road.
     fn guide(&self, stops: &[RouteStop]) -> Option<Guide<'_>> {
         let followed = self.track.followed.as_ref()?;
-        Some(Guide::new(&stops.get(followed.index)?.model, followed, &self.driving_line))
+        let pose = (&followed.vehicle_from_feature, &followed.covariance);
+        Some(Guide::new(&stops.get(followed.index)?.model, pose, &self.driving_line))
+    }
+
+    /// Puts the advice for the frame in place of the one before.
+    fn advise(&mut self, stage: &mut AdviceStage, stops: &[RouteStop], dt_s: Option<f64>) {
+        let Self { motion, vehicle, track, centreline, lane, advice, .. } = self;
+        let input = AdviceInput {
+            motion: motion.as_ref(),
+            speed_mps: vehicle.speed_mps,
+            track,
+            stops,
+            centreline: centreline.as_ref(),
+            lane: lane.as_ref(),
+            dt_s,
+        };
+        stage.advise(&input, advice);
     }
 
     /// Lays the followed feature's driving line where the feature is; the part behind the vehicle is left out.

@@ -29,7 +29,7 @@ use nalgebra::{Isometry2, Matrix3, Point2};
 use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::feature_model::ArmModel;
 use crate::matching::{LaidSurface, Match};
-use crate::motion::{CameraAttitude, Motion};
+use crate::motion::{CameraAttitude, FeatureStep, Motion};
 use crate::progress::GpsUse;
 use crate::road_surface::RoadSurface;
 
@@ -103,6 +103,19 @@ pub struct TrackOutput {
     pub route_m: Option<f64>,
     /// Its standard deviation, metres; none while unknown.
     pub route_sigma_m: Option<f64>,
+    /// The feature that is searched for, where only its place is not sure enough to follow it.
+    pub candidate: Option<CandidatePlace>,
+    /// Index of a feature that was given up in this frame because it lies behind by all that is known and was never seen.
+    pub skipped: Option<usize>,
+    /// How the vehicle moved by the feature at hand, where edges of it were seen; none by the belief.
+    pub step: Option<FeatureStep>,
+}
+
+impl TrackOutput {
+    /// Forgets what is of the last frame alone.
+    pub(crate) const fn begin_frame(&mut self) {
+        (self.candidate, self.skipped, self.step) = (None, None, None);
+    }
 }
 
 /// The best match of a feature that was searched for and is not followed.
@@ -140,15 +153,6 @@ pub struct PossiblePlace {
     pub weight: f64,
 }
 
-/// How the vehicle moved since the frame before by a feature that was seen in both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeatureStep {
-    /// The vehicle's new pose in its old frame: metres forward and left, radians to the left.
-    pub previous_from_current: Isometry2<f64>,
-    /// Variances of the way forward (m2) and of the turn (rad2).
-    pub variances: [f64; 2],
-}
-
 /// How the tracker came to its output.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackEvidence {
@@ -168,14 +172,10 @@ pub struct TrackEvidence {
     pub sections: Vec<CrossSection>,
     /// Where the feature that is followed or searched for may be, the likeliest first; none by the rules.
     pub places: Vec<PossiblePlace>,
-    /// The feature that is searched for, where only its place is not sure enough to follow it.
-    pub candidate: Option<CandidatePlace>,
     /// Edges of the road at the likeliest of them, vehicle frame, metres: both ends of every piece.
     pub edges: Vec<[Point2<f64>; 2]>,
     /// What became of the GPS position, where there was one.
     pub gps: Option<GpsUse>,
-    /// How the vehicle moved by the feature at hand, where edges of it were seen; none by the belief.
-    pub step: Option<FeatureStep>,
 }
 
 impl TrackEvidence {

@@ -10,7 +10,8 @@ use self::words::{
     LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords,
     Threshold, TooTightWords, WaysWords,
 };
-use crate::centreline::Ways;
+use crate::camera_state::CameraEvidence;
+use crate::centreline::CentrelineEvidence;
 use crate::driving_line::DrivingLine;
 use crate::fix::FixEvidence;
 use crate::lanes::departure::DepartureOutput;
@@ -22,6 +23,8 @@ use crate::vehicle_signals::SignalsEvidence;
 /// What was decided in a frame and what decided it, as one sentence.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Why<'a> {
+    /// What the camera's picture was good for.
+    pub(crate) camera: &'a CameraEvidence,
     /// What the tracker says.
     pub(crate) track: &'a TrackOutput,
     /// How it came to that.
@@ -38,8 +41,8 @@ pub(crate) struct Why<'a> {
     pub(crate) lane: Option<(&'a Lane, &'a LaneEvidence)>,
     /// Whether no lane is looked for because the vehicle turns through a junction.
     pub(crate) turns_through: bool,
-    /// Which ways the road goes on, where its surface was asked.
-    pub(crate) ways: Option<&'a Ways>,
+    /// How the road's middle was found.
+    pub(crate) centreline: &'a CentrelineEvidence,
     /// How the vehicle moves towards the lane's edges, where that is known.
     pub(crate) departure: Option<&'a DepartureOutput>,
     /// What was made of measurements of the vehicle's place, where there is a map.
@@ -67,7 +70,7 @@ impl Display for Why<'_> {
             write!(f, "{}", SignalsWords(signals))?;
         }
         self.write_feature(f)?;
-        if let Some(ways) = self.ways.filter(|ways| ways.is_ambiguous()) {
+        if let Some(ways) = self.centreline.ways.as_ref().filter(|ways| ways.is_ambiguous()) {
             write!(f, "; {}", WaysWords(ways))?;
         }
         if self.turns_through {
@@ -92,7 +95,7 @@ impl Why<'_> {
             (Decision::NoRoute, _) => {
                 f.write_str("no route: nothing is looked for but the road, its lanes and the motion")
             }
-            (Decision::NothingShown { camera }, _) => write!(f, "{}", CameraWords(camera)),
+            (Decision::NothingShown, _) => write!(f, "{}", CameraWords(self.camera)),
             (Decision::RouteDone, _) => f.write_str(ROUTE_DONE),
             (Decision::NotInReach { index, ahead_m }, _) => {
                 write!(f, "{} is believed {}, out of the view's reach", name(index), Along(*ahead_m))

@@ -10,7 +10,7 @@ mod simulated;
 
 use fingerpost::attitude::{AttitudeObservation, ObservedAngle};
 use fingerpost::ground_view::GroundPicture;
-use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionEstimator};
+use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionEstimator, MotionOutput};
 use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use nalgebra::Isometry2;
@@ -88,7 +88,7 @@ fn a_standing_vehicle_does_not_move_and_a_creeping_one_does() {
         view.render(&noisy, &mut picture).unwrap();
         let found = estimator.estimate(&view, &picture, &AttitudeObservation::default()).unwrap();
         assert_eq!(found.is_some(), i > 0, "frame {i}");
-        if let Some((motion, _)) = found {
+        if let Some((MotionOutput { motion, .. }, _)) = found {
             assert_eq!(motion.previous_from_current, Isometry2::identity(), "frame {i}");
             assert!(motion.quality > 0.5 && motion.covariance.symmetric_eigenvalues().min() > 0.0);
         }
@@ -129,7 +129,7 @@ fn a_camera_that_is_seen_to_travel_does_not_stand() {
     let mut qualities = Vec::new();
     for attitude in [travels; 5].into_iter().chain([AttitudeObservation::default(); 5]) {
         let found = estimator.estimate(&view, &picture, &attitude).unwrap();
-        qualities.extend(found.map(|(motion, _)| motion.quality));
+        qualities.extend(found.map(|(output, _)| output.motion.quality));
     }
     assert!(qualities[1..4].iter().all(|&quality| quality < 0.05), "{qualities:?}");
     assert!(
@@ -153,7 +153,7 @@ fn a_road_that_tells_nothing_is_not_believed() {
         }
         let found = estimator.estimate(&view, &picture, &AttitudeObservation::default()).unwrap();
         assert_eq!(found.is_some(), i > 0, "frame {i}");
-        if let Some((motion, _)) = found {
+        if let Some((MotionOutput { motion, .. }, _)) = found {
             assert!(motion.quality < 0.2, "frame {i}: quality {}", motion.quality);
             let now_m = motion.covariance[(0, 0)].sqrt();
             assert!(now_m > 0.5 && now_m >= sigma_m, "frame {i}: {now_m} m after {sigma_m} m");
@@ -162,7 +162,7 @@ fn a_road_that_tells_nothing_is_not_believed() {
     }
     for grey in [0, 90, 255] {
         picture.grey.as_mut_slice().fill(grey);
-        let (motion, _) =
+        let (MotionOutput { motion, .. }, _) =
             estimator.estimate(&view, &picture, &AttitudeObservation::default()).unwrap().unwrap();
         assert!(motion.quality < 0.2, "grey {grey}: quality {}", motion.quality);
     }

@@ -6,7 +6,7 @@
 
 use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
-use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
+use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence, MotionOutput};
 use fingerpost::road_surface::RoadSurfaceConfig;
 use fingerpost_vision::corners::{Corner, CornerFinder};
 use fingerpost_vision::lucas_kanade::LucasKanade;
@@ -75,7 +75,7 @@ impl MotionEstimator for SparseFlow {
         view: &GroundView,
         picture: &GroundPicture,
         _attitude: &AttitudeObservation,
-    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+    ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError> {
         std::mem::swap(&mut self.previous, &mut self.current);
         let size = picture.grey.size();
         self.current.fill(size, REDUCTIONS, SMALLEST_PX, |base| {
@@ -101,7 +101,8 @@ impl MotionEstimator for SparseFlow {
         let previous_from_current = Isometry2::new(Vector2::new(mean.y, mean.x) * scale, 0.0);
         let variance = (scatter * scale * scale / count).max(FLOOR_M * FLOOR_M);
         let covariance = Matrix3::from_diagonal(&Vector3::new(variance, variance, FLOOR_RAD * FLOOR_RAD));
-        Ok(Some((Motion { previous_from_current, covariance, quality: 1.0 }, &self.evidence)))
+        let motion = Motion { previous_from_current, covariance, quality: 1.0 };
+        Ok(Some((motion.into(), &self.evidence)))
     }
 
     fn reset(&mut self) {

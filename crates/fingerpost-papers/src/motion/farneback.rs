@@ -12,7 +12,7 @@ use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     FarnebackMotionConfig, FlowModel, FlowSample, FlowStart, Motion, MotionError, MotionEstimator,
-    MotionEvidence, SeenTravel, mean_flow, told_apart,
+    MotionEvidence, MotionOutput, SeenTravel, mean_flow, told_apart,
 };
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::farneback::{Farneback, FarnebackError, FarnebackParams};
@@ -226,7 +226,7 @@ impl MotionEstimator for FarnebackMotion {
         view: &GroundView,
         picture: &GroundPicture,
         attitude: &AttitudeObservation,
-    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+    ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError> {
         self.travel = self.travel.after(attitude);
         let same_size = |previous: &Plane<u8>| previous.size() == picture.grey.size();
         let Some(mut previous) = self.previous.take().filter(same_size) else {
@@ -236,7 +236,7 @@ impl MotionEstimator for FarnebackMotion {
         let result = self.between(view, &previous, &picture.grey);
         previous.as_mut_slice().copy_from_slice(picture.grey.as_slice());
         self.previous = Some(previous);
-        Ok(result?.map(|motion| (motion, &self.evidence)))
+        Ok(result?.map(|motion| (motion.into(), &self.evidence)))
     }
 
     fn reset(&mut self) {

@@ -7,7 +7,7 @@
 
 use nalgebra::{Isometry2, Matrix3, Point2, RowVector3, Vector2};
 
-use crate::centreline::{Centreline, CentrelineEvidence, SectionUse};
+use crate::centreline::Centreline;
 use crate::feature_model::FeatureModel;
 
 /// An innovation of more standard deviations than this is of two different roads.
@@ -23,13 +23,8 @@ pub(super) struct FeaturePlace {
 
 impl FeaturePlace {
     /// The same with the road's middle, where this frame shows an edge of it and it is the feature's road.
-    pub(super) fn with_road(
-        self,
-        model: &FeatureModel,
-        (road, evidence): (&Centreline, &CentrelineEvidence),
-    ) -> Self {
-        let shows = |of: &SectionUse| matches!(of, SectionUse::OneEdge | SectionUse::BothEdges);
-        if !evidence.sections.iter().any(|section| shows(&section.section_use)) {
+    pub(super) fn with_road(self, model: &FeatureModel, road: &Centreline) -> Self {
+        if !road.is_shown {
             return self;
         }
         let Some((middle, direction)) = approach_beside(&self.vehicle_from_feature, model) else {
@@ -87,7 +82,6 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::centreline::SectionEvidence;
     use crate::feature_model::ArmModel;
 
     /// A junction at which the route turns left by a right angle.
@@ -118,17 +112,15 @@ mod tests {
         FeaturePlace { vehicle_from_feature, covariance }
     }
 
-    fn with_road(place: FeaturePlace, offset_m: f64, section_use: SectionUse) -> FeaturePlace {
-        let road = Centreline { offset_m, sigma_m: 0.1, width_m: 6.0, ..Centreline::default() };
-        let section = SectionEvidence { section_use, ..SectionEvidence::default() };
-        let evidence = CentrelineEvidence { sections: vec![section], ..CentrelineEvidence::default() };
-        place.with_road(&junction(), (&road, &evidence))
+    /// A road's middle that the frame shows.
+    fn road(offset_m: f64) -> Centreline {
+        Centreline { offset_m, sigma_m: 0.1, width_m: 6.0, is_shown: true, ..Centreline::default() }
     }
 
     #[test]
     fn the_approach_comes_to_lie_where_the_road_is_and_the_distance_stays() {
         let place = tracked(Isometry2::translation(20.0, 0.5));
-        let aligned = with_road(place, 0.1, SectionUse::BothEdges);
+        let aligned = place.with_road(&junction(), &road(0.1));
         let (middle, direction) = approach_beside(&aligned.vehicle_from_feature, &junction()).unwrap();
         // Across the vehicle the approach was known to the root of 0.5² + (20 x 0.02)² m: the road is surer.
         let gain = 0.41 / (0.41 + 0.01);
@@ -143,15 +135,15 @@ mod tests {
     #[test]
     fn another_road_and_one_that_is_not_seen_move_nothing() {
         let place = tracked(Isometry2::translation(20.0, 0.5));
-        assert_eq!(with_road(place, 4.0, SectionUse::BothEdges), place);
-        assert_eq!(with_road(place, 0.1, SectionUse::BeyondCorner), place);
+        assert_eq!(place.with_road(&junction(), &road(4.0)), place);
+        assert_eq!(place.with_road(&junction(), &road(0.1).unseen()), place);
     }
 
     #[test]
     fn behind_the_corner_the_feature_stays_where_it_is() {
         // 10 m on along the exit, and headed so.
         let place = tracked(Isometry2::new(Vector2::new(-10.0, 0.5), -std::f64::consts::FRAC_PI_2));
-        assert_eq!(with_road(place, 0.1, SectionUse::BothEdges), place);
+        assert_eq!(place.with_road(&junction(), &road(0.1)), place);
     }
 
     #[test]

@@ -3,10 +3,9 @@
 use fingerpost_control::{ControllerName, PathPoint, arc, at, foot, lay};
 use nalgebra::{Isometry2, Point2};
 
-use super::AdviceInput;
 use super::alignment::{FeaturePlace, GATE_SIGMAS};
-use crate::Config;
-use crate::centreline::{Centreline, CentrelineEvidence, SteerBy, WayKind};
+use super::{AdviceInput, AdviceSetting};
+use crate::centreline::{Centreline, SteerBy, WayKind};
 use crate::feature_model::ArmModel;
 use crate::lanes::{Lane, Side};
 use crate::track::{CandidatePlace, Followed, RouteStop};
@@ -115,12 +114,12 @@ pub(super) struct LineFinder {
 }
 
 impl LineFinder {
-    pub(super) fn new(config: &Config) -> Self {
+    pub(super) fn new(setting: &AdviceSetting<'_>) -> Self {
         Self {
-            vehicle: config.vehicle.clone(),
-            controller: config.advice.controller,
-            far_m: config.ground_view.far_m,
-            aim_m: config.centreline.look_ahead_m,
+            vehicle: setting.vehicle.clone(),
+            controller: setting.advice.controller,
+            far_m: setting.far_m,
+            aim_m: setting.aim_m,
             lane_width_m: None,
             width: KnownWidth::default(),
             points: Vec::new(),
@@ -140,10 +139,9 @@ impl LineFinder {
         kept: Option<&Led>,
         path: &mut Vec<PathPoint>,
     ) -> Option<Led> {
-        let output = input.output;
-        let followed = output.track.followed.as_ref();
+        let followed = input.track.followed.as_ref();
         let stop = followed.and_then(|followed| input.stops.get(followed.index));
-        self.width.learn(stop.zip(followed), output.centreline.as_ref());
+        self.width.learn(stop.zip(followed), input.centreline);
         let through = Through::at_hand(input);
         let leads_on = foot(path, Point2::origin())
             .zip(path.last())
@@ -164,15 +162,15 @@ impl LineFinder {
             return None;
         }
         // The road's surface shows bends and ends that a lane's kept edges do not, and which side of the road the vehicle is on.
-        if let Some(road) = output.centreline.as_ref().filter(|road| self.width.fits(road)) {
-            return Some(self.centreline(road, input.centreline, path));
+        if let Some(road) = input.centreline.filter(|road| self.width.fits(road)) {
+            return Some(self.centreline(road, path));
         }
         // A lane that is in sight is surer than one that was.
-        let keeps = kept.is_some_and(|led| led.kind != LineKind::Lane || output.lane.is_none());
+        let keeps = kept.is_some_and(|led| led.kind != LineKind::Lane || input.lane.is_none());
         if leads_on && keeps {
             return None;
         }
-        output.lane.as_ref().and_then(|lane| self.lane(lane, path))
+        input.lane.and_then(|lane| self.lane(lane, path))
     }
 
     /// Whether a feature's line of this frame is beside the one that is kept by more than both may be off, though the feature lies behind
@@ -201,8 +199,8 @@ impl LineFinder {
     fn driving_line(&mut self, through: &Through<'_>, input: &AdviceInput<'_>) -> Option<Led> {
         let Through { index, stop, tracked, present } = *through;
         let line = stop.line.as_ref()?;
-        let place = match &input.output.centreline {
-            Some(road) => tracked.with_road(&stop.model, (road, input.centreline)),
+        let place = match input.centreline {
+            Some(road) => tracked.with_road(&stop.model, road),
             None => tracked,
         };
         let in_vehicle = line.points.iter().map(|p_in_feature| place.vehicle_from_feature * p_in_feature);
@@ -255,10 +253,10 @@ impl LineFinder {
     }
 
     /// The vehicle's part of the road.
-    fn centreline(&self, road: &Centreline, evidence: &CentrelineEvidence, path: &mut Vec<PathPoint>) -> Led {
+    fn centreline(&self, road: &Centreline, path: &mut Vec<PathPoint>) -> Led {
         let lane_left_m = self.vehicle.traffic.lane_left_m(road.width_m);
         let mut led = self.led(LineKind::Centreline, road.sigma_m, 0.5 * road.width_m - lane_left_m.abs());
-        let turns = evidence.ways.is_some_and(|ways| ways.kind != WayKind::On);
+        let turns = road.way_on.is_some_and(|way| way != WayKind::On);
         match road.steer {
             Some(steer) if turns && steer.by == SteerBy::Road => {
                 // Round a corner that is no feature the road's surface alone leads, by one direction.
@@ -273,7 +271,7 @@ impl LineFinder {
                     road.curvature_per_m / (1.0 - lane_left_m * road.curvature_per_m).max(0.1);
                 arc(road.offset_m + across, road.heading_rad, curvature_per_m, [self.far_m, STEP_M], path);
                 if steer.is_none() {
-                    let begins_m = evidence.corner.map_or(self.aim_m, |corner| corner.begins_m(road.width_m));
+                    let begins_m = road.corner_begins_m.unwrap_or(self.aim_m);
                     led.seen_m = led.seen_m.min(begins_m.max(0.0));
                     led.end = Some(RoadEnd::Ambiguous);
                 }
@@ -297,7 +295,7 @@ impl<'a> Through<'a> {
     /// The feature that is followed, or else one at which the route turns and whose place alone is not sure: driving on straight where
     /// the route turns is surely wrong.
     fn at_hand(input: &AdviceInput<'a>) -> Option<Self> {
-        if let Some(followed) = &input.output.track.followed {
+        if let Some(followed) = &input.track.followed {
             let stop = input.stops.get(followed.index)?;
             let there = followed.present.or_else(|| followed.matched.confidence());
             let Followed { vehicle_from_feature, covariance, .. } = *followed;
@@ -306,7 +304,7 @@ impl<'a> Through<'a> {
             let present = there.filter(|_| turns(stop)).unwrap_or(1.0);
             return Some(Self { index: followed.index, stop, tracked, present });
         }
-        let CandidatePlace { index, vehicle_from_feature, covariance, present } = input.candidate?;
+        let CandidatePlace { index, vehicle_from_feature, covariance, present } = input.track.candidate?;
         let stop = input.stops.get(index).filter(|stop| turns(stop))?;
         Some(Self { index, stop, tracked: FeaturePlace { vehicle_from_feature, covariance }, present })
     }

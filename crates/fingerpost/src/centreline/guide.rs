@@ -1,11 +1,10 @@
 //! What the route's feature ahead says of the road: where it turns, and the line through it.
 
-use nalgebra::{Matrix3, Point2, Vector2};
+use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::band::Keeping;
 use super::turn::{Corner, RoadLine};
 use crate::feature_model::FeatureModel;
-use crate::track::Followed;
 
 /// Turns under this, radians (20 degrees), are curves of the road.
 const LEAST_TURN_RAD: f64 = 0.35;
@@ -26,16 +25,20 @@ pub struct Guide<'a> {
 }
 
 impl<'a> Guide<'a> {
-    /// The guide of a followed feature with its driving line in the vehicle frame, metres.
-    pub fn new(model: &FeatureModel, followed: &Followed, line: &'a [Point2<f64>]) -> Self {
-        let pose = &followed.vehicle_from_feature;
+    /// The guide of a followed feature by its pose, the covariance of its forward (m), left (m) and heading (rad), and its driving
+    /// line in the vehicle frame, metres.
+    pub fn new(
+        model: &FeatureModel,
+        (pose, covariance): (&Isometry2<f64>, &Matrix3<f64>),
+        line: &'a [Point2<f64>],
+    ) -> Self {
         let corner = model.approach().zip(model.exit()).map(|(approach, exit)| {
             let place = pose * Point2::origin();
             let of = |direction_rad: f64| pose.rotation.angle() + direction_rad;
             let heading_rad = of(approach.direction_rad() + std::f64::consts::PI);
-            let sigma_m = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+            let sigma_m = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
             let approach = RoadLine { place, heading_rad };
-            let sigma_rad = followed.covariance[(2, 2)].sqrt() + MAP_SIGMA_RAD;
+            let sigma_rad = covariance[(2, 2)].sqrt() + MAP_SIGMA_RAD;
             // The route says which arm is taken: the other is no way on.
             Corner {
                 approach,
@@ -47,7 +50,7 @@ impl<'a> Guide<'a> {
             }
         });
         let corner = corner.filter(|corner| corner.turn_rad().abs() > LEAST_TURN_RAD);
-        Self { corner, line, covariance: followed.covariance }
+        Self { corner, line, covariance: *covariance }
     }
 
     /// Direction to steer in along the driving line and its standard deviation, radians; none where the line does not lead past

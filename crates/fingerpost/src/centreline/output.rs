@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::section::RoadEdge;
 use super::turn::{Corner, RoadLine};
-use super::way::Ways;
+use super::way::{WayKind, Ways};
 
 /// The road's middle near the vehicle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +25,12 @@ pub struct Centreline {
     pub width_m: f64,
     /// Where to steer; none where the road ahead is ambiguous ([`Ways::is_ambiguous`]).
     pub steer: Option<Steer>,
+    /// Whether this frame shows an edge of the road; else its middle lies where it did.
+    pub is_shown: bool,
+    /// How the road goes on by its surface; none where that was not asked.
+    pub way_on: Option<WayKind>,
+    /// How far ahead of the rear axle the kerbs of its next corner begin, metres; none where no corner is in sight.
+    pub corner_begins_m: Option<f64>,
 }
 
 /// A direction to steer in.
@@ -55,6 +61,12 @@ impl Centreline {
         self.offset_m
             + libm::tan(self.heading_rad) * forward_m
             + 0.5 * self.curvature_per_m * forward_m * forward_m
+    }
+
+    /// The same in a frame that shows nothing of it.
+    #[must_use]
+    pub(crate) const fn unseen(self) -> Self {
+        Self { is_shown: false, way_on: None, corner_begins_m: None, ..self }
     }
 
     /// Its tangent beside the rear axle.
@@ -93,6 +105,13 @@ pub enum SectionUse {
     OneEdge,
     /// Both edges took part.
     BothEdges,
+}
+
+impl SectionUse {
+    /// Whether an edge of the road took part.
+    pub(super) const fn shows_edge(self) -> bool {
+        matches!(self, Self::OneEdge | Self::BothEdges)
+    }
 }
 
 /// Why there is no centreline.

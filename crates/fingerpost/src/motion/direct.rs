@@ -34,7 +34,8 @@ use self::plane_warp::{Displacement, Views};
 use self::start::{FINE_STEP_M, cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{
-    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, SeenTravel, mean_flow,
+    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, MotionOutput, SeenTravel,
+    mean_flow,
 };
 use crate::attitude::AttitudeObservation;
 use crate::ground_view::{GroundPicture, GroundView};
@@ -178,7 +179,6 @@ impl DirectMotion {
         let (left_over, shifted) = costs(coarsest, begun.residuals, (&estimate, &begun.views));
         self.turn = expected.turn.updated(&seen_turn);
         self.evidence.attitude = seen_turn.observation();
-        self.evidence.camera = self.turn.attitude();
         // Where too little is seen to judge by, the next frame is searched for.
         let bearable = if left_over.is_finite() && shifted.is_finite() {
             (BEARABLE * left_over.max(COST_FLOOR)).max(shifted)
@@ -274,7 +274,7 @@ impl MotionEstimator for DirectMotion {
         view: &GroundView,
         picture: &GroundPicture,
         attitude: &AttitudeObservation,
-    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+    ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError> {
         if !self.patch.as_ref().is_some_and(|patch| patch.fits(view)) {
             self.patch = Patch::new(view, &self.config);
             self.last = None;
@@ -286,7 +286,8 @@ impl MotionEstimator for DirectMotion {
             self.last = Some(Last::first());
             patch.keep(0.0);
         }
-        Ok(motion.map(|motion| (motion, &self.evidence)))
+        let camera = self.turn.attitude();
+        Ok(motion.map(|motion| (MotionOutput { motion, camera }, &self.evidence)))
     }
 
     fn reset(&mut self) {

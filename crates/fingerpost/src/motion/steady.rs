@@ -9,10 +9,9 @@
 
 use nalgebra::{Isometry2, Matrix3, Vector2, Vector3};
 
-use super::{Motion, MotionError, MotionEstimator, MotionEvidence};
+use super::{FeatureStep, Motion, MotionError, MotionEstimator, MotionEvidence, MotionOutput};
 use crate::attitude::AttitudeObservation;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::track::FeatureStep;
 
 /// Way of a frame before any is known, and its standard deviation, metres: up to 50 km/h at ten frames a second.
 const FIRST_STEP_M: f64 = 0.7;
@@ -76,7 +75,7 @@ impl MotionEstimator for SteadyMotion {
         _view: &GroundView,
         _picture: &GroundPicture,
         _attitude: &AttitudeObservation,
-    ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+    ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError> {
         if !std::mem::replace(&mut self.is_under_way, true) {
             return Ok(None);
         }
@@ -88,7 +87,7 @@ impl MotionEstimator for SteadyMotion {
             covariance: Matrix3::from_diagonal(&variances),
             quality: 0.0,
         };
-        Ok(Some((motion, &self.evidence)))
+        Ok(Some((motion.into(), &self.evidence)))
     }
 
     fn learn(&mut self, step: &FeatureStep) {

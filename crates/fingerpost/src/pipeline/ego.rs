@@ -7,9 +7,8 @@ use super::{PipelineError, Sensors, Stage};
 use crate::attitude::{AttitudeWatch, ObservedAngle};
 use crate::config::Config;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::motion::{CameraAttitude, Motion, MotionEstimator, MotionEvidence};
+use crate::motion::{CameraAttitude, FeatureStep, Motion, MotionEstimator, MotionEvidence};
 use crate::mount::{MountEstimate, MountFilter};
-use crate::track::FeatureStep;
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSignals, VehicleState};
 
 /// After a longer time two pictures show other road, seconds: at 50 km/h 14 m of the default view's 16 lie behind.
@@ -79,9 +78,9 @@ impl Ego {
         finished(Stage::Mount);
 
         let since_shown_s = dt_s.map(|dt_s| dt_s + unseen_s.unwrap_or(0.0));
-        let (motion, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
+        let (seen, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
         let is_gap = since_shown_s.is_some_and(|since_s| since_s > LONGEST_STEP_S);
-        let motion = motion.map(|motion| if is_gap { Motion::unknown() } else { motion });
+        let motion = seen.map(|seen| if is_gap { Motion::unknown() } else { seen.motion });
         // A frame whose picture shows nothing still lets the suspension swing back.
         if let Some(motion) = &motion {
             self.mount.observe(&attitude, motion);
@@ -93,7 +92,7 @@ impl Ego {
         finished(Stage::Motion);
         Ok(EgoFrame {
             motion,
-            camera: motion_evidence.map(|evidence| evidence.camera),
+            camera: seen.map(|seen| seen.camera),
             vehicle,
             mount: self.mount.estimate(),
             pitch_change: attitude.pitch_change,

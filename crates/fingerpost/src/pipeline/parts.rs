@@ -15,7 +15,7 @@ use crate::road_surface::RoadDetector;
 ///
 /// ```
 /// use fingerpost::ground_view::{GroundPicture, GroundView};
-/// use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence};
+/// use fingerpost::motion::{Motion, MotionError, MotionEstimator, MotionEvidence, MotionOutput};
 /// use fingerpost::attitude::AttitudeObservation;
 /// use fingerpost::pipeline::Parts;
 /// use fingerpost::{Config, Pipeline, Sensors};
@@ -35,10 +35,10 @@ use crate::road_surface::RoadDetector;
 ///         _view: &GroundView,
 ///         _picture: &GroundPicture,
 ///         _attitude: &AttitudeObservation,
-///     ) -> Result<Option<(Motion, &MotionEvidence)>, MotionError> {
+///     ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError> {
 ///         let previous_from_current = Isometry2::new(Vector2::new(0.5, 0.0), 0.0);
 ///         let motion = Motion { previous_from_current, covariance: Matrix3::identity() * 1e-4, quality: 1.0 };
-///         Ok(Some((motion, &self.evidence)))
+///         Ok(Some((motion.into(), &self.evidence)))
 ///     }
 ///
 ///     fn reset(&mut self) {}

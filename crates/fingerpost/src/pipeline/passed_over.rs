@@ -2,6 +2,7 @@
 
 use super::{FrameEvidence, FrameOutput, Pipeline, Sensors};
 use crate::camera_state::{CameraEvidence, CameraState};
+use crate::centreline::Centreline;
 use crate::fix::FixInput;
 use crate::motion::Motion;
 use crate::road_surface::RoadEvidence;
@@ -26,6 +27,8 @@ impl Pipeline {
         });
         let stood = if vehicle.speed_mps.is_some() { vehicle.stands() } else { output.vehicle.stands() };
         let repeats = camera.state == CameraState::Frozen && stood;
+        output.track.begin_frame();
+        output.centreline = output.centreline.map(Centreline::unseen);
         if !repeats {
             output.track.followed = None;
             output.vehicle = vehicle;
@@ -36,13 +39,14 @@ impl Pipeline {
         }
         output.camera = camera;
         output.motion = Some(Motion::unknown());
-        *track_evidence =
-            TrackEvidence { decision: Decision::NothingShown { camera }, ..TrackEvidence::default() };
+        *track_evidence = TrackEvidence { decision: Decision::NothingShown, ..TrackEvidence::default() };
         if surface.probability.size() != view.validity().plane().size() {
             let (columns, rows) = view.validity().plane().size();
             surface.probability.reset(columns, rows, 0);
         }
+        let centreline = self.centreline.pass_over();
         Why {
+            camera: &output.camera,
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
@@ -51,13 +55,12 @@ impl Pipeline {
             signals: signals.is_some().then_some(&signals_evidence),
             lane: None,
             turns_through: false,
-            ways: None,
+            centreline,
             departure: None,
             fix: fix_evidence.as_ref(),
         }
         .write_to(&mut output.why);
-        let centreline = self.centreline.pass_over();
-        self.advice.step(output, tracker.stops(), (track_evidence, centreline), dt_s);
+        output.advise(&mut self.advice, tracker.stops(), dt_s);
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),

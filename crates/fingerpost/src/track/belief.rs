@@ -297,6 +297,7 @@ impl BeliefTracker {
         evidence: &mut TrackEvidence,
     ) -> Result<(), SpanError> {
         output.state = self.state;
+        output.skipped = evidence.decision.skipped();
         let at = |stage: Stage| self.route.features().iter().find(|feature| feature.stage == stage);
         let followed = match self.state {
             State::Tracking => at(Stage::Tracked),
@@ -312,7 +313,7 @@ impl BeliefTracker {
         belief.edges(stop, &mut evidence.edges);
         let (index, is_followed) = (*index, followed.is_some());
         let Moments { vehicle_from_feature, covariance, present } = moments;
-        evidence.candidate = matches!(evidence.decision, Decision::NotSure { lack: Lack::Place { .. }, .. })
+        output.candidate = matches!(evidence.decision, Decision::NotSure { lack: Lack::Place { .. }, .. })
             .then_some(CandidatePlace { index, vehicle_from_feature, covariance, present });
         let mut matched = self.spare.pop().unwrap_or_default();
         laid.explain(&mut stop.masks, &self.shown.shown_from_road(&vehicle_from_feature), &mut matched)?;
@@ -342,6 +343,7 @@ impl FeatureTracker for BeliefTracker {
         self.spare.extend(output.followed.take().map(|followed| followed.matched));
         self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
         evidence.clear();
+        output.begin_frame();
         if !self.stops.is_empty() {
             self.carry(&moved);
             self.memory.see(shown.laid.grid(), (&shown.surface.probability, shown.seen), self.shown.map());

@@ -1,7 +1,5 @@
 //! What decided a frame, and the numbers that it was decided by.
 
-use crate::camera_state::CameraEvidence;
-
 /// What a candidate lacks to be detected: the first of the tests that it does not pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Missing {
@@ -33,10 +31,7 @@ pub enum Decision {
     #[default]
     NoRoute,
     /// The camera showed nothing, or nothing new, and nothing was looked for.
-    NothingShown {
-        /// What is wrong with the picture.
-        camera: CameraEvidence,
-    },
+    NothingShown,
     /// The next feature is not in reach of the view yet.
     NotInReach {
         /// Index of the feature.
@@ -187,6 +182,16 @@ pub enum Decision {
     },
     /// Every feature has been passed.
     RouteDone,
+}
+
+impl Decision {
+    /// The feature that was given up unseen, where that decided the frame.
+    pub(super) const fn skipped(&self) -> Option<usize> {
+        match self {
+            Self::Skipped { index } => Some(*index),
+            _ => None,
+        }
+    }
 }
 
 /// What a feature lacks to be tracked by the belief: the first of the tests that it does not pass.

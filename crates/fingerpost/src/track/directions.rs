@@ -188,6 +188,7 @@ impl FeatureTracker for Directions {
             output.state = State::Searching;
             output.followed = None;
             output.route_m = None;
+            output.skipped = None;
             evidence.decision = Decision::NextUnknown { likeliest: (first, p), rival };
         }
         Ok(())

@@ -18,12 +18,13 @@ use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
-    Decision, ExpectedAhead, FeatureStep, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface, State,
-    TrackConfig, TrackEvidence, TrackOutput,
+    CandidatePlace, Decision, ExpectedAhead, FeatureTracker, Followed, Moved, PoseFilter, ShownSurface,
+    State, TrackConfig, TrackEvidence, TrackOutput,
 };
 use crate::feature_masks::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
+use crate::motion::FeatureStep;
 use crate::route_progress::RouteProgress;
 
 #[derive(Debug)]
@@ -65,6 +66,8 @@ pub struct Tracker {
     passing: Option<Passing>,
     progress: RouteProgress,
     found_off: Option<(f64, f64)>,
+    /// The candidate of this frame of which only the distance is not sure.
+    unsure: Option<CandidatePlace>,
     search: CandidateSearch,
     /// Where the next feature is expected.
     expected: Vec<ExpectedAhead>,
@@ -123,6 +126,7 @@ impl Tracker {
             passing: None,
             progress,
             found_off: None,
+            unsure: None,
             search: CandidateSearch::default(),
             expected: Vec::new(),
             aligner: Aligner::new(&setting.track.alignment, setting.viewpoint),
@@ -251,6 +255,8 @@ impl FeatureTracker for Tracker {
         self.spare.extend(output.followed.take().map(|followed| followed.matched));
         self.spare.extend(evidence.sought.take().map(|sought| sought.matched));
         evidence.clear();
+        output.begin_frame();
+        self.unsure = None;
         let before = self.at_hand();
         self.predict(&moved);
         if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
@@ -265,8 +271,10 @@ impl FeatureTracker for Tracker {
             Mode::Searching { .. } => self.pass(laid, evidence)?,
         };
         if edges_by_which_it_is_told(&evidence.sections) > 0 {
-            evidence.step = step_by(before, self.at_hand());
+            output.step = step_by(before, self.at_hand());
         }
+        output.candidate = self.unsure;
+        output.skipped = evidence.decision.skipped();
         output.followed = self.followed(output.state, laid)?;
         if let Some(followed) = &output.followed {
             let feature_m = self.stops.get(followed.index).map_or(0.0, |stop| stop.model.route_m);

@@ -78,6 +78,7 @@ fn feature_words(decision: Decision) -> String {
     let (track, config) = (TrackOutput::default(), TrackConfig::default());
     let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
     let why = Why {
+        camera: &CameraEvidence::default(),
         track: &track,
         evidence: &evidence,
         stops: &[],
@@ -86,7 +87,7 @@ fn feature_words(decision: Decision) -> String {
         signals: None,
         lane: None,
         turns_through: false,
-        ways: None,
+        centreline: &CentrelineEvidence::default(),
         departure: None,
         fix: None,
     };

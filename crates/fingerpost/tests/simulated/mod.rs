@@ -65,11 +65,10 @@ pub fn recorded(name: &'static str, simulator: &Simulator, frames: usize) -> Dri
 /// Motions of the drive's steps.
 pub fn motions(drive: &Drive, estimator: &mut dyn MotionEstimator) -> Vec<Motion> {
     let view = view();
-    let mut found = drive
-        .pictures
-        .iter()
-        .zip(&drive.attitudes)
-        .map(|(picture, attitude)| estimator.estimate(&view, picture, attitude).unwrap().map(|m| m.0));
+    let mut found =
+        drive.pictures.iter().zip(&drive.attitudes).map(|(picture, attitude)| {
+            estimator.estimate(&view, picture, attitude).unwrap().map(|m| m.0.motion)
+        });
     assert!(found.next().unwrap().is_none(), "one frame is no motion");
     found.map(|motion| motion.unwrap()).collect()
 }

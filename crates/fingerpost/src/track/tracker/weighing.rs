@@ -37,7 +37,7 @@ impl Tracker {
             evidence.decision = Decision::Dropped { index, frames, most_frames };
         } else if let Some(missing) = missing(config, (frames, weight), &filter, most_m) {
             evidence.decision = Decision::Candidate { index, frames, p: aligned_p, missing };
-            evidence.candidate = matches!(missing, Missing::Distance { .. }).then(|| CandidatePlace {
+            self.unsure = matches!(missing, Missing::Distance { .. }).then(|| CandidatePlace {
                 index,
                 vehicle_from_feature: *filter.pose(),
                 covariance: *filter.covariance(),
