@@ -1,6 +1,6 @@
 //! Fields of protocol buffers, without copies: a message is looked through where it lies.
-
-use protobuf::CodedInputStream;
+//!
+//! Format: Protocol Buffers' "Encoding" page. Field kinds 0 (number), 1 and 5 (of 8 and 4 bytes) and 2 (bytes) are read.
 
 /// What a field holds.
 #[derive(Debug, Clone, Copy)]
@@ -15,37 +15,58 @@ pub(crate) enum Value<'a> {
 
 /// The fields of a message, one after the other.
 pub(crate) struct Fields<'a> {
-    bytes: &'a [u8],
-    stream: CodedInputStream<'a>,
+    rest: &'a [u8],
 }
 
 impl<'a> Fields<'a> {
     /// Those of a message.
     pub(crate) fn of(bytes: &'a [u8]) -> Self {
-        Self { bytes, stream: CodedInputStream::from_bytes(bytes) }
+        Self { rest: bytes }
     }
 
     /// The next field's number and value; none behind the last.
     pub(crate) fn next(&mut self) -> Result<Option<(u32, Value<'a>)>, String> {
-        let cause = |error: protobuf::Error| error.to_string();
-        let Some(tag) = self.stream.read_raw_tag_or_eof().map_err(cause)? else { return Ok(None) };
+        if self.rest.is_empty() {
+            return Ok(None);
+        }
+        let tag = u32::try_from(take_number(&mut self.rest)?).map_err(|_| "a field's number is too large")?;
         let value = match tag & 7 {
-            0 => Value::Number(self.stream.read_raw_varint64().map_err(cause)?),
-            1 => self.stream.read_fixed64().map(|_| Value::Fixed).map_err(cause)?,
+            0 => Value::Number(take_number(&mut self.rest)?),
+            1 => self.take(8).map(|_| Value::Fixed)?,
             2 => {
-                let length = self.stream.read_raw_varint32().map_err(cause)?;
-                let rest = usize::try_from(self.stream.pos()).ok().and_then(|at| self.bytes.get(at..));
-                let value = rest.and_then(|rest| rest.get(..length as usize));
-                let value = value.ok_or("a field is longer than the message that it is in")?;
-                self.stream.skip_raw_bytes(length).map_err(cause)?;
-                Value::Bytes(value)
+                let length = take_number(&mut self.rest)?;
+                Value::Bytes(self.take(length)?)
             }
-            5 => self.stream.read_fixed32().map(|_| Value::Fixed).map_err(cause)?,
+            5 => self.take(4).map(|_| Value::Fixed)?,
             // Groups, which the format does not have and which could be nested without end.
             other => return Err(format!("a field of kind {other}")),
         };
         Ok(Some((tag >> 3, value)))
     }
+
+    fn take(&mut self, length: u64) -> Result<&'a [u8], String> {
+        let cut = usize::try_from(length).ok().and_then(|length| self.rest.split_at_checked(length));
+        let (taken, rest) = cut.ok_or("a field is longer than the message that it is in")?;
+        self.rest = rest;
+        Ok(taken)
+    }
+}
+
+/// Takes a number in base 128 off: seven bits a byte, the lowest first, each byte but the last marked by its highest bit.
+fn take_number(bytes: &mut &[u8]) -> Result<u64, String> {
+    let mut number = 0;
+    for (shift, (at, &byte)) in (0..u64::BITS).step_by(7).zip(bytes.iter().enumerate()) {
+        let bits = u64::from(byte & 0x7f);
+        number |= bits << shift;
+        if number >> shift != bits {
+            break;
+        }
+        if byte < 0x80 {
+            *bytes = &bytes[at + 1..];
+            return Ok(number);
+        }
+    }
+    Err("a number is cut short or has more than 64 bits".to_owned())
 }
 
 impl<'a> Value<'a> {
@@ -68,21 +89,18 @@ impl<'a> Value<'a> {
 
 /// Packed numbers, read one by one.
 pub(crate) struct Packed<'a> {
-    stream: CodedInputStream<'a>,
+    rest: &'a [u8],
 }
 
 impl<'a> Packed<'a> {
     /// The numbers of a field.
     pub(crate) fn of(bytes: &'a [u8]) -> Self {
-        Self { stream: CodedInputStream::from_bytes(bytes) }
+        Self { rest: bytes }
     }
 
     /// The next number as it is written; none behind the last.
     pub(crate) fn next(&mut self) -> Result<Option<u64>, String> {
-        if self.stream.eof().map_err(|error| error.to_string())? {
-            return Ok(None);
-        }
-        self.stream.read_raw_varint64().map(Some).map_err(|error| error.to_string())
+        if self.rest.is_empty() { Ok(None) } else { take_number(&mut self.rest).map(Some) }
     }
 }
 

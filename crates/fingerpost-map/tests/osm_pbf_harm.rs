@@ -205,3 +205,17 @@ fn groups_within_groups_are_refused() {
         assert!(matches!(read, Err(OsmError::Pbf { .. })), "{depth} deep: {read:?}");
     }
 }
+
+#[test]
+fn numbers_without_an_end_or_of_too_many_bits_are_refused() {
+    for (number, is_read) in [
+        (varint(0x7f), true),
+        (varint(u64::MAX), true),
+        ([vec![0xff; 9], vec![0x02]].concat(), false),
+        ([vec![0xff; 10], vec![0x01]].concat(), false),
+        (vec![0x80; 3], false),
+    ] {
+        let read = OsmData::from_bytes(&map_of(&[vec![10 << 3], number.clone()].concat()));
+        assert_eq!(read.is_ok(), is_read, "{number:x?}: {read:?}");
+    }
+}

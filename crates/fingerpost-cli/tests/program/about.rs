@@ -31,7 +31,7 @@ fn the_program_carries_the_licences_of_what_it_holds() {
     let notices = call_line("licences").done().stdout;
     let lock = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.lock")).unwrap();
     let lock: toml::Table = toml::from_str(&lock).unwrap();
-    for name in ["hyper", "nalgebra", "zune-jpeg", "quick-xml", "protobuf"] {
+    for name in ["hyper", "nalgebra", "zune-jpeg", "quick-xml", "prost"] {
         let packages = lock["package"].as_array().unwrap().iter();
         let package = packages.clone().find(|package| package["name"].as_str() == Some(name)).unwrap();
         let named = format!("\n{name} {} (", package["version"].as_str().unwrap());
