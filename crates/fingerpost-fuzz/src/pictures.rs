@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use fingerpost_io::{decode_picture, encode_jpeg, encode_png};
+use fingerpost_io::{decode_picture, encode_png};
+use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
 use fingerpost_vision::picture::RgbImage;
 
 use crate::must;
@@ -24,5 +25,11 @@ pub(crate) fn seeds() -> Vec<Vec<u8>> {
         }
     }
     let pixmap = [b"P6\n# by hand\n40 24\n255\n", picture.as_slice()].concat();
-    vec![must(encode_png(&picture), "a seed"), must(encode_jpeg(&picture, 80), "a seed"), pixmap]
+    let jpeg = |sampling| must(jpeg_file(&picture, 80, sampling), "a seed");
+    vec![
+        must(encode_png(&picture), "a seed"),
+        jpeg(ChromaSampling::Halved),
+        jpeg(ChromaSampling::Full),
+        pixmap,
+    ]
 }

@@ -67,8 +67,8 @@ pub use lockstep::standard_feed;
 pub use lockstep::{FedFrame, FeedError, FrameFeed};
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
-    EncodeError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_deep_png,
-    write_grey_png, write_jpeg, write_png, write_ppm,
+    EncodeError, PictureFileError, decode_picture, encode_png, read_picture, write_deep_png, write_grey_png,
+    write_jpeg, write_png, write_ppm,
 };
 pub use picture_folder::{PictureFolderError, picture_paths, text_files};
 pub use run_folder::{RunFolder, RunFolderError};

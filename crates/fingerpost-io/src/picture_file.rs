@@ -10,7 +10,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::{
+    jpeg::{ChromaSampling, jpeg_file},
+    picture::{Plane, RgbImage},
+};
 use thiserror::Error;
 use zune_jpeg::{
     JpegDecoder,
@@ -147,12 +150,21 @@ pub fn write_deep_png(path: &Path, picture: &Plane<u16>) -> Result<(), PictureFi
     write_encoded(path, picture.size(), png_bytes(picture.size(), DEEP_GREY, &bytes))
 }
 
-/// Writes a colour picture as JPEG of `quality` 1 to 100.
+/// Writes a colour picture as JPEG of `quality` 1 to [`JpegEncoder::MOST_QUALITY`](fingerpost_vision::jpeg::JpegEncoder::MOST_QUALITY).
 ///
 /// # Errors
 /// [`PictureFileError`] when the picture has no pixels or the file cannot be written.
-pub fn write_jpeg(path: &Path, picture: &RgbImage, quality: u8) -> Result<(), PictureFileError> {
-    write_encoded(path, picture.size(), jpeg_bytes(picture, quality))
+pub fn write_jpeg(
+    path: &Path,
+    picture: &RgbImage,
+    quality: u8,
+    sampling: ChromaSampling,
+) -> Result<(), PictureFileError> {
+    let (width, height) = picture.size();
+    let encoded = encodable_side(width)
+        .and(encodable_side(height))
+        .and_then(|_| jpeg_file(picture, quality, sampling).map_err(|cause| cause.to_string()));
+    write_encoded(path, (width, height), encoded)
 }
 
 /// A colour picture as the bytes of a PNG file, as a report holds it.
@@ -162,15 +174,6 @@ pub fn write_jpeg(path: &Path, picture: &RgbImage, quality: u8) -> Result<(), Pi
 pub fn encode_png(picture: &RgbImage) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = picture.size();
     png_bytes((width, height), RGB, picture.as_slice()).map_err(|cause| EncodeError { width, height, cause })
-}
-
-/// A colour picture as the bytes of a JPEG file of `quality` 1 to 100, as a report holds it.
-///
-/// # Errors
-/// [`EncodeError`] when the picture has no pixels or is too large.
-pub fn encode_jpeg(picture: &RgbImage, quality: u8) -> Result<Vec<u8>, EncodeError> {
-    let (width, height) = picture.size();
-    jpeg_bytes(picture, quality).map_err(|cause| EncodeError { width, height, cause })
 }
 
 /// A picture that cannot be encoded.
@@ -215,15 +218,6 @@ fn png_bytes(
     let mut writer = encoder.write_header().map_err(|cause| cause.to_string())?;
     writer.write_image_data(data).map_err(|cause| cause.to_string())?;
     writer.finish().map_err(|cause| cause.to_string())?;
-    Ok(bytes)
-}
-
-fn jpeg_bytes(picture: &RgbImage, quality: u8) -> Result<Vec<u8>, String> {
-    let (width, height) = (encodable_side(picture.width())?, encodable_side(picture.height())?);
-    let mut bytes = Vec::new();
-    jpeg_encoder::Encoder::new(&mut bytes, quality.clamp(1, 100))
-        .encode(picture.as_slice(), width, height, jpeg_encoder::ColorType::Rgb)
-        .map_err(|cause| cause.to_string())?;
     Ok(bytes)
 }
 

@@ -6,10 +6,13 @@
 use std::{fs, io::Write, path::Path};
 
 use fingerpost_io::{
-    FileError, PictureFileError, decode_picture, encode_jpeg, encode_png, read_picture, write_grey_png,
-    write_jpeg, write_png,
+    FileError, PictureFileError, decode_picture, encode_png, read_picture, write_grey_png, write_jpeg,
+    write_png,
 };
-use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::{
+    jpeg::{ChromaSampling, jpeg_file},
+    picture::{Plane, RgbImage},
+};
 
 /// A smooth picture whose three channels differ, so that exchanged channels or sides show.
 fn sample(width: usize, height: usize) -> RgbImage {
@@ -84,8 +87,8 @@ fn jpeg_keeps_colours_and_sides() {
     // The kind is in the bytes, not in the name.
     let path = folder.path().join("picture.png");
     let picture = sample(61, 33);
-    write_jpeg(&path, &picture, 95).unwrap();
-    assert_eq!(fs::read(&path).unwrap(), encode_jpeg(&picture, 95).unwrap());
+    write_jpeg(&path, &picture, 95, ChromaSampling::Full).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), jpeg_file(&picture, 95, ChromaSampling::Full).unwrap());
     let again = read_picture(&path).unwrap();
     assert_eq!(again.size(), (61, 33));
     let errors = again.as_slice().iter().zip(picture.as_slice()).map(|(a, b)| a.abs_diff(*b));
@@ -95,11 +98,7 @@ fn jpeg_keeps_colours_and_sides() {
 
 #[test]
 fn grey_jpeg_becomes_rgb() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("grey.jpg");
-    let encoder = jpeg_encoder::Encoder::new_file(&path, 95).unwrap();
-    encoder.encode(&[120; 16 * 16], 16, 16, jpeg_encoder::ColorType::Luma).unwrap();
-    let picture = read_picture(&path).unwrap();
+    let picture = read_picture(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/grey.jpg")).unwrap();
     assert_eq!(picture.size(), (16, 16));
     assert!(picture.as_slice().iter().all(|value| value.abs_diff(120) <= 1));
 }
@@ -109,7 +108,7 @@ fn a_truncated_picture_is_damaged_wherever_it_ends() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cut");
     let picture = sample(64, 48);
-    for bytes in [encode_png(&picture).unwrap(), encode_jpeg(&picture, 90).unwrap()] {
+    for bytes in [encode_png(&picture).unwrap(), jpeg_file(&picture, 90, ChromaSampling::Full).unwrap()] {
         for kept in [0, 12, 40, bytes.len() / 2, bytes.len() * 9 / 10, bytes.len() - 16] {
             fs::write(&path, &bytes[..kept]).unwrap();
             let message = match read_picture(&path) {
@@ -166,7 +165,8 @@ fn measured(path: &Path, bytes: &[u8]) -> (u64, Result<RgbImage, PictureFileErro
 fn headers_ask_for_no_memory_that_their_files_cannot_fill() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("picture");
-    let (png, jpeg) = (encode_png(&sample(64, 48)).unwrap(), encode_jpeg(&sample(64, 48), 90).unwrap());
+    let png = encode_png(&sample(64, 48)).unwrap();
+    let jpeg = jpeg_file(&sample(64, 48), 90, ChromaSampling::Full).unwrap();
     // The frame header of a baseline JPEG: marker, length, precision, then height and width.
     let frame = jpeg.windows(2).position(|bytes| bytes == [0xff, 0xc0]).unwrap();
     for sides in
@@ -217,7 +217,8 @@ fn crc32(bytes: &[u8]) -> u32 {
 fn a_picture_without_pixels_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("none.png");
-    for result in [write_png(&path, &RgbImage::default()), write_jpeg(&path, &RgbImage::default(), 90)] {
+    let none = RgbImage::default();
+    for result in [write_png(&path, &none), write_jpeg(&path, &none, 90, ChromaSampling::Full)] {
         assert!(result.unwrap_err().to_string().contains("0 x 0"));
     }
     assert!(encode_png(&RgbImage::default()).is_err());

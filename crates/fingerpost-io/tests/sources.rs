@@ -13,7 +13,7 @@ use fingerpost_io::{
     DEFAULT_PICTURE_FPS, FrameError, FrameSource, PictureFolderError, Sampling, SourceError, SourceOptions,
     write_jpeg, write_png,
 };
-use fingerpost_vision::picture::RgbImage;
+use fingerpost_vision::{jpeg::ChromaSampling, picture::RgbImage};
 
 fn picture(value: u8) -> RgbImage {
     RgbImage::from_vec(16, 16, vec![value; 16 * 16 * 3]).unwrap()
@@ -36,7 +36,7 @@ fn pictures_come_in_natural_order_at_the_default_rate() {
     for (name, value) in [("f10.png", 30), ("f9.PNG", 20), ("f1.png", 10)] {
         write_png(&folder.path().join(name), &picture(value)).unwrap();
     }
-    write_jpeg(&folder.path().join("f11.JPEG"), &picture(40), 95).unwrap();
+    write_jpeg(&folder.path().join("f11.JPEG"), &picture(40), 95, ChromaSampling::Full).unwrap();
     fs::write(folder.path().join("notes.txt"), "not a picture").unwrap();
     fs::write(folder.path().join("._f1.png"), "left behind by a file manager").unwrap();
     let source = open(folder.path()).unwrap();

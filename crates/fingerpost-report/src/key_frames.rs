@@ -10,7 +10,7 @@ mod choice;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
 
 use crate::ReportError;
 use crate::panel::{StagePicture, StagePictures, compose};
@@ -199,14 +199,8 @@ impl KeyFrames {
 
 fn encoded(drawn: &StagePicture) -> Result<KeyPicture, ReportError> {
     let StagePicture { stage, legend, ref picture } = *drawn;
-    let size_px = picture.size();
-    let side = |px: usize| u16::try_from(px).unwrap_or(0);
-    let mut jpeg = Vec::new();
-    let mut encoder = Encoder::new(&mut jpeg, JPEG_QUALITY);
     // Halved chroma would smear coloured letters.
-    encoder.set_sampling_factor(SamplingFactor::F_1_1);
-    encoder
-        .encode(picture.as_slice(), side(size_px.0), side(size_px.1), ColorType::Rgb)
+    let jpeg = jpeg_file(picture, JPEG_QUALITY, ChromaSampling::Full)
         .map_err(|cause| ReportError::Encode { stage, cause })?;
-    Ok(KeyPicture { stage, legend, jpeg, size_px })
+    Ok(KeyPicture { stage, legend, jpeg, size_px: picture.size() })
 }

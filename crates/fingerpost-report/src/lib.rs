@@ -37,6 +37,7 @@ pub use scene::{Scene, Setting};
 pub use surface_plot::{SurfacePlot, surface_svg};
 pub use timeline::Timeline;
 
+use fingerpost_vision::jpeg::JpegError;
 use thiserror::Error;
 
 /// A picture that cannot be put into a report.
@@ -48,6 +49,6 @@ pub enum ReportError {
         /// Stage that the picture shows.
         stage: &'static str,
         /// What the encoder says.
-        cause: jpeg_encoder::EncodingError,
+        cause: JpegError,
     },
 }

@@ -1,8 +1,8 @@
-//! Colour pictures as JPEG files: baseline, chroma of half the size.
+//! Colour pictures as JPEG files: baseline, chroma of half the size or of luma's.
 //!
 //! Format: ITU-T T.81 (1992), baseline sequential process, with the quantisation and Huffman tables of its annex K and the
-//! header of JFIF 1.02. Luma and chroma are those of [`colour`](crate::colour) at full range, chroma the mean of two by two
-//! pixels. The cosine transform is that of Y. Arai, T. Agui and M. Nakajima, "A fast DCT-SQ scheme for images", Trans. IEICE
+//! header of JFIF 1.02. Luma and chroma are those of [`colour`](crate::colour) at full range, chroma of half the size the mean of
+//! two by two pixels. The cosine transform is that of Y. Arai, T. Agui and M. Nakajima, "A fast DCT-SQ scheme for images", Trans. IEICE
 //! E71(11), 1988, in 16 bits, whose scale factors are part of the quantiser.
 //!
 //! Limits: qualities up to [`JpegEncoder::MOST_QUALITY`]; finer steps than those have no room in 16 bits.
@@ -17,17 +17,15 @@ mod transform;
 use self::huffman::{BitWriter, CodeTable};
 use self::quantiser::Quantiser;
 use self::transform::{Block, transform};
-use crate::picture::Plane;
+use crate::picture::{Plane, RgbImage};
 use crate::simd::{CodePath, simd_kernel};
 
-pub use self::planes::JpegPlanes;
+pub use self::planes::{ChromaSampling, JpegPlanes};
 
 /// Side of a block, pixels.
 const BLOCK: usize = 8;
 /// Values in a block.
 const BLOCK_VALUES: usize = BLOCK * BLOCK;
-/// Side of a minimum coded unit, pixels: four blocks of luma and one of each chroma.
-const UNIT: usize = 2 * BLOCK;
 /// Longest side of a picture, pixels: the header has 16 bits for it.
 const MOST_SIDE: usize = u16::MAX as usize;
 
@@ -44,12 +42,22 @@ pub enum JpegError {
     },
 }
 
+/// The JPEG file of a picture, as [`JpegEncoder::new`] makes it of this quality.
+///
+/// # Errors
+/// [`JpegError::Size`] when a side has no or more than 65535 pixels.
+pub fn jpeg_file(picture: &RgbImage, quality: u8, sampling: ChromaSampling) -> Result<Vec<u8>, JpegError> {
+    let mut file = Vec::new();
+    JpegEncoder::new(quality).encode(&JpegPlanes::of(picture, sampling), &mut file)?;
+    Ok(file)
+}
+
 /// Makes JPEG files of pictures, with the buffers that it needs.
 ///
 /// ```
-/// use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
+/// use fingerpost_vision::jpeg::{ChromaSampling, JpegEncoder, JpegPlanes};
 /// use fingerpost_vision::picture::RgbImage;
-/// let planes = JpegPlanes::of(&RgbImage::new(40, 30));
+/// let planes = JpegPlanes::of(&RgbImage::new(40, 30), ChromaSampling::Halved);
 /// let mut file = Vec::new();
 /// JpegEncoder::new(85).encode(&planes, &mut file)?;
 /// assert!(file.starts_with(&[0xff, 0xd8, 0xff]) && file.ends_with(&[0xff, 0xd9]));
@@ -59,7 +67,7 @@ pub enum JpegError {
 pub struct JpegEncoder {
     luma: Component,
     chroma: Component,
-    /// A row of units: luma's two rows of blocks, then blue and red.
+    /// A row of units: luma's two rows of blocks, the second empty where chroma is as large as luma, then blue and red.
     blocks: [Vec<Block>; 4],
 }
 
@@ -109,20 +117,25 @@ impl JpegEncoder {
         let (width, height) = planes.size();
         let side = |length: usize| u16::try_from(length).ok().filter(|side| *side > 0);
         let sides = side(width).zip(side(height)).ok_or(JpegError::Size { width, height })?;
-        self.write_header(sides, file);
+        let blocks_across = planes.sampling().luma_blocks_across();
+        self.write_header(sides, blocks_across, file);
         let mut bits = BitWriter::new(file);
         let [luma, blue, red] = planes.planes();
         let mut before = [0; 3];
         let Self { luma: of_luma, chroma: of_chroma, blocks } = self;
-        for unit_row in 0..luma.height() / UNIT {
-            let [upper, lower, blues, reds] = &mut *blocks;
-            transform(path, block_rows(luma, 2 * unit_row), &of_luma.quantiser, upper);
-            transform(path, block_rows(luma, 2 * unit_row + 1), &of_luma.quantiser, lower);
+        let [upper, lower, blues, reds] = blocks;
+        lower.clear();
+        for unit_row in 0..blue.height() / BLOCK {
+            for (row, lumas) in [&mut *upper, &mut *lower].into_iter().take(blocks_across).enumerate() {
+                transform(path, block_rows(luma, blocks_across * unit_row + row), &of_luma.quantiser, lumas);
+            }
             transform(path, block_rows(blue, unit_row), &of_chroma.quantiser, blues);
             transform(path, block_rows(red, unit_row), &of_chroma.quantiser, reds);
             code_units(
                 path,
-                blocks.each_ref().map(Vec::as_slice),
+                [upper, lower],
+                blocks_across,
+                [blues, reds],
                 [of_luma, of_chroma],
                 &mut before,
                 &mut bits,
@@ -134,7 +147,7 @@ impl JpegEncoder {
     }
 
     /// Everything before the first unit.
-    fn write_header(&self, (width, height): (u16, u16), file: &mut Vec<u8>) {
+    fn write_header(&self, (width, height): (u16, u16), luma_blocks_across: usize, file: &mut Vec<u8>) {
         file.extend([0xff, 0xd8]);
         segment(file, 0xe0, b"JFIF\0\x01\x02\x00\x00\x01\x00\x01\x00\x00");
         for (number, of) in [(0, &self.luma), (1, &self.chroma)] {
@@ -143,8 +156,9 @@ impl JpegEncoder {
         }
         let [high, low] = height.to_be_bytes();
         let [wide, narrow] = width.to_be_bytes();
-        // Each component: its number, how often it is sampled across and down, and its quantiser.
-        let frame = [8, high, low, wide, narrow, 3, 1, 0x22, 0, 2, 0x11, 1, 3, 0x11, 1];
+        // Each component: its number, how many blocks of it a unit has across and down, and its quantiser.
+        let of_luma = if luma_blocks_across == 2 { 0x22 } else { 0x11 };
+        let frame = [8, high, low, wide, narrow, 3, 1, of_luma, 0, 2, 0x11, 1, 3, 0x11, 1];
         segment(file, 0xc0, &frame);
         for (number, of) in [(0, &self.luma), (1, &self.chroma)] {
             for (class, table) in [(0, &of.dc), (0x10, &of.ac)] {
@@ -156,22 +170,28 @@ impl JpegEncoder {
 }
 
 simd_kernel! {
-    /// Appends a row of units; `before` are the first coefficients of the last blocks of luma, blue and red.
+    /// Appends a row of units, which have so many blocks of luma across; `before` are the first coefficients of the last blocks of
+    /// luma, blue and red.
     fn code_units(
-        blocks: [&[Block]; 4],
+        luma_rows: [&[Block]; 2],
+        luma_blocks_across: usize,
+        chroma_rows: [&[Block]; 2],
         tables: [&Component; 2],
         before: &mut [i16; 3],
         bits: &mut BitWriter<'_>,
     ) {
-        let [luma, chroma] = tables;
-        let [upper, lower, blue, red] = blocks;
+        let [luma, chroma] = tables.map(|tables| (&tables.dc, &tables.ac));
+        let [before_luma, before_blue, before_red] = before;
         let mut waiting = bits.taken_over();
-        let lumas = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-        for ((([a, b], [c, d]), blue), red) in lumas.zip(blue).zip(red) {
-            let blocks = [(a, 0, luma), (b, 0, luma), (c, 0, luma), (d, 0, luma), (blue, 1, chroma), (red, 2, chroma)];
-            for (block, component, tables) in blocks {
-                waiting.block(block, &mut before[component], (&tables.dc, &tables.ac));
+        for (unit, (blue, red)) in chroma_rows[0].iter().zip(chroma_rows[1]).enumerate() {
+            let first = luma_blocks_across * unit;
+            for row in luma_rows {
+                for block in row.get(first..first + luma_blocks_across).unwrap_or_default() {
+                    waiting.block(block, before_luma, luma);
+                }
             }
+            waiting.block(blue, before_blue, chroma);
+            waiting.block(red, before_red, chroma);
         }
         let state = waiting.state();
         bits.go_on(state);

@@ -10,7 +10,7 @@ use fingerpost_vision::corners::CornerFinder;
 use fingerpost_vision::farneback::{Farneback, FarnebackParams};
 use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::hough::{HoughLines, HoughParams};
-use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
+use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
 use fingerpost_vision::lucas_kanade::LucasKanade;
 use fingerpost_vision::morphology::{Dilation, StructuringElement};
 use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
@@ -96,9 +96,7 @@ fn every_kernel_gives_the_bytes_that_it_always_gave() {
     Shrinker::new((WIDTH, HEIGHT), (61, 37)).unwrap().shrink(&colour(), &mut small).unwrap();
     sums.push(("shrinking", Sum::of(small.as_slice().iter().copied())));
 
-    let mut file = Vec::new();
-    JpegEncoder::new(85).encode(&JpegPlanes::of(&colour()), &mut file).unwrap();
-    sums.push(("JPEG", Sum::of(file)));
+    sums.push(("JPEG", Sum::of(jpeg_file(&colour(), 85, ChromaSampling::Halved).unwrap())));
 
     let (mut dx, mut dy) = (Plane::new(WIDTH, HEIGHT, 0), Plane::new(WIDTH, HEIGHT, 0));
     Sobel::new().gradient(grey.view(), &mut dx, &mut dy).unwrap();

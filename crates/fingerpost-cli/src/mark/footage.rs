@@ -7,11 +7,11 @@ use fingerpost_io::{
     FrameSource, MARKED_FRAMES_FOLDER, SourceOptions, picture_paths, read_picture, write_jpeg,
 };
 use fingerpost_mark::{Cause, Picture, Pictures};
-use fingerpost_vision::picture::RgbImage;
+use fingerpost_vision::{jpeg::ChromaSampling, picture::RgbImage};
 
 use crate::{inputs, output};
 
-/// JPEG quality of a video's pictures: edges stay where they are.
+/// JPEG quality of a video's pictures, whose colours keep their resolution: edges stay where they are.
 const PICTURE_QUALITY: u8 = 95;
 
 /// The frames of an input.
@@ -109,7 +109,7 @@ fn video_pictures(
         picture_px.get_or_insert_with(|| size(&picture));
         let path = folder.unwrap_or(Path::new("")).join(format!("{:06}.jpg", frame.index));
         if folder.is_some() {
-            write_jpeg(&path, &picture, PICTURE_QUALITY)?;
+            write_jpeg(&path, &picture, PICTURE_QUALITY, ChromaSampling::Full)?;
         }
         pictures.push(path);
         source.recycle(picture);

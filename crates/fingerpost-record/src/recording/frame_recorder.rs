@@ -2,7 +2,7 @@
 
 use fingerpost::ground_view::GroundPicture;
 use fingerpost_report::Scene;
-use fingerpost_vision::jpeg::JpegPlanes;
+use fingerpost_vision::jpeg::{ChromaSampling, JpegPlanes};
 use foxglove::Encode;
 use foxglove::messages::Timestamp;
 
@@ -67,8 +67,8 @@ impl FrameRecorder {
         }
         let GroundPicture { colour, .. } = evidence.ground;
         let pictures = vec![
-            (Channel::CameraImage, CAMERA, JpegPlanes::of(scene.picture)),
-            (Channel::GroundView, GROUND, JpegPlanes::of(colour)),
+            (Channel::CameraImage, CAMERA, JpegPlanes::of(scene.picture, ChromaSampling::Halved)),
+            (Channel::GroundView, GROUND, JpegPlanes::of(colour, ChromaSampling::Halved)),
         ];
         RecordedFrame { t_s: scene.t_s, messages, pictures }
     }

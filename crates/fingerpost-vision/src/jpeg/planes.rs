@@ -1,19 +1,37 @@
-//! Luma, and chroma of half the size, in whole units.
+//! Luma and chroma in whole units.
 
-use super::{MOST_SIDE, UNIT};
+use super::{BLOCK, MOST_SIDE};
 use crate::colour::lanes::unpack;
 use crate::colour::luma_of_row;
 use crate::picture::{Plane, RgbImage};
 use crate::simd::{CodePath, simd_kernel};
 
-/// A picture as JPEG has it: half the bytes of its colours, and all that is kept of them.
-#[derive(Debug, Clone, Default)]
+/// How many values of chroma are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChromaSampling {
+    /// One for two by two pixels (4:2:0), as cameras have it.
+    Halved,
+    /// One a pixel (4:4:4), for lines and letters in colours.
+    Full,
+}
+
+impl ChromaSampling {
+    /// Blocks of luma that a minimum coded unit has across, and as many down; it has one block of each chroma.
+    pub(super) fn luma_blocks_across(self) -> usize {
+        match self {
+            Self::Halved => 2,
+            Self::Full => 1,
+        }
+    }
+}
+
+/// A picture as JPEG has it: its luma and all of its colour that is kept.
+#[derive(Debug, Clone)]
 pub struct JpegPlanes {
+    sampling: ChromaSampling,
     size: (usize, usize),
     /// Luma, blue and red difference, as large as whole units are; beyond the picture its last column and row go on.
     planes: [Plane<u8>; 3],
-    /// Two rows of colours, one 32-bit lane a pixel.
-    lanes: [Vec<u32>; 2],
 }
 
 /// Bits behind the point of the chroma weights.
@@ -23,12 +41,10 @@ const BLUE_DIFFERENCE: [i32; 3] = [-11_059, -21_709, 32_768];
 const RED_DIFFERENCE: [i32; 3] = [32_768, -27_439, -5_329];
 
 impl JpegPlanes {
-    /// Those of a picture, in memory of their own.
+    /// Those of a picture. One that is too large for JPEG has planes without pixels, which no encoder takes.
     #[must_use]
-    pub fn of(picture: &RgbImage) -> Self {
-        let mut planes = Self::default();
-        planes.set(picture);
-        planes
+    pub fn of(picture: &RgbImage, sampling: ChromaSampling) -> Self {
+        Self::on(CodePath::fastest(), picture, sampling)
     }
 
     /// Width and height of the picture, pixels.
@@ -37,44 +53,45 @@ impl JpegPlanes {
         self.size
     }
 
+    /// How many values of chroma there are.
+    pub(super) fn sampling(&self) -> ChromaSampling {
+        self.sampling
+    }
+
     /// Luma, blue and red difference.
     pub(super) fn planes(&self) -> &[Plane<u8>; 3] {
         &self.planes
     }
 
-    /// Takes a picture in, in the memory that there is. One that is too large for JPEG leaves planes without pixels, which no encoder takes.
-    pub fn set(&mut self, picture: &RgbImage) {
-        self.set_on(CodePath::fastest(), picture);
-    }
-
-    pub(super) fn set_on(&mut self, path: CodePath, picture: &RgbImage) {
+    pub(super) fn on(path: CodePath, picture: &RgbImage, sampling: ChromaSampling) -> Self {
         let (width, height) = picture.size();
-        self.size = (width, height);
         let fits = (1..=MOST_SIDE).contains(&width) && (1..=MOST_SIDE).contains(&height);
+        let across = sampling.luma_blocks_across();
         let [wide, high] =
-            if fits { [width, height].map(|side| side.next_multiple_of(UNIT)) } else { [0, 0] };
-        let Self { planes: [luma, blue, red], lanes, .. } = self;
-        for (plane, part) in [(&mut *luma, 1), (&mut *blue, 2), (&mut *red, 2)] {
-            if plane.size() != (wide / part, high / part) {
-                plane.reset(wide / part, high / part, 0);
-            }
-        }
-        if !fits {
-            return;
-        }
-        lanes.iter_mut().for_each(|lanes| lanes.resize(wide, 0));
-        for y in 0..high / 2 {
-            for (half, lanes) in lanes.iter_mut().enumerate() {
-                let (rgb, _) = picture.row((2 * y + half).min(height - 1)).as_chunks();
-                let row = luma.row_mut(2 * y + half);
+            if fits { [width, height].map(|side| side.next_multiple_of(BLOCK * across)) } else { [0, 0] };
+        let plane = |part| Plane::new(wide / part, high / part, 0);
+        let [mut luma, mut blue, mut red] = [1, across, across].map(plane);
+        // Rows of colours, one 32-bit lane a pixel.
+        let mut lanes = [vec![0; wide], vec![0; wide]];
+        for y in 0..high / across {
+            for (row, lanes) in lanes.iter_mut().take(across).enumerate() {
+                let (rgb, _) = picture.row((across * y + row).min(height - 1)).as_chunks();
+                let row = luma.row_mut(across * y + row);
                 luma_of_row(path, rgb, &mut row[..width]);
                 go_on(row, width);
                 unpack(path, rgb, lanes);
                 go_on(lanes, width);
             }
-            let [upper, lower] = lanes.each_ref().map(|lanes| lanes.as_chunks().0);
-            chroma(path, upper, lower, blue.row_mut(y), red.row_mut(y));
+            let [upper, lower] = lanes.each_ref();
+            match sampling {
+                ChromaSampling::Halved => {
+                    let (upper, lower) = (upper.as_chunks().0, lower.as_chunks().0);
+                    halved_chroma(path, upper, lower, blue.row_mut(y), red.row_mut(y));
+                }
+                ChromaSampling::Full => full_chroma(path, upper, blue.row_mut(y), red.row_mut(y)),
+            }
         }
+        Self { sampling, size: (width, height), planes: [luma, blue, red] }
     }
 }
 
@@ -86,19 +103,32 @@ fn go_on<T: Copy>(row: &mut [T], used: usize) {
     }
 }
 
+/// A difference of colours whose sums are over 2^`of_bits` pixels.
+#[inline(always)]
+fn difference(sums: [i32; 3], weights: [i32; 3], of_bits: u32) -> u8 {
+    let weighted = sums[0] * weights[0] + sums[1] * weights[1] + sums[2] * weights[2];
+    let bits = BITS + of_bits;
+    // Half a step less than a whole one keeps the largest difference a byte.
+    ((weighted + (128 << bits) + (1 << (bits - 1)) - 1) >> bits) as u8
+}
+
 simd_kernel! {
-    fn chroma(upper: &[[u32; 2]], lower: &[[u32; 2]], blue: &mut [u8], red: &mut [u8]) {
-        // Four pixels are two bits more.
-        let difference = |sums: [i32; 3], of: [i32; 3]| {
-            let weighted = sums[0] * of[0] + sums[1] * of[1] + sums[2] * of[2];
-            // Half a step less than a whole one keeps the largest difference a byte.
-            ((weighted + (128 << (BITS + 2)) + (1 << (BITS + 1)) - 1) >> (BITS + 2)) as u8
-        };
+    fn halved_chroma(upper: &[[u32; 2]], lower: &[[u32; 2]], blue: &mut [u8], red: &mut [u8]) {
         let outs = blue.iter_mut().zip(red);
         for ((&[a, b], &[c, d]), (blue, red)) in upper.iter().zip(lower).zip(outs) {
             let sums = [0, 8, 16].map(|shift| [a, b, c, d].map(|lane| lane >> shift & 0xff).iter().sum::<u32>() as i32);
-            *blue = difference(sums, BLUE_DIFFERENCE);
-            *red = difference(sums, RED_DIFFERENCE);
+            *blue = difference(sums, BLUE_DIFFERENCE, 2);
+            *red = difference(sums, RED_DIFFERENCE, 2);
+        }
+    }
+}
+
+simd_kernel! {
+    fn full_chroma(lanes: &[u32], blue: &mut [u8], red: &mut [u8]) {
+        for ((&lane, blue), red) in lanes.iter().zip(blue).zip(red) {
+            let colours = [0, 8, 16].map(|shift| (lane >> shift & 0xff) as i32);
+            *blue = difference(colours, BLUE_DIFFERENCE, 0);
+            *red = difference(colours, RED_DIFFERENCE, 0);
         }
     }
 }

@@ -8,9 +8,11 @@ use super::*;
 use crate::picture::RgbImage;
 use crate::test_pictures::config;
 
-fn encoded(path: CodePath, picture: &RgbImage, quality: u8) -> Vec<u8> {
-    let (mut planes, mut file) = (JpegPlanes::default(), Vec::new());
-    planes.set_on(path, picture);
+const SAMPLINGS: [ChromaSampling; 2] = [ChromaSampling::Halved, ChromaSampling::Full];
+
+fn encoded(path: CodePath, picture: &RgbImage, quality: u8, sampling: ChromaSampling) -> Vec<u8> {
+    let mut file = Vec::new();
+    let planes = JpegPlanes::on(path, picture, sampling);
     JpegEncoder::new(quality).encode_on(path, &planes, &mut file).unwrap();
     file
 }
@@ -52,10 +54,21 @@ fn scene(width: usize, height: usize) -> RgbImage {
 fn another_reader_sees_the_picture() {
     for (width, height) in [(160, 96), (97, 33), (16, 16), (1, 1), (65, 130)] {
         let picture = scene(width, height);
-        let file = encoded(CodePath::PORTABLE, &picture, 85);
-        let away = difference(&decoded(&file), &picture);
-        assert!(away < 6.0, "{width} x {height}: {away}");
+        for sampling in SAMPLINGS {
+            let file = encoded(CodePath::PORTABLE, &picture, 85, sampling);
+            let away = difference(&decoded(&file), &picture);
+            assert!(away < 6.0, "{width} x {height}, {sampling:?}: {away}");
+        }
     }
+}
+
+#[test]
+fn full_chroma_keeps_coloured_lines() {
+    let line = |at: usize| if at.is_multiple_of(5) { [230, 30, 60] } else { [40, 60, 200] };
+    let picture = RgbImage::from_vec(60, 20, (0..1200).flat_map(line).collect()).unwrap();
+    let [halved, full] = SAMPLINGS
+        .map(|sampling| difference(&decoded(&encoded(CodePath::PORTABLE, &picture, 90, sampling)), &picture));
+    assert!(full < 4.0 && halved > 20.0, "{full} and {halved}");
 }
 
 #[test]
@@ -64,9 +77,9 @@ fn single_colours_stay_to_a_level_or_two() {
         [[0, 0, 0], [255, 255, 255], [255, 0, 0], [0, 255, 0], [0, 0, 255], [128, 128, 128], [90, 140, 200]]
     {
         let picture = RgbImage::from_vec(24, 24, colour.repeat(24 * 24)).unwrap();
-        for path in CodePath::available() {
-            let away = difference(&decoded(&encoded(path, &picture, 95)), &picture);
-            assert!(away < 2.0, "{colour:?} on {path:?}: {away}");
+        for (path, sampling) in CodePath::available().flat_map(|path| SAMPLINGS.map(|of| (path, of))) {
+            let away = difference(&decoded(&encoded(path, &picture, 95, sampling)), &picture);
+            assert!(away < 2.0, "{colour:?} on {path:?}, {sampling:?}: {away}");
         }
     }
 }
@@ -74,7 +87,8 @@ fn single_colours_stay_to_a_level_or_two() {
 #[test]
 fn a_higher_quality_is_nearer_and_larger() {
     let picture = scene(200, 120);
-    let files = [20, 50, 85, 95].map(|quality| encoded(CodePath::PORTABLE, &picture, quality));
+    let files = [20, 50, 85, 95]
+        .map(|quality| encoded(CodePath::PORTABLE, &picture, quality, ChromaSampling::Halved));
     let away = files.each_ref().map(|file| difference(&decoded(file), &picture));
     assert!(files.windows(2).all(|pair| pair[0].len() < pair[1].len()));
     assert!(away.windows(2).all(|pair| pair[0] > pair[1]), "{away:?}");
@@ -83,8 +97,8 @@ fn a_higher_quality_is_nearer_and_larger() {
 #[test]
 fn sizes_that_jpeg_does_not_have_are_refused() {
     for (width, height) in [(0, 0), (0, 5), (MOST_SIDE + 1, 1), (1, MOST_SIDE + 1)] {
-        let (mut planes, mut file) = (JpegPlanes::default(), Vec::new());
-        planes.set(&RgbImage::new(width, height));
+        let planes = JpegPlanes::of(&RgbImage::new(width, height), ChromaSampling::Halved);
+        let mut file = Vec::new();
         let error = JpegEncoder::new(85).encode(&planes, &mut file).unwrap_err();
         assert_eq!(error, JpegError::Size { width, height });
         assert!(file.is_empty());
@@ -112,10 +126,12 @@ proptest! {
 
     #[test]
     fn every_path_gives_the_same_file_and_it_is_read(picture in pictures(), quality in 1..=95_u8) {
-        let expected = encoded(CodePath::PORTABLE, &picture, quality);
-        prop_assert_eq!(decoded(&expected).size(), picture.size());
-        for path in CodePath::available() {
-            prop_assert!(encoded(path, &picture, quality) == expected, "{:?}", path);
+        for sampling in SAMPLINGS {
+            let expected = encoded(CodePath::PORTABLE, &picture, quality, sampling);
+            prop_assert_eq!(decoded(&expected).size(), picture.size());
+            for path in CodePath::available() {
+                prop_assert!(encoded(path, &picture, quality, sampling) == expected, "{:?}, {:?}", path, sampling);
+            }
         }
     }
 
