@@ -33,9 +33,9 @@ impl Search {
         population: usize,
         seed: u64,
     ) -> PyResult<Self> {
-        let config = config.map_or(Ok(Config::default()), toml::from_str).map_err(exception!(ConfigError))?;
+        let config = config.map_or(Ok(Config::default()), Config::from_toml).map_err(exception!(ConfigError))?;
         config.check().map_err(exception!(ConfigError))?;
-        let base = serde_json::to_value(config).map_err(exception!(ConfigError))?;
+        let base = config.to_json();
         let mut known: Vec<Key> = Vec::with_capacity(keys.len());
         let (mut variables, mut start) = (Vec::new(), Vec::new());
         for (name, least, most) in keys {
@@ -85,7 +85,7 @@ impl Search {
                 .ok_or_else(|| ConfigError::new_err("the settings contradict each other"))?;
             let named: Map<String, Value> =
                 keys.iter().zip(values).map(|(key, &value)| (key.name.clone(), key.json(value))).collect();
-            Ok((json::to_python(py, &named)?, toml::to_string(&config).map_err(exception!(ConfigError))?))
+            Ok((json::to_python(py, &named)?, config.to_toml().map_err(exception!(ConfigError))?))
         };
         points.iter().map(trial).collect()
     }
@@ -108,7 +108,7 @@ fn config(keys: &[Key], base: &Value, values: &[f64]) -> Option<Config> {
     for (key, &value) in keys.iter().zip(values) {
         *json.pointer_mut(&pointer(&key.name))? = key.json(value);
     }
-    let config: Config = serde_json::from_value(json).ok()?;
+    let config = Config::from_json(json).ok()?;
     config.check().is_ok().then_some(config)
 }
 

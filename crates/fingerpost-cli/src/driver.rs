@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use fingerpost::advice::Advice;
 use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
@@ -157,9 +157,7 @@ impl Driver {
     /// What the results say about the run as a whole.
     pub(crate) fn subject(&self, setting: RunSetting<'_>) -> Result<Subject> {
         Ok(Subject {
-            config_toml: toml::to_string(setting.config)
-                .map(|settings| format!("{WRITTEN_BY}{settings}"))
-                .context("the configuration cannot be written as TOML")?,
+            config_toml: format!("{WRITTEN_BY}{}", setting.config.to_toml()?),
             rules: self.pipeline.advice_rules().map(str::to_owned).collect(),
             thresholds: thresholds(&setting.config.track),
             route: setting.route.cloned(),

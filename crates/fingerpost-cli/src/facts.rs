@@ -51,7 +51,7 @@ pub(crate) fn of_route(route: &Route) -> String {
 pub(crate) fn of_settings(config: &Config) -> Vec<String> {
     // What cannot be written has no keys.
     let table = |config: &Config| -> Table {
-        toml::to_string(config).ok().and_then(|text| text.parse().ok()).unwrap_or_default()
+        config.to_toml().ok().and_then(|text| text.parse().ok()).unwrap_or_default()
     };
     let mut changed = Vec::new();
     compare("", &table(config), &table(&Config::default()), &mut changed);

@@ -71,7 +71,7 @@ pub(crate) fn config(path: Option<&Path>) -> Result<Config> {
         return Ok(Config::default());
     };
     let text = fingerpost_io::read_text(path)?;
-    let config: Config = toml::from_str(&text).with_context(|| {
+    let config = Config::from_toml(&text).with_context(|| {
         format!("{} is no valid configuration; `fingerpost schema` prints every key", path.display())
     })?;
     config.check().with_context(|| path.display().to_string())?;

@@ -93,7 +93,7 @@ impl Piece {
 fn drive(road: &RoadKind, seed: u64, frames: usize, interrupt: &Interrupt) -> Result<Option<Measured>> {
     let [width, height] = SIZE_PX;
     let camera = default_camera(PictureSize { width, height }, Lens::None)?;
-    let settings: Config = toml::from_str(PAPERS_TOML).context("papers.toml")?;
+    let settings = Config::from_toml(PAPERS_TOML).context("papers.toml")?;
     let planned = road.plan((&settings, &camera), seed, frames)?;
     let variants = variants(&planned.config);
     let mut runs =

@@ -300,14 +300,14 @@ fn learn_from(driver: &mut Driver, bank: &Path) -> Result<()> {
         return Ok(());
     }
     let text = fingerpost_io::read_text(bank)?;
-    let surfaces: SurfaceFile = serde_json::from_str(&text).with_context(|| {
+    let surfaces = SurfaceFile::from_json(&text).with_context(|| {
         format!("{} is no file of known surfaces; give another, or remove it", bank.display())
     })?;
     driver.know(&surfaces).with_context(|| bank.display().to_string())
 }
 
 fn write_surfaces(bank: &Path, surfaces: &SurfaceFile) -> Result<()> {
-    let text = serde_json::to_string(surfaces).context("the known surfaces cannot be written as JSON")?;
+    let text = surfaces.to_json().context("the known surfaces cannot be written as JSON")?;
     Ok(fingerpost_io::write_file(bank, text)?)
 }
 

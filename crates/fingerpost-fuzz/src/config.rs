@@ -9,11 +9,11 @@ use crate::must;
 /// A configuration that is accepted reads back and is accepted again.
 pub(crate) fn config(bytes: &[u8]) -> bool {
     if let Ok(text) = str::from_utf8(bytes)
-        && let Ok(config) = toml::from_str::<Config>(text)
+        && let Ok(config) = Config::from_toml(text)
         && config.check().is_ok()
     {
-        let written = must(toml::to_string(&config), "a configuration that was read");
-        let again: Config = must(toml::from_str(&written), "a configuration that was written");
+        let written = must(config.to_toml(), "a configuration that was read");
+        let again = must(Config::from_toml(&written), "a configuration that was written");
         assert_eq!(again, config);
         return true;
     }
@@ -21,7 +21,7 @@ pub(crate) fn config(bytes: &[u8]) -> bool {
 }
 
 pub(crate) fn config_seeds() -> Vec<Vec<u8>> {
-    let all = must(toml::to_string(&Config::default()), "a seed");
+    let all = must(Config::default().to_toml(), "a seed");
     vec![all.into_bytes(), include_bytes!("../../fingerpost-sim/src/bus/can.toml").to_vec()]
 }
 
@@ -42,7 +42,11 @@ pub(crate) fn fuzzy_rules_seeds() -> Vec<Vec<u8>> {
 
 /// Surfaces that a detector takes come out of it again and are taken by another.
 pub(crate) fn bank(bytes: &[u8]) -> bool {
-    let Ok(surfaces) = serde_json::from_slice::<SurfaceFile>(bytes) else { return false };
+    let Ok(surfaces) =
+        str::from_utf8(bytes).map_err(drop).and_then(|text| SurfaceFile::from_json(text).map_err(drop))
+    else {
+        return false;
+    };
     let detector = || {
         let config = RoadSurfaceConfig { detector: RoadMethod::Bank, ..RoadSurfaceConfig::default() };
         must(fingerpost_papers::road_detector(&config), "a detector")

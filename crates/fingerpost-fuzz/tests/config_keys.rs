@@ -71,7 +71,7 @@ fn frame() -> RgbImage {
 
 /// What a configuration leads to: refused with these words, or worked with.
 fn outcome(text: &str) -> Result<(), String> {
-    let config: Config = toml::from_str(text).map_err(|error| error.to_string())?;
+    let config = Config::from_toml(text).map_err(|error| error.to_string())?;
     config.check().map_err(|error| error.to_string())?;
     let parts = fingerpost_papers::parts(&config).map_err(|error| error.to_string())?;
     let mut pipeline =

@@ -1,10 +1,14 @@
 //! The effective configuration of a run: one table a stage.
 
+mod text;
+
 use std::sync::LazyLock;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+pub use self::text::{ConfigTextError, vehicle_to_toml};
 
 use crate::advice::{AdviceConfig, AdviceSetting};
 use crate::centreline::CentrelineConfig;

@@ -67,6 +67,6 @@ pub use fingerpost_map as map;
 pub use fingerpost_vision as vision;
 pub use nalgebra;
 
-pub use config::Config;
+pub use config::{Config, ConfigTextError, vehicle_to_toml};
 pub use declared::ConfigError;
 pub use pipeline::{FrameEvidence, FrameOutput, Pipeline, PipelineError, Sensors, Stage};

@@ -8,7 +8,7 @@ mod fault;
 
 use std::sync::Mutex;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use fingerpost_control::ControllerName;
 use fingerpost_eval::closed_loop_table;
 use fingerpost_format::{ClosedLoop, ErrorQuantiles, LoopDrive, LoopEnd, LoopGroup};
@@ -147,7 +147,7 @@ fn name_of(drive: &LoopDrive) -> (u64, &str, &str) {
 fn setup(args: &CampaignArgs, config: &fingerpost::Config) -> Result<Value> {
     Ok(json!({
         "program": VERSION,
-        "settings": serde_json::to_value(config).context("the settings cannot be written as JSON")?,
+        "settings": config.to_json(),
         "map_digest": args.map.as_deref().map(file_digest).transpose()?,
         "size": args.size.map(|size| [size.width, size.height]),
         "fps": args.fps,

@@ -1,11 +1,10 @@
 //! A drive in a world of its own: `simulate --world`.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::OsmData;
 use fingerpost_sim::{BUS_SETTINGS, TOWN_OSM, TrafficSide, World, WorldOptions};
-use serde::Serialize;
 
 use super::{Plan, SimulateArgs};
 use crate::{inputs, output};
@@ -38,8 +37,7 @@ impl WorldArgs {
             &WorldOptions { size_px, fps: args.fps, ..WorldOptions::default() },
         )?;
         world.config.frames = args.frames();
-        let vehicle = VehicleSettings { vehicle: known_vehicle(&world, &VehicleConfig::default()) };
-        let vehicle = toml::to_string(&vehicle).context("the vehicle cannot be written as TOML")?;
+        let vehicle = fingerpost::vehicle_to_toml(&known_vehicle(&world, &VehicleConfig::default()))?;
         output::message(&format!("the first frame is believed to be at --start-m {:.1}", world.start_m));
         Ok(Plan {
             simulator: world.simulator()?,
@@ -48,12 +46,6 @@ impl WorldArgs {
             settings: format!("{BUS_SETTINGS}\n{vehicle}"),
         })
     }
-}
-
-/// The vehicle's table of a configuration.
-#[derive(Debug, Serialize)]
-struct VehicleSettings {
-    vehicle: VehicleConfig,
 }
 
 /// The vehicle of a world as its owner knows it; all else is as given.

@@ -35,7 +35,7 @@ pub(super) struct TuneDrive {
 /// The vehicle that a file of settings describes; none where it says nothing of it.
 fn vehicle_of(settings: &Path) -> Result<Option<VehicleConfig>> {
     let config = inputs::config(Some(settings))?;
-    let named: toml::Table = toml::from_str(&fingerpost_io::read_text(settings)?)?;
+    let named: toml::Table = fingerpost_io::read_text(settings)?.parse()?;
     Ok(named.contains_key("vehicle").then_some(config.vehicle))
 }
 

@@ -75,7 +75,7 @@ pub(super) fn write(
     for point in &front.front {
         let config =
             settings.config(&point.settings).context("settings of the front contradict each other")?;
-        let text = toml::to_string(&config).context("the configuration cannot be written as TOML")?;
+        let text = config.to_toml()?;
         configs.extend(point.config.clone().map(|name| (name, format!("{WRITTEN_BY}{text}"))));
     }
     let mut text = serde_json::to_string_pretty(front).context("the front cannot be written as JSON")?;

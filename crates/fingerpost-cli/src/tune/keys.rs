@@ -125,8 +125,7 @@ pub(crate) struct SearchedSettings {
 impl SearchedSettings {
     /// Settings that vary `wanted` and leave the rest of `base`.
     pub(crate) fn new(wanted: &[WantedKey], base: &Config) -> Result<Self, KeyError> {
-        // What could not be written would be null, which has no keys.
-        let base_json = serde_json::to_value(base).unwrap_or_default();
+        let base_json = base.to_json();
         let keys: Vec<Key> =
             wanted.iter().map(|wanted| Key::new(wanted, &base_json)).collect::<Result<_, _>>()?;
         let is_repeated =
@@ -157,7 +156,7 @@ impl SearchedSettings {
         for (name, value) in settings {
             *json.pointer_mut(&pointer(name))? = value.clone();
         }
-        let config: Config = serde_json::from_value(json).ok()?;
+        let config = Config::from_json(json).ok()?;
         config.check().is_ok().then_some(config)
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn setup(args: &TuneArgs, settings: &SearchedSettings) -> Result<Valu
         "program": VERSION,
         "drives": drives,
         "held_out": args.held_out,
-        "settings": serde_json::to_value(&settings.base).context("the settings cannot be written as JSON")?,
+        "settings": settings.base.to_json(),
         "keys": serde_json::to_value(&settings.keys).context("the keys cannot be written as JSON")?,
         "screen": args.screen,
         "objectives": args.objectives(),

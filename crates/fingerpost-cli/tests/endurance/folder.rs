@@ -50,7 +50,7 @@ pub(crate) fn check(subject: &Subject, fault: Fault, seen: &Seen) -> usize {
         assert!(known.contains(&name.as_str()) || name.ends_with(".fingerpost-tmp"), "{name}");
     }
     if let Ok(config) = fs::read_to_string(out.join("config.toml")) {
-        toml::from_str::<fingerpost::Config>(&config).unwrap();
+        fingerpost::Config::from_toml(&config).unwrap();
     }
     if let Ok(report) = fs::read_to_string(out.join("report.html")) {
         assert!(report.trim_end().ends_with("</html>"));

@@ -20,7 +20,7 @@ fn settings() -> PathBuf {
 #[test]
 fn every_setting_of_the_papers_names_its_section() {
     let text = fs::read_to_string(settings()).unwrap();
-    let config: Config = toml::from_str(&text).unwrap();
+    let config = Config::from_toml(&text).unwrap();
     config.check().unwrap();
     assert_eq!(config.road_surface.detector, RoadMethod::Backprojection);
     assert_eq!(config.motion.estimator, MotionMethod::Farneback);

@@ -60,6 +60,24 @@ pub struct SurfaceFile {
     pub surfaces: Vec<SurfaceRecord>,
 }
 
+impl SurfaceFile {
+    /// The surfaces of a file.
+    ///
+    /// # Errors
+    /// What the text lacks or has too much.
+    pub fn from_json(text: &str) -> serde_json::Result<Self> {
+        serde_json::from_str(text)
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// A mass that is not finite.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(self)
+    }
+}
+
 /// A known surface as a file has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
