@@ -97,7 +97,7 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
             FedFrame::Bad(cause) => adviser.pass_over(&cause),
             FedFrame::End => return Ok(()),
         };
-        let line = to_json_line(&record).context("the answer cannot be written as JSON")?;
+        let line = to_json_line(record).context("the answer cannot be written as JSON")?;
         let written = out.write_all(line.as_bytes()).and_then(|()| out.flush());
         written.context("standard output cannot be written; check who reads it")?;
     }

@@ -16,7 +16,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use fingerpost_control::ControllerName;
 use fingerpost_eval::CampaignTally;
-use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, ErrorQuantiles};
+use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, ErrorQuantiles, ToJson};
 use fingerpost_io::{FolderKind, OutputFolder, write_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
@@ -219,8 +219,7 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
 }
 
 fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
-    let mut text =
-        serde_json::to_string_pretty(campaign).context("the campaign cannot be written as JSON")?;
+    let mut text = campaign.to_json().context("the campaign cannot be written as JSON")?;
     text.push('\n');
     Ok(write_file(&args.out.join(RESULT_FILE), text)?)
 }

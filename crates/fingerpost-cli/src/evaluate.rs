@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use fingerpost_eval::{evaluate_junctions, evaluate_motion, poses_from_kitti, poses_from_truth};
-use fingerpost_format::{ErrorQuantiles, FrameRecord, Summary, from_json_lines};
+use fingerpost_format::{ErrorQuantiles, FrameRecord, FromJson, Summary, from_json_lines};
 
 use crate::examples::examples;
 use crate::{inputs, output};
@@ -85,7 +85,7 @@ pub(crate) fn evaluate(command: &EvaluateCommand) -> Result<()> {
 fn junctions(args: &JunctionsArgs) -> Result<()> {
     let records = records(&args.run)?;
     let summary_path = args.run.join("summary.json");
-    let summary: Summary = serde_json::from_str(&fingerpost_io::read_text(&summary_path)?)
+    let summary = Summary::from_json(&fingerpost_io::read_text(&summary_path)?)
         .with_context(|| format!("{} is no summary of a run; run again", summary_path.display()))?;
     let ids: Vec<i64> = summary.features.iter().map(|feature| feature.id).collect();
     let truth = inputs::truth(&args.truth)?;

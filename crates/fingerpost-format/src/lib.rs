@@ -14,9 +14,9 @@ mod closed_loop;
 mod columns;
 mod frame_header;
 mod frame_record;
+mod json;
 mod kitti;
 mod lanes;
-mod lines;
 mod location;
 mod marks;
 mod motion_log;
@@ -41,11 +41,12 @@ pub use frame_record::{
     FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
     MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
+pub use json::{FromJson, LinesError, ToJson, from_json_lines, json_lines, to_json_line};
+// For `json_records`.
 pub use kitti::{KittiError, KittiOxts, KittiTime, kitti_oxts, kitti_projection, kitti_timestamps};
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
-pub use lines::{LinesError, from_json_lines, json_lines, to_json_line};
 pub use location::{
     FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, MotionFaults, PlaceLine, Recall,
 };
@@ -55,6 +56,8 @@ pub use marks::{
 pub use motion_log::{
     MotionLog, MotionLogRow, PoseLogRow, motion_log_text, parse_motion_log, parse_pose_log, pose_log_text,
 };
+#[doc(hidden)]
+pub use serde_json;
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum};

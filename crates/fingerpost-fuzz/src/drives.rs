@@ -1,12 +1,11 @@
 //! What stands in the folders of drives and runs: calibrations, times, truth, records and marks.
 
 use fingerpost_format::{
-    FrameRecord, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml, camera_to_toml,
-    from_json_lines, kitti_oxts, kitti_projection, kitti_timestamps, marks_from_json, marks_to_json,
-    parse_motion_log, parse_pose_log, parse_times, to_json_line,
+    FrameRecord, FromJson, ToJson, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml,
+    camera_to_toml, from_json_lines, kitti_oxts, kitti_projection, kitti_timestamps, marks_from_json,
+    marks_to_json, parse_motion_log, parse_pose_log, parse_times, to_json_line,
 };
 use fingerpost_geometry::{Camera, Mount, Pixel};
-use serde::{Serialize, de::DeserializeOwned};
 
 use crate::must;
 
@@ -100,7 +99,7 @@ pub(crate) fn pose_log_seeds() -> Vec<Vec<u8>> {
 }
 
 /// Records that are read can be written, and what is written reads back and is written the same.
-fn check_lines<T: DeserializeOwned + Serialize>(bytes: &[u8]) -> bool {
+fn check_lines<T: FromJson + ToJson>(bytes: &[u8]) -> bool {
     let Ok(records) =
         str::from_utf8(bytes).map_err(drop).and_then(|text| from_json_lines::<T>(text).map_err(drop))
     else {

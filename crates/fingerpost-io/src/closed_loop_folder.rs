@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use fingerpost_format::{ClosedLoop, LinesError, LoopDrive, from_json_lines};
+use fingerpost_format::{ClosedLoop, LinesError, LoopDrive, ToJson, from_json_lines};
 use thiserror::Error;
 
 use crate::{
@@ -99,8 +99,7 @@ impl ClosedLoopFolder {
     /// # Errors
     /// [`ClosedLoopFolderError`] when they cannot be written.
     pub fn write_table(&self, table: &ClosedLoop, report: &str) -> Result<(), ClosedLoopFolderError> {
-        let mut text =
-            serde_json::to_string_pretty(table).map_err(|cause| ClosedLoopFolderError::Table { cause })?;
+        let mut text = table.to_json().map_err(|cause| ClosedLoopFolderError::Table { cause })?;
         text.push('\n');
         write_file(&self.folder.path().join("report.html"), report)?;
         Ok(write_file(&self.folder.path().join(CLOSED_LOOP_FILE), text)?)

@@ -7,8 +7,7 @@ use std::{
     time::Duration,
 };
 
-use fingerpost_format::{LinesError, to_json_line};
-use serde::Serialize;
+use fingerpost_format::{LinesError, ToJson, to_json_line};
 use thiserror::Error;
 
 use crate::{
@@ -118,9 +117,13 @@ impl<S: LineSink> JsonLinesFile<S> {
     /// # Errors
     /// [`AppendError`] when the record has no JSON form or the line cannot be written; the lines before stay whole, and
     /// a later line may be tried.
-    pub fn append<T: Serialize>(&mut self, record: &T) -> Result<(), AppendError> {
+    pub fn append<T: ToJson>(&mut self, record: &T) -> Result<(), AppendError> {
         let line =
             to_json_line(record).map_err(|cause| AppendError::Record { path: self.path.clone(), cause })?;
+        Ok(self.append_line(&line)?)
+    }
+
+    fn append_line(&mut self, line: &str) -> Result<(), FileError> {
         if let Some(sync) = &self.sync {
             sync.failure().map_err(FileError::writing(&self.path))?;
         }
@@ -136,7 +139,7 @@ impl<S: LineSink> JsonLinesFile<S> {
             Err(cause) => {
                 // Where even that fails it is tried again before the next line.
                 self.torn = self.sink.cut_back(self.whole_bytes).is_err();
-                Err(FileError::Write { path: self.path.clone(), cause }.into())
+                Err(FileError::Write { path: self.path.clone(), cause })
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use fingerpost_format::{FrameRecord, Summary};
+use fingerpost_format::{FrameRecord, Summary, ToJson};
 use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
@@ -99,8 +99,7 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError`] when it cannot be written.
     pub fn write_summary(&self, summary: &Summary) -> Result<(), RunFolderError> {
-        let mut text =
-            serde_json::to_string_pretty(summary).map_err(|cause| RunFolderError::Summary { cause })?;
+        let mut text = summary.to_json().map_err(|cause| RunFolderError::Summary { cause })?;
         text.push('\n');
         Ok(write_file(&self.path().join("summary.json"), text)?)
     }

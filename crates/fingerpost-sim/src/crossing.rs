@@ -20,6 +20,8 @@ pub struct Crossing {
     pub side: Side,
 }
 
+fingerpost_format::json_records!(Crossing);
+
 /// All crossings of a drive in the time of so many frames, in the order of time.
 pub(crate) fn crossings(drive: &Drive, lanes: &LaneEdges, frames: usize, fps: f64) -> Vec<Crossing> {
     let steps = (frames.saturating_sub(1) as f64 / fps * STEPS_PER_S).floor() as usize;

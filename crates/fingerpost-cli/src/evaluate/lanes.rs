@@ -10,7 +10,7 @@ use fingerpost_eval::{
     LANE_ROI_ROWS, LANE_THRESHOLDS_PX2, LaneEvaluation, LaneMean, LaneMeasure, LpdDivisor, TuSimpleScores,
     evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
 };
-use fingerpost_format::{Summary, TuSimpleRecord, from_json_lines};
+use fingerpost_format::{FromJson, Summary, TuSimpleRecord, from_json_lines};
 use fingerpost_report::{SurfacePlot, surface_svg};
 use serde::Serialize;
 
@@ -201,7 +201,7 @@ fn picture_px(run: &Path) -> Result<Option<[u32; 2]>> {
     if !path.exists() {
         return Ok(None);
     }
-    let summary: Summary = serde_json::from_str(&fingerpost_io::read_text(&path)?)
+    let summary = Summary::from_json(&fingerpost_io::read_text(&path)?)
         .with_context(|| format!("{} is no summary of a run; run again", path.display()))?;
     Ok(summary.picture_px)
 }

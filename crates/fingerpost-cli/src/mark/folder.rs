@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use fingerpost_format::{MarksFile, marks_to_json, to_json_line};
+use fingerpost_format::{MarksFile, ToJson, marks_to_json, to_json_line};
 use fingerpost_io::OutputFolder;
 use fingerpost_mark::{Cause, Keeper, LaneMarks, truth_of_marks, tusimple_of_marks};
-use serde::Serialize;
 
 use super::footage::Footage;
 
@@ -68,6 +67,6 @@ impl TruthTexts {
     }
 }
 
-fn lines<T: Serialize>(records: &[T]) -> Result<String> {
+fn lines<T: ToJson>(records: &[T]) -> Result<String> {
     Ok(records.iter().map(to_json_line).collect::<Result<String, _>>()?)
 }

@@ -1,7 +1,7 @@
 //! What no other beats: chosen among the trials, put together with the drives held back, and written.
 
 use anyhow::{Context, Result};
-use fingerpost_format::{TuningFront, TuningPoint, TuningPurpose, TuningTrial};
+use fingerpost_format::{ToJson, TuningFront, TuningPoint, TuningPurpose, TuningTrial};
 use fingerpost_io::TuningFolder;
 use fingerpost_report::{FrontInput, front_html};
 use fingerpost_search::fronts;
@@ -78,7 +78,7 @@ pub(super) fn write(
         let text = config.to_toml()?;
         configs.extend(point.config.clone().map(|name| (name, format!("{WRITTEN_BY}{text}"))));
     }
-    let mut text = serde_json::to_string_pretty(front).context("the front cannot be written as JSON")?;
+    let mut text = front.to_json().context("the front cannot be written as JSON")?;
     text.push('\n');
     let drives = table::counted(front.drives[0]);
     let title = format!("Search of settings: {} trials on {drives}", front.trials);

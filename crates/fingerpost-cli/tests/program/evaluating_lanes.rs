@@ -4,9 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use fingerpost_format::{
-    FrameRecord, LanesRecord, Summary, TruthRecord, TuSimpleRecord, from_json_lines, to_json_line,
+    FrameRecord, LanesRecord, Summary, ToJson, TruthRecord, TuSimpleRecord, from_json_lines, to_json_line,
 };
-use serde::Serialize;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -19,7 +18,7 @@ fn edge(u: f64) -> Vec<[f64; 2]> {
     vec![[u, 479.0], [u + 90.0, 300.0]]
 }
 
-fn write_lines<T: Serialize>(path: &Path, records: &[T]) {
+fn write_lines<T: ToJson>(path: &Path, records: &[T]) {
     let lines: String = records.iter().map(|record| to_json_line(record).unwrap()).collect();
     fs::write(path, lines).unwrap();
 }

@@ -24,6 +24,8 @@ pub struct Measurement {
     pub values: Measured,
 }
 
+fingerpost_format::json_records!(Measurement);
+
 /// All of them, in the order of kinds and seeds.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measurements(Vec<Measurement>);

@@ -1,7 +1,7 @@
 //! A frame's messages as bytes, for a file, for viewers that are connected, or for both.
 
 use bytes::Bytes;
-use fingerpost_format::FrameRecord;
+use fingerpost_format::{FrameRecord, ToJson};
 use fingerpost_map::{Route, write_route};
 use fingerpost_vision::jpeg::{JpegEncoder, JpegPlanes};
 use foxglove::messages::{CompressedImage, GeoJson};
@@ -87,11 +87,11 @@ impl MessageEncoder {
         messages: &mut Vec<(Channel, Vec<u8>)>,
         record: &FrameRecord,
     ) -> Result<(), RecordingError> {
-        let line = serde_json::to_vec(record).map_err(|cause| RecordingError::Message {
+        let line = record.to_json().map_err(|cause| RecordingError::Message {
             topic: Channel::Record.topic(),
             cause: cause.to_string(),
         })?;
-        messages.push((Channel::Record, line));
+        messages.push((Channel::Record, line.into_bytes()));
         for entry in self.changes.of(timestamp(record.t_s), record) {
             messages.push((Channel::Log, bytes_of(Channel::Log, &entry)?));
         }
