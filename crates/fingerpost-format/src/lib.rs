@@ -60,7 +60,7 @@ pub use motion_log::{
 pub use serde_json;
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
 pub use times::{TimesError, parse_times};
-pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum};
+pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};
 pub use truth::TruthRecord;
 pub use tuning::{
     TriedSettings, TuningFront, TuningObjective, TuningPoint, TuningPurpose, TuningScores, TuningTrial,

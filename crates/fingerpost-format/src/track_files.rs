@@ -81,8 +81,11 @@ fn gpx<P: Iterator<Item = (f64, [f64; 2])>>(segments: impl IntoIterator<Item = P
         gpx.push_str("<trkseg>\n");
         for (t_s, [lat, lon]) in segment {
             // Writing to a String does not fail.
-            let _ =
-                writeln!(gpx, "<trkpt lat=\"{lat:.7}\" lon=\"{lon:.7}\"><time>{}</time></trkpt>", clock(t_s));
+            let _ = writeln!(
+                gpx,
+                "<trkpt lat=\"{lat:.7}\" lon=\"{lon:.7}\"><time>{}</time></trkpt>",
+                utc_time(t_s)
+            );
         }
         gpx.push_str("</trkseg>\n");
     }
@@ -94,8 +97,10 @@ fn gpx<P: Iterator<Item = (f64, [f64; 2])>>(segments: impl IntoIterator<Item = P
 const MS: i64 = 1000;
 const DAY_S: i64 = 86_400;
 
-/// ISO 8601 of seconds since 1970 (H. Hinnant, "chrono-compatible low-level date algorithms": years are counted from March).
-fn clock(t_s: f64) -> String {
+/// Universal time of seconds since 1970-01-01 00:00 UTC, as ISO 8601 and RFC 3339 have it, to a millisecond.
+///
+/// Source: H. Hinnant, "chrono-compatible low-level date algorithms"; years are counted from March.
+pub fn utc_time(t_s: f64) -> String {
     let all_ms = (t_s * MS as f64).round() as i64;
     let (whole_s, ms) = (all_ms.div_euclid(MS), all_ms.rem_euclid(MS));
     let (days, of_day_s) = (whole_s.div_euclid(DAY_S) + 719_468, whole_s.rem_euclid(DAY_S));
@@ -232,7 +237,7 @@ mod tests {
             (1_709_251_200.0, "2024-03-01T00:00:00.000Z"),
             (-0.5, "1969-12-31T23:59:59.500Z"),
         ] {
-            assert_eq!(clock(t_s), expected);
+            assert_eq!(utc_time(t_s), expected);
         }
     }
 
@@ -244,7 +249,7 @@ mod tests {
             ((2011, 9, 26), "2011-09-26T00:00:00.000Z"),
         ] {
             let (year, month, day) = date;
-            assert_eq!(clock((days_since_1970(year, month, day) * DAY_S) as f64), midnight);
+            assert_eq!(utc_time((days_since_1970(year, month, day) * DAY_S) as f64), midnight);
         }
     }
 }

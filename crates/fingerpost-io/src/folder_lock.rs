@@ -8,6 +8,7 @@ use std::{
     time::SystemTime,
 };
 
+use fingerpost_format::utc_time;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -105,10 +106,11 @@ fn is_still_at(_: &File, _: &Path) -> bool {
 
 fn write_holder(file: &mut File) -> io::Result<()> {
     let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     let holder = Holder {
         pid: process::id(),
         command: words.join(" ").chars().take(MOST_COMMAND_CHARS).collect(),
-        since: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+        since: utc_time(since_1970.as_secs_f64()),
     };
     file.set_len(0)?;
     file.write_all(serde_json::to_string(&holder)?.as_bytes())
