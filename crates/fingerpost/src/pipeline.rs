@@ -220,21 +220,6 @@ impl Pipeline {
         Self::with_parts(config, camera, route, start_m, Parts::default())
     }
 
-    /// The same with another road detector than the configuration's.
-    ///
-    /// # Errors
-    /// [`PipelineError`] when configuration, camera or route cannot be used.
-    pub fn with_road_detector(
-        config: &Config,
-        camera: &Camera,
-        route: Option<&Route>,
-        start_m: Option<f64>,
-        detector: Box<dyn RoadDetector>,
-    ) -> Result<Self, PipelineError> {
-        let parts = Parts { road_detector: Some(detector), ..Parts::default() };
-        Self::with_parts(config, camera, route, start_m, parts)
-    }
-
     /// The same with stages of the program's own in place of the configuration's.
     ///
     /// # Errors
