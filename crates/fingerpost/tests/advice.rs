@@ -106,7 +106,7 @@ fn drive(
 
 #[test]
 fn every_controller_takes_the_vehicle_round_a_corner() {
-    for controller in ControllerName::ALL {
+    let round_a_corner = |controller: ControllerName| {
         let mut off_m = Vec::new();
         for (exit, side, left) in [(WEST, EAST, 1.0), (EAST, WEST, -1.0)] {
             for start_m in STARTS_M {
@@ -127,7 +127,13 @@ fn every_controller_takes_the_vehicle_round_a_corner() {
         assert!(mean_m < 0.7 && off_m[off_m.len() - 2] < 1.0, "{controller:?}: {off_m:?}");
         // And all of the vehicle, two metres wide, is on the road.
         assert!(off_m[off_m.len() - 1] < 0.5 * WIDTH_M - 1.0, "{controller:?}: {off_m:?}");
-    }
+    };
+    // A drive has one thread.
+    std::thread::scope(|scope| {
+        for controller in ControllerName::ALL {
+            scope.spawn(move || round_a_corner(controller));
+        }
+    });
 }
 
 #[test]

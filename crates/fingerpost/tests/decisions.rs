@@ -80,10 +80,31 @@ fn held(evidence: &TrackEvidence, text: &str) -> &'static str {
     }
 }
 
+/// How often each decision came over these roads, with a start and without.
+fn decisions_on(roads: &[(&[Place], f64)]) -> BTreeMap<&'static str, usize> {
+    let (camera, world, kind) = (camera(), World::new(roads), FeatureKind::Junction);
+    let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: 5.5 };
+    let (route, _) = route(&junction);
+    let mut pipelines = [None, Some(20.0)]
+        .map(|start_m| Pipeline::new(&Config::default(), &camera, Some(&route), start_m).unwrap());
+    let mut seen = BTreeMap::new();
+    for i in 0..50 {
+        let y = -38.0 + 0.7 * f64::from(i);
+        let map_from_vehicle = Isometry2::new(Vector2::new(0.2, y), std::f64::consts::FRAC_PI_2);
+        let frame = world.picture(&camera, &map_from_vehicle);
+        for pipeline in &mut pipelines {
+            let (output, evidence) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
+            *seen.entry(held(evidence.track, &output.why)).or_default() += 1;
+            for absurd in ["-0.00", "-0 ", "NaN", "inf", " 1 frames"] {
+                assert!(!output.why.contains(absurd), "{roads:?}: {}", output.why);
+            }
+        }
+    }
+    seen
+}
+
 #[test]
 fn every_decision_is_what_its_numbers_say() {
-    let camera = camera();
-    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
     let worlds: [&[(&[Place], f64)]; 6] = [
         &[(SOUTH, 5.5), (EAST, 5.5), (WEST, 5.5)],
         &[(SOUTH, 5.5), (NORTH, 5.5)],
@@ -92,25 +113,11 @@ fn every_decision_is_what_its_numbers_say() {
         &[(SOUTH, 3.0), (NORTH, 3.0), (WEST, 4.0)],
         &[(SOUTH, 30.0), (NORTH, 30.0)],
     ];
-    for (number, roads) in worlds.into_iter().enumerate() {
-        let world = World::new(roads);
-        let kind = FeatureKind::Junction;
-        let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: 5.5 };
-        let (route, _) = route(&junction);
-        for start_m in [None, Some(20.0)] {
-            let mut pipeline = Pipeline::new(&Config::default(), &camera, Some(&route), start_m).unwrap();
-            for i in 0..50 {
-                let y = -38.0 + 0.7 * f64::from(i);
-                let map_from_vehicle = Isometry2::new(Vector2::new(0.2, y), std::f64::consts::FRAC_PI_2);
-                let frame = world.picture(&camera, &map_from_vehicle);
-                let (output, evidence) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
-                *seen.entry(held(evidence.track, &output.why)).or_default() += 1;
-                for absurd in ["-0.00", "-0 ", "NaN", "inf", " 1 frames"] {
-                    assert!(!output.why.contains(absurd), "world {number}: {}", output.why);
-                }
-            }
-        }
-    }
+    // A drive has one thread.
+    let seen: BTreeMap<&str, usize> = std::thread::scope(|scope| {
+        let drives = worlds.map(|roads| scope.spawn(move || decisions_on(roads)));
+        drives.into_iter().flat_map(|drive| drive.join().unwrap()).collect()
+    });
     for decision in ["not found", "candidate", "detected", "confirmed"] {
         assert!(seen.contains_key(decision), "{decision} never came: {seen:?}");
     }

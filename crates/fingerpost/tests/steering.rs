@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
 use std::ops::RangeInclusive;
+use std::sync::OnceLock;
 
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, Pipeline, Sensors};
@@ -118,7 +119,13 @@ enum Known {
     Nothing,
 }
 
-fn drive(farm: &Farm, seed: u64, known: Known, traffic: TrafficSide) -> Vec<Judged> {
+/// One rendered drive, judged for each of what the method may be given.
+fn drive<const N: usize>(
+    farm: &Farm,
+    seed: u64,
+    known: [Known; N],
+    traffic: TrafficSide,
+) -> [Vec<Judged>; N] {
     let (graph, route) = farm.graph_and_route();
     let config = SimConfig {
         seed,
@@ -134,17 +141,16 @@ fn drive(farm: &Farm, seed: u64, known: Known, traffic: TrafficSide) -> Vec<Judg
         TrafficSide::Right => Traffic::Right,
         TrafficSide::Centre => Traffic::Centre,
     };
-    let given = (known == Known::Route).then_some(&route);
-    let mut pipeline = Pipeline::new(&settings, &camera(), given, given.map(|_| config.start_m)).unwrap();
+    let mut pipelines = known.map(|known| {
+        let given = (known == Known::Route).then_some(&route);
+        Pipeline::new(&settings, &camera(), given, given.map(|_| config.start_m)).unwrap()
+    });
     let truths: Vec<_> = (0..simulator.frames()).map(|index| simulator.truth(index)).collect();
     let pose = |i: usize| Isometry2::new(Vector2::new(truths[i].x_m, truths[i].y_m), truths[i].heading_rad);
     let line = route.polyline().unwrap();
     let corners: Vec<Point2<f64>> = line.points()[1..line.points().len() - 1].to_vec();
-    let mut judged = Vec::new();
+    let mut judged = [(); N].map(|()| Vec::new());
     for index in 0..simulator.frames() {
-        let picture = simulator.frame(index).picture;
-        let sensors = Sensors { dt_s: (index > 0).then_some(1.0 / config.fps), ..Sensors::default() };
-        let (output, _) = pipeline.step(&picture, sensors, &mut |_| ()).unwrap();
         let vehicle_from_map = pose(index).inverse();
         let ahead = (index..truths.len())
             .map(|i| vehicle_from_map * Point2::new(truths[i].x_m, truths[i].y_m))
@@ -156,15 +162,19 @@ fn drive(farm: &Farm, seed: u64, known: Known, traffic: TrafficSide) -> Vec<Judg
         let behind_m = corners.iter().map(|corner| along_m - line.nearest(*corner).along_m);
         let behind_m = behind_m.filter(|m| *m > 0.0).reduce(f64::min);
         let true_m = -place.left_m / libm::cos(place.heading_rad);
-        let found = output.centreline;
-        let one = Judged {
-            driven_rad: libm::atan2(ahead.y, ahead.x),
-            steer_rad: found.and_then(|found| found.steer).map(|steer| steer.direction_rad),
-            offset_error_m: found.map(|found| found.offset_m - true_m),
-            behind_m,
-            turned_rad: truths[index].heading_rad,
-        };
-        judged.push(one);
+        let picture = simulator.frame(index).picture;
+        for (pipeline, judged) in pipelines.iter_mut().zip(&mut judged) {
+            let sensors = Sensors { dt_s: (index > 0).then_some(1.0 / config.fps), ..Sensors::default() };
+            let (output, _) = pipeline.step(&picture, sensors, &mut |_| ()).unwrap();
+            let found = output.centreline;
+            judged.push(Judged {
+                driven_rad: libm::atan2(ahead.y, ahead.x),
+                steer_rad: found.and_then(|found| found.steer).map(|steer| steer.direction_rad),
+                offset_error_m: found.map(|found| found.offset_m - true_m),
+                behind_m,
+                turned_rad: truths[index].heading_rad,
+            });
+        }
     }
     judged
 }
@@ -206,23 +216,29 @@ fn assert_steers(name: &str, judged: &[Vec<Judged>]) {
 
 #[test]
 fn a_sharp_bend_is_steered_round_with_a_route_and_without() {
-    let farm = Farm::bends(&[60.0], 6.0);
-    for known in [Known::Route, Known::Nothing] {
-        assert_steers("a bend", &[drive(&farm, 11, known, TrafficSide::Right)]);
+    let drives = drive(&Farm::bends(&[60.0], 6.0), 11, [Known::Route, Known::Nothing], TrafficSide::Right);
+    for judged in drives {
+        assert_steers("a bend", &[judged]);
     }
 }
 
 #[test]
 fn a_sharp_bend_is_steered_round_on_the_other_side() {
-    assert_steers("a bend", &[drive(&Farm::bends(&[-70.0], 5.0), 12, Known::Nothing, TrafficSide::Left)]);
+    assert_steers("a bend", &drive(&Farm::bends(&[-70.0], 5.0), 12, [Known::Nothing], TrafficSide::Left));
+}
+
+/// Into both arms of a tee, each with the route and with nothing.
+fn tees() -> &'static [[Vec<Judged>; 2]; 2] {
+    static TEES: OnceLock<[[Vec<Judged>; 2]; 2]> = OnceLock::new();
+    TEES.get_or_init(|| {
+        [(Farm::tee(Arm::Left, 0.0, 6.0), 13), (Farm::tee(Arm::Right, 10.0, 5.5), 14)]
+            .map(|(farm, seed)| drive(&farm, seed, [Known::Route, Known::Nothing], TrafficSide::Right))
+    })
 }
 
 #[test]
 fn the_route_says_which_arm_of_a_tee_is_taken() {
-    let farms = [Farm::tee(Arm::Left, 0.0, 6.0), Farm::tee(Arm::Right, 10.0, 5.5)];
-    let judged = [(&farms[0], 13), (&farms[1], 14)]
-        .map(|(farm, seed)| drive(farm, seed, Known::Route, TrafficSide::Right));
-    assert_steers("a tee", &judged);
+    assert_steers("a tee", &tees().each_ref().map(|[with_route, _]| with_route.clone()));
 }
 
 /// How far a vehicle has turned when it is plain which arm it takes, radians (15 degrees): twice as far as drivers swing out.
@@ -230,11 +246,7 @@ const DECIDED_RAD: f64 = 0.26;
 
 #[test]
 fn without_a_route_the_end_of_a_road_is_ambiguous_until_the_vehicle_turns() {
-    let farms = [(Farm::tee(Arm::Left, 0.0, 6.0), 13), (Farm::tee(Arm::Right, 10.0, 5.5), 14)];
-    let judged: Vec<Judged> = farms
-        .iter()
-        .flat_map(|(farm, seed)| drive(farm, *seed, Known::Nothing, TrafficSide::Right))
-        .collect();
+    let judged: Vec<Judged> = tees().iter().flat_map(|[_, without]| without.clone()).collect();
     let turning = || judged.iter().filter(|judged| judged.driven_rad.abs() > TURNING_RAD);
     let open: Vec<&Judged> = turning().filter(|judged| judged.turned_rad.abs() < DECIDED_RAD).collect();
     let silent = open.iter().filter(|judged| judged.steer_rad.is_none()).count();

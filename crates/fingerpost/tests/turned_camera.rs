@@ -10,6 +10,7 @@ use fingerpost::mount::{MountAngle, MountConfig, MountEstimate, MountFilter, Mou
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
 use fingerpost_map::{OsmData, RoadGraph, read_route};
 use fingerpost_sim::{Conditions, RoadCourse, SimConfig, Simulator, windscreen_camera};
+use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Isometry2, Matrix3, Vector2};
 
 const MOUNT: Mount =
@@ -44,17 +45,17 @@ fn motion(drive: &Simulator, index: usize) -> Motion {
     Motion { previous_from_current, covariance: Matrix3::identity() * 1e-4, quality: 1.0 }
 }
 
-/// The estimates of a drive whose frames come from the first simulator and, from `BEFORE` on, from the second.
-fn estimates(before: &Simulator, after: &Simulator, frames: usize) -> Vec<MountEstimate> {
+/// The estimates of a drive that shows these pictures, one a frame.
+fn estimates(drive: &Simulator, pictures: impl Iterator<Item = RgbImage>) -> Vec<MountEstimate> {
     let camera = camera(MOUNT);
     let (mut watch, mut filter) =
         (AttitudeWatch::new(&camera), MountFilter::new(&MountConfig::default(), MOUNT.x_m));
-    (0..frames)
-        .map(|index| {
-            let simulator = if index < BEFORE { before } else { after };
-            let seen = watch.look_at(&camera, &simulator.frame(index).picture).unwrap();
+    pictures
+        .enumerate()
+        .map(|(index, picture)| {
+            let seen = watch.look_at(&camera, &picture).unwrap();
             if let Some(seen) = seen.filter(|_| index > 0) {
-                filter.observe(&seen, &motion(before, index));
+                filter.observe(&seen, &motion(drive, index));
             }
             filter.estimate()
         })
@@ -65,12 +66,15 @@ fn estimates(before: &Simulator, after: &Simulator, frames: usize) -> Vec<MountE
 fn a_turned_camera_is_noticed_within_five_seconds_and_found_again() {
     let config = SimConfig { seed: 5, ..SimConfig::default() };
     let before = simulator(MOUNT, &config);
+    let not_turned: Vec<RgbImage> = (0..BEFORE).map(|index| before.frame(index).picture).collect();
     for (mount, angle) in [
         (Mount { pitch_rad: MOUNT.pitch_rad - TURNED_RAD, ..MOUNT }, MountAngle::Pitch),
         (Mount { yaw_rad: TURNED_RAD, ..MOUNT }, MountAngle::Yaw),
         (Mount { roll_rad: -TURNED_RAD, ..MOUNT }, MountAngle::Roll),
     ] {
-        let estimates = estimates(&before, &simulator(mount, &config), BEFORE + FIVE_SECONDS);
+        let after = simulator(mount, &config);
+        let turned = (BEFORE..BEFORE + FIVE_SECONDS).map(|index| after.frame(index).picture);
+        let estimates = estimates(&before, not_turned.iter().cloned().chain(turned));
         assert_eq!(estimates[BEFORE - 1].state, MountState::Valid);
         assert!(estimates[..BEFORE].iter().all(|estimate| estimate.fault.is_none()), "alarmed too early");
         let noticed = estimates.iter().position(|estimate| estimate.fault.is_some());
@@ -95,7 +99,7 @@ fn drives_of_every_kind_raise_no_alarm() {
         let start_m = if seed % 2 == 0 { 10.0 } else { 235.0 };
         let config = SimConfig { seed, conditions, start_m, ..SimConfig::default() };
         let simulator = simulator(MOUNT, &config);
-        let estimates = estimates(&simulator, &simulator, 60);
+        let estimates = estimates(&simulator, (0..60).map(|index| simulator.frame(index).picture));
         assert!(estimates.iter().all(|estimate| estimate.fault.is_none()), "{name}, seed {seed}");
         let last = estimates.last().unwrap();
         valid += usize::from(last.state == MountState::Valid);

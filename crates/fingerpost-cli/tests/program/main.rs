@@ -28,7 +28,7 @@ mod locating;
 #[cfg(feature = "completions")]
 mod manual;
 mod marking;
-#[cfg(feature = "onnx-runtime")]
+#[cfg(feature = "onnx")]
 mod networks;
 mod outputs;
 mod papers;
