@@ -2,11 +2,11 @@
 
 use anyhow::{Context, Result};
 use fingerpost::Config;
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     DirectMotion, DirectMotionConfig, FarnebackMotionConfig, FlowModel, MotionEstimator,
 };
-use fingerpost::attitude::AttitudeObservation;
 use fingerpost_geometry::wrap_angle;
 use fingerpost_papers::FarnebackMotion;
 use fingerpost_sim::{SimConfig, Simulator};

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost::Config;
+use fingerpost::attitude::AttitudeObservation;
 use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache, MaskCurve};
 use fingerpost::feature_model::{ArmModel, FeatureModel};
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
-use fingerpost::attitude::AttitudeObservation;
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
 use fingerpost::track::{CandidateSearch, PoseFilter, Reach};
 use fingerpost_geometry::{GroundPixel, Polyline};

@@ -47,7 +47,8 @@ impl Pipeline {
         roads: Option<&RoadMap>,
         near: Option<(f64, f64)>,
     ) -> PyResult<Self> {
-        let config = config.map_or(Ok(Config::default()), Config::from_toml).map_err(exception!(ConfigError))?;
+        let config =
+            config.map_or(Ok(Config::default()), Config::from_toml).map_err(exception!(ConfigError))?;
         config.check().map_err(exception!(ConfigError))?;
         let near = near.map(place).transpose()?.map(|at| NearPlace { at, sigma_m: NEAR_SIGMA_M });
         let (camera, route) = (&camera.0, route.map(|route| &route.0));

@@ -33,7 +33,8 @@ impl Search {
         population: usize,
         seed: u64,
     ) -> PyResult<Self> {
-        let config = config.map_or(Ok(Config::default()), Config::from_toml).map_err(exception!(ConfigError))?;
+        let config =
+            config.map_or(Ok(Config::default()), Config::from_toml).map_err(exception!(ConfigError))?;
         config.check().map_err(exception!(ConfigError))?;
         let base = config.to_json();
         let mut known: Vec<Key> = Vec::with_capacity(keys.len());
