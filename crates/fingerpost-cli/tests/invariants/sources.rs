@@ -26,7 +26,7 @@ pub(crate) struct Source {
 pub(crate) fn sources(name: &str) -> Vec<Source> {
     let root = workspace().join("crates").join(name).join("src");
     let mut found = BTreeMap::new();
-    read(&root, &root, &mut found);
+    read(&root, &mut found);
     assert!(!found.is_empty(), "{name} has sources");
     let mut of_tests = BTreeSet::new();
     let mut sources: Vec<Source> = found
@@ -43,11 +43,11 @@ pub(crate) fn sources(name: &str) -> Vec<Source> {
     sources
 }
 
-fn read(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, String>) {
+fn read(folder: &Path, found: &mut BTreeMap<PathBuf, String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            read(root, &path, found);
+            read(&path, found);
         } else if path.extension().is_some_and(|ending| ending == "rs") {
             let text = fs::read_to_string(&path).unwrap();
             found.insert(path, text);
