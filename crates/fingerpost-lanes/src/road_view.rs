@@ -23,7 +23,7 @@ impl<'a> RoadView<'a> {
     }
 
     /// Whether a pitch makes a difference: a camera known by points knows the road plane alone.
-    pub const fn knows_pitch(camera: &Camera) -> bool {
+    pub(crate) const fn knows_pitch(camera: &Camera) -> bool {
         matches!(camera.view(), View::Calibrated { .. })
     }
 
