@@ -70,6 +70,13 @@ impl ZstdChunks {
         }
     }
 
+    /// Whether a frame that has come out as a whole has the checksum behind it, where it has one.
+    fn is_as_packed(&self) -> bool {
+        let is_out = self.decoder.is_finished() && self.decoder.can_collect() == 0;
+        let said = self.decoder.get_checksum_from_data().filter(|_| is_out);
+        said.is_none_or(|said| self.decoder.get_calculated_checksum() == Some(said))
+    }
+
     fn take_in_header(&mut self, source: &[u8]) -> Result<Option<usize>, FrameDecoderError> {
         let mut rest = source;
         match self.decoder.reset(&mut rest) {
@@ -104,6 +111,9 @@ impl Decompressor for ZstdChunks {
         let (mut consumed, mut wrote) = (0, 0);
         loop {
             wrote += self.decoder.read(&mut target[wrote..]).map_err(|cause| failed(&cause))?;
+            if !self.is_as_packed() {
+                return Err(failed(&"a frame's checksum is another"));
+            }
             if wrote == target.len() {
                 break;
             }
@@ -188,6 +198,16 @@ mod tests {
                 shown = (shown + step).min(packed.len());
             }
         }
+    }
+
+    #[test]
+    fn a_frame_that_came_out_otherwise_than_it_went_in_is_refused() {
+        let (mut spoilt, mut target) = (packed(), [0; 1000]);
+        // The checksum stands behind the first frame that is not skipped.
+        spoilt[SKIPPED_HEADER_BYTES + 3 + PACKED.len() - 1] ^= 1;
+        let refused = ZstdChunks::new().decompress(&spoilt, &mut target).unwrap_err();
+        assert!(refused.to_string().contains("checksum"), "{refused}");
+        assert!(ZstdChunks::new().decompress(&packed(), &mut target).is_ok());
     }
 
     #[test]
