@@ -9,8 +9,11 @@ use fingerpost::road_surface::{RoadDetector, RoadSurfaceConfig};
 
 /// All stages that are to be given to a pipeline of this configuration.
 pub(crate) fn parts(config: &Config) -> Result<Parts> {
-    let road_detector = Some(road_detector(&config.road_surface)?);
-    Ok(Parts { road_detector, ..fingerpost_papers::parts(config)? })
+    let mut parts = fingerpost_papers::parts(config)?;
+    if config.road_surface.needs_network() {
+        parts.road_detector = Some(road_detector(&config.road_surface)?);
+    }
+    Ok(parts)
 }
 
 /// The road detector of these settings; where it needs a network, that is loaded.

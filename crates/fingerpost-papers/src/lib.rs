@@ -2,19 +2,19 @@
 //!
 //! | module | what | trait |
 //! |---|---|---|
-//! | [`motion`] | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
-//! | [`road_surface`] | known surfaces (paper 2, 7.4), and the detector before the ground view (paper 1, figure 4) | `RoadDetector` |
-//! | [`lanes`] | lines in sections of the picture, kept from frame to frame (paper 3, III-C) | `LaneDetector` |
-//! | [`claims`] | what the papers claim, measured again: settings that are compared, figures, verdicts and the page; with feature `claims` | |
+//! | `motion` | Farneback's dense flow and the motion behind it (paper 1, VI) | `MotionEstimator` |
+//! | `road_surface` | known surfaces (paper 2, 7.4), and the detector before the ground view (paper 1, figure 4) | `RoadDetector` |
+//! | `lanes` | lines in sections of the picture, kept from frame to frame (paper 3, III-C) | `LaneDetector` |
+//! | `claims` | what the papers claim, measured again: settings that are compared, figures, verdicts and the page; with feature `claims` | |
 //!
 //! Their settings are a part of every configuration (`fingerpost::Config`); the stages themselves are given to the pipeline by
 //! whoever builds it: [`parts`] makes those that a configuration asks for. Papers 1 to 3 are those of CONVENTIONS.md.
 
 #[cfg(feature = "claims")]
 pub mod claims;
-pub mod lanes;
-pub mod motion;
-pub mod road_surface;
+mod lanes;
+mod motion;
+mod road_surface;
 
 use fingerpost::Config;
 use fingerpost::motion::MotionMethod;
@@ -26,7 +26,7 @@ use thiserror::Error;
 
 pub use lanes::SectionTracker;
 pub use motion::FarnebackMotion;
-pub use road_surface::{Bank, InCamera, road_detector};
+pub use road_surface::{Bank, road_detector};
 
 /// A stage of the papers that cannot be used as configured.
 #[derive(Debug, Error)]

@@ -9,7 +9,7 @@ use fingerpost::road_surface::{
 };
 
 pub use bank::Bank;
-pub use in_camera::InCamera;
+use in_camera::InCamera;
 
 /// The detector of these settings, the papers' or the method's; it has learned nothing yet.
 ///

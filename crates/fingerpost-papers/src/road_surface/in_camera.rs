@@ -19,7 +19,7 @@ use nalgebra::Point2;
 const FAR_AWAY_M: f64 = 1e5;
 
 /// A detector around another, which it shows the camera picture.
-pub struct InCamera {
+pub(super) struct InCamera {
     detector: Box<dyn RoadDetector>,
     division: BinDivision,
     picture: GroundPicture,
@@ -42,7 +42,7 @@ impl InCamera {
     ///
     /// # Errors
     /// [`RoadError::Colour`] when the bins cannot be used.
-    pub fn new(detector: Box<dyn RoadDetector>, bins: HueSaturationBins) -> Result<Self, RoadError> {
+    pub(super) fn new(detector: Box<dyn RoadDetector>, bins: HueSaturationBins) -> Result<Self, RoadError> {
         Ok(Self {
             detector,
             division: BinDivision::new(bins)?,
