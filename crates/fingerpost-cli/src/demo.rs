@@ -69,7 +69,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     };
     log::info!("the town: {}", facts::of_roads(&graph));
     log::info!("the drive: {}", facts::of_route(&route));
-    log::info!("the vehicle: {}", facts::of_camera(&camera));
+    log::info!("the vehicle's {}", facts::of_camera(&camera));
     log::info!("drive of {} frames, simulated with seed {}", simulator.frames(), sim_config.seed);
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;

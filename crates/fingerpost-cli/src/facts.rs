@@ -44,7 +44,11 @@ pub(crate) fn of_route(route: &Route) -> String {
     route.features.iter().for_each(|feature| *kinds.entry(kind_name(feature.kind)).or_default() += 1);
     let kinds: Vec<String> = kinds.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join(", ")) };
-    format!("route of {length} with {} features{kinds}", route.features.len())
+    let features = match route.features.len() {
+        1 => "1 feature".to_owned(),
+        count => format!("{count} features"),
+    };
+    format!("route of {length} with {features}{kinds}")
 }
 
 /// Settings that are not the default, each with the default: `track.detect_frames = 4 (default 3)`.

@@ -114,10 +114,22 @@ enum Command {
     Tether(tether::TetherArgs),
 }
 
+impl Command {
+    /// Whether it stands in for a program that this one has started, whose standard error that one reads.
+    fn reads_for_another(&self) -> bool {
+        #[cfg(unix)]
+        return matches!(self, Self::Tether(_));
+        #[cfg(not(unix))]
+        return false;
+    }
+}
+
 fn main() -> ExitCode {
     let started = Instant::now();
     let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = Cli::parse();
-    verbosity.begin();
+    if !command.reads_for_another() {
+        verbosity.begin();
+    }
     fingerpost_io::set_longest_wait(longest_wait);
     let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),
