@@ -161,8 +161,7 @@ pub fn write_jpeg(
     sampling: ChromaSampling,
 ) -> Result<(), PictureFileError> {
     let (width, height) = picture.size();
-    let encoded = encodable_side(width)
-        .and(encodable_side(height))
+    let encoded = encodable(width, height)
         .and_then(|_| jpeg_file(picture, quality, sampling).map_err(|cause| cause.to_string()));
     write_encoded(path, (width, height), encoded)
 }
@@ -208,9 +207,9 @@ fn png_bytes(
     (colour, depth): (png::ColorType, png::BitDepth),
     data: &[u8],
 ) -> Result<Vec<u8>, String> {
-    let (width, height) = (encodable_side(width)?, encodable_side(height)?);
+    encodable(width, height)?;
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(BufWriter::new(&mut bytes), u32::from(width), u32::from(height));
+    let mut encoder = png::Encoder::new(BufWriter::new(&mut bytes), width as u32, height as u32);
     encoder.set_color(colour);
     encoder.set_depth(depth);
     // Report and debug pictures are many and looked at once; the small gain of slower settings is not worth the wait.
@@ -221,12 +220,14 @@ fn png_bytes(
     Ok(bytes)
 }
 
-/// A side as the encoders take it.
-fn encodable_side(side: usize) -> Result<u16, String> {
-    u16::try_from(side)
-        .ok()
-        .filter(|side| (1..=MAX_SIDE_PX).contains(&usize::from(*side)))
-        .ok_or_else(|| format!("each side must have 1 to {MAX_SIDE_PX} pixels"))
+/// Whether the encoders take a picture of this size.
+fn encodable(width: usize, height: usize) -> Result<(), String> {
+    let sides = 1..=MAX_SIDE_PX;
+    if sides.contains(&width) && sides.contains(&height) {
+        Ok(())
+    } else {
+        Err(format!("each side must have 1 to {MAX_SIDE_PX} pixels"))
+    }
 }
 
 /// Looks at a header before any memory of its size is taken; `most_pixels` is what the file's length can hold.

@@ -163,11 +163,6 @@ impl PoseFilter {
         self.with_pitch = keep * self.with_pitch - gain * by_pitch;
         Update::Accepted
     }
-
-    /// Puts the feature where a search found it, at least as unsure as `sigmas` say.
-    pub fn relocate(&mut self, vehicle_from_feature: Isometry2<f64>, sigmas: [f64; 3]) {
-        *self = Self::new(vehicle_from_feature, sigmas);
-    }
 }
 
 #[cfg(test)]
