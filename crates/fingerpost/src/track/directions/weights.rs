@@ -11,12 +11,12 @@ use std::f64::consts::TAU;
 const BEGIN_AT_BEGINNING: f64 = 0.5;
 const BEGINNING_SIGMA_M: f64 = 5.0;
 /// Places along a metre of road that the rules take for a feature and are none: on some ten kilometres of the harder simulated drives
-/// six (docs/src/limits.md), and more where nothing says where to look.
+/// `harder-false` (docs/figures.toml), and more where nothing says where to look.
 const CLUTTER_PER_M: f64 = 0.001;
-/// Share of the features that the rules find where they are: 121 of 134 on simulated drives (docs/src/limits.md).
+/// Share of the features that the rules find where they are, on simulated drives: `harder-found` (docs/figures.toml).
 const FOUND: f64 = 0.9;
-/// How far off the rules place a feature, metres, which their own standard deviations do not say: 0.7 to 1.3 m in the median
-/// (docs/src/guide/detectors.md).
+/// How far off the rules place a feature, metres, which their own standard deviations do not say: more than the medians of `rules-201`,
+/// `rules-401` and `rules-501` (docs/figures.toml).
 const PLACE_SIGMA_M: f64 = 1.5;
 /// Room that is given a feature beside the stretch on which it would be the first, metres.
 const ROOM_M: f64 = 10.0;
