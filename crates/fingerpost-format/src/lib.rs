@@ -42,7 +42,6 @@ pub use frame_record::{
     MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 pub use json::{FromJson, LinesError, ToJson, from_json_lines, json_lines, to_json_line};
-// For `json_records`.
 pub use kitti::{KittiError, KittiOxts, KittiTime, kitti_oxts, kitti_projection, kitti_timestamps};
 pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
@@ -56,6 +55,7 @@ pub use marks::{
 pub use motion_log::{
     MotionLog, MotionLogRow, PoseLogRow, motion_log_text, parse_motion_log, parse_pose_log, pose_log_text,
 };
+// For `json_records`.
 #[doc(hidden)]
 pub use serde_json;
 pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};

@@ -98,6 +98,7 @@ fn jpeg_keeps_colours_and_sides() {
 
 #[test]
 fn grey_jpeg_becomes_rgb() {
+    // 16 x 16 pixels of grey 120, written once by the crate jpeg-encoder at quality 95.
     let picture = read_picture(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/grey.jpg")).unwrap();
     assert_eq!(picture.size(), (16, 16));
     assert!(picture.as_slice().iter().all(|value| value.abs_diff(120) <= 1));
