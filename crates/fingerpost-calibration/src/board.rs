@@ -35,8 +35,8 @@ pub enum SizesError {
     },
 }
 
-/// The width and height that most pictures have, pixels, of names with widths and heights, from which none may differ by more than a pixel; of sizes that are as
-/// frequent the first one counts.
+/// The width and height that most pictures have, pixels, of names with widths and heights, from which none may differ by
+/// more than a pixel; of sizes that are as frequent the first one counts.
 ///
 /// # Errors
 /// [`SizesError`] names the first picture that is not of that size.

@@ -169,6 +169,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn points_that_no_mount_explains_are_refused_with_how_far_off_they_are() {
         let intrinsics = Intrinsics { fx: 500.0, fy: 510.0, cx: 320.0, cy: 230.0 };
