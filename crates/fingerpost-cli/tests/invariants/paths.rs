@@ -1,5 +1,7 @@
 //! What a source names of its own crate.
 
+use std::collections::BTreeSet;
+
 use proc_macro2::{Delimiter, TokenTree};
 
 use crate::sources::{Source, is_punct, name_of, runs};
@@ -26,17 +28,28 @@ pub(crate) fn paths(tree: &[TokenTree]) -> Vec<Vec<String>> {
 
 /// The paths in a file that begin at the crate's root, from there on: `crate::a::B`, and `super::a::B` in a module of the root.
 pub(crate) fn from_root(source: &Source) -> Vec<Vec<String>> {
+    let from_root = |path: Vec<String>| {
+        let supers = path.iter().take_while(|name| *name == "super").count();
+        let up = if path.first().is_some_and(|name| name == "crate") { 1 } else { supers };
+        (up > 0 && (supers == 0 || supers >= source.module.len())).then(|| path[up..].to_vec())
+    };
+    all_paths(source).into_iter().filter_map(from_root).collect()
+}
+
+/// The crates of this workspace that a file names, as their manifests do.
+pub(crate) fn of_crates(source: &Source) -> BTreeSet<String> {
+    let firsts = all_paths(source).into_iter().filter_map(|path| path.into_iter().next());
+    firsts.filter(|name| name.starts_with("fingerpost_")).map(|name| name.replace('_', "-")).collect()
+}
+
+/// Every path in a file, as it stands there.
+fn all_paths(source: &Source) -> Vec<Vec<String>> {
     let mut found = Vec::new();
     for run in runs(&source.tokens) {
         let mut rest = run.as_slice();
         while !rest.is_empty() {
             let tree = tree_at(rest);
-            let names: Vec<String> = tree.iter().filter_map(name_of).collect();
-            let supers = names.iter().take_while(|name| *name == "super").count();
-            let up = if names.first().is_some_and(|name| name == "crate") { 1 } else { supers };
-            if up > 0 && (supers == 0 || supers >= source.module.len()) {
-                found.extend(paths(tree).into_iter().map(|path| path[up..].to_vec()));
-            }
+            found.extend(paths(tree));
             rest = &rest[tree.len().max(1)..];
         }
     }
