@@ -62,7 +62,7 @@ fn verbose_says_besides_what_was_read_and_chosen_and_how_long_it_took() {
     for fact in [
         "camera.toml: camera of 320 x 240 pixels, focal length 210.0 pixels",
         "planned.geojson: route of ",
-        "with 1 features (junction 1)",
+        "with 1 feature (junction 1)",
         "map.osm: map with 2 roads, of 3 straight pieces between 4 nodes",
         "truth.jsonl: truth of 80 frames",
         "the drive begins at 5.0 m on the route",
