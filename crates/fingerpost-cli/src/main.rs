@@ -115,8 +115,8 @@ enum Command {
 }
 
 impl Command {
-    /// Whether it stands in for a program that this one has started, whose standard error that one reads.
-    fn reads_for_another(&self) -> bool {
+    /// Whether this process is about to become a program that another one of this program has started and whose messages it reads.
+    fn is_tether(&self) -> bool {
         #[cfg(unix)]
         return matches!(self, Self::Tether(_));
         #[cfg(not(unix))]
@@ -127,9 +127,9 @@ impl Command {
 fn main() -> ExitCode {
     let started = Instant::now();
     let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = Cli::parse();
-    if !command.reads_for_another() {
-        verbosity.begin();
-    }
+    // A filter that cannot be used would be taken for a complaint of that program.
+    let filter = if command.is_tether() { None } else { verbosity::of_environment() };
+    verbosity.begin(filter.as_deref());
     fingerpost_io::set_longest_wait(longest_wait);
     let done = interrupt::survive_file_size_limit().and_then(|()| match command {
         Command::Demo(args) => demo::demo(&args),

@@ -18,6 +18,15 @@ const PROGRAM: &str = "fingerpost";
 /// The environment's filter, as for every program that logs through `log`.
 const FILTER_VARIABLE: &str = "RUST_LOG";
 
+/// The filter that the environment names.
+pub(crate) fn of_environment() -> Option<String> {
+    match env::var(FILTER_VARIABLE) {
+        Ok(filter) => Some(filter),
+        Err(VarError::NotPresent) => None,
+        Err(VarError::NotUnicode(filter)) => Some(filter.to_string_lossy().into_owned()),
+    }
+}
+
 /// How much is said.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct Verbosity {
@@ -31,14 +40,9 @@ pub(crate) struct Verbosity {
 }
 
 impl Verbosity {
-    /// Says so much from now on.
-    pub(crate) fn begin(self) {
-        let wanted = match env::var(FILTER_VARIABLE) {
-            Ok(filter) => Some(filter),
-            Err(VarError::NotPresent) => None,
-            Err(VarError::NotUnicode(filter)) => Some(filter.to_string_lossy().into_owned()),
-        };
-        let (filter, refused) = self.filter(wanted.as_deref());
+    /// Says so much from now on; `environment` is what that asks for.
+    pub(crate) fn begin(self, environment: Option<&str>) {
+        let (filter, refused) = self.filter(environment);
         log::set_max_level(filter.filter());
         // There is none before this one.
         let _ = log::set_boxed_logger(Box::new(StandardError(filter)));

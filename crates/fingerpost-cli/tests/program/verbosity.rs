@@ -132,3 +132,18 @@ fn the_environment_chooses_by_module_and_level() {
     );
     assert_eq!(with_warning[1..], messages[..]);
 }
+
+/// What is started in place of ffmpeg is read as ffmpeg is: its own failure is said, and nothing of a filter.
+#[cfg(unix)]
+#[test]
+fn a_filter_that_cannot_be_used_is_no_message_of_what_is_started() {
+    let started = |program: &str| {
+        let mut command = command();
+        command.env("RUST_LOG", "fingerpost=loud").args(["tether", &std::process::id().to_string(), program]);
+        Called::from(command.output().unwrap())
+    };
+    assert_eq!(started("true").done().stderr, "");
+    let missing = started("/none/ffmpeg");
+    missing.refused(1, &["/none/ffmpeg cannot be run", "check its installation"]);
+    assert_eq!(missing.stderr.lines().count(), 1, "{}", missing.stderr);
+}
