@@ -3,11 +3,11 @@
 //! GPX 1.0 and 1.1 (Topografix). A file's track points are taken, of all tracks and segments in their order; where it has
 //! none its route points, else its waypoints. Elevation and everything else is passed over.
 
-use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use thiserror::Error;
 
+use crate::xml_attributes::{Attributes, MOST_DEPTH};
 use crate::{LatLon, OsmData};
 
 /// A point of a GPX track.
@@ -46,8 +46,8 @@ pub enum GpxError {
 /// The elements that hold points, in the order of preference.
 const POINT_ELEMENTS: [&str; 3] = ["trkpt", "rtept", "wpt"];
 
-/// Elements within each other at the most: a track's points have five above them, extensions of receivers a few more.
-const MOST_DEPTH: usize = 64;
+/// Bytes of a text that are kept: a time has thirty.
+const MOST_TEXT_BYTES: usize = 1000;
 /// Bytes that a point takes: a list that grows is copied into one of twice its size, and for a moment both are there.
 pub(crate) const POINT_BYTES: usize = 3 * size_of::<GpxPoint>();
 
@@ -74,7 +74,7 @@ pub fn parse_gpx_within(text: &str, memory_bytes: usize) -> Result<Vec<GpxPoint>
             Ok(Event::Empty(element)) => document.open(&element).and_then(|()| document.close()),
             Ok(Event::End(_)) => document.close(),
             Ok(Event::Text(text)) => {
-                document.text.push_str(&text);
+                document.add(&text);
                 Ok(())
             }
             Ok(Event::Eof) => break,
@@ -114,13 +114,20 @@ impl Document {
             return Err(format!("more than {MOST_DEPTH} elements stand within each other"));
         }
         if let Some(sort) = POINT_ELEMENTS.iter().position(|point| *point == name) {
-            let at = LatLon::new(degrees(element, "lat")?, degrees(element, "lon")?);
+            let attributes = Attributes::of(element)?;
+            let at = LatLon::new(attributes.number("lat")?, attributes.number("lon")?);
             let at = at.map_err(|error| error.to_string())?;
             self.point = Some((sort, GpxPoint { at, time_s: None }));
         }
         self.open.push(name);
         self.text.clear();
         Ok(())
+    }
+
+    /// Takes text between tags; what is longer than any time is none.
+    fn add(&mut self, text: &str) {
+        let most = MOST_TEXT_BYTES.saturating_sub(self.text.len());
+        self.text.extend(text.chars().take(most));
     }
 
     fn close(&mut self) -> Result<(), String> {
@@ -155,14 +162,6 @@ impl Document {
         }
         Ok(self.points.into_iter().find(|points| !points.is_empty()).ok_or(GpxError::NoPoints))
     }
-}
-
-fn degrees(element: &BytesStart<'_>, key: &str) -> Result<f64, String> {
-    let name = element.local_name().as_ref().to_owned();
-    let attribute = element.try_get_attribute(key).map_err(|error| error.to_string())?;
-    let attribute = attribute.ok_or_else(|| format!("<{name}> lacks the attribute {key}"))?;
-    let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
-    value.trim().parse().map_err(|_| format!("{key}=\"{value}\" of <{name}> is no number"))
 }
 
 /// Seconds in a day.

@@ -5,10 +5,14 @@
 //! bends with the course of every arm, which is what the method looks for in the picture (paper 1, sections V and VII;
 //! paper 2, section 5). Takes bytes and text, never paths; the same input gives the same bytes.
 //!
-//! Limits: no turn restrictions, no ferries, heights left out, maps of up to about 100 km across.
+//! What of a map was not understood is counted ([`MapNotice`]).
+//!
+//! Limits: no turn restrictions, none that hold at times, no ferries, heights left out, maps of up to about 100 km across.
 
+mod access;
 mod course;
 mod cut;
+mod elements;
 mod feature;
 mod gps_log;
 mod gpx;
@@ -16,6 +20,7 @@ mod graph;
 mod label;
 mod leaving;
 mod match_track;
+mod notice;
 mod osm;
 mod osm_budget;
 mod osm_pbf;
@@ -31,6 +36,7 @@ mod route_check;
 mod route_file;
 mod search;
 mod tangent_plane;
+mod xml_attributes;
 
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
 pub use gps_log::{GpsLog, GpsLogError, parse_gps_log_within};
@@ -38,7 +44,8 @@ pub use gpx::{GpxError, GpxPoint, parse_gpx, parse_gpx_within};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
 pub use leaving::{LEAVES_WITHIN_M, leaves_after_m};
 pub use match_track::match_track;
-pub use osm::{OsmData, OsmError, OsmNode, OsmWay};
+pub use notice::{MapNotice, MapNoticeKind};
+pub use osm::{OsmBarrier, OsmData, OsmError, OsmNode, OsmWay};
 pub use plan::plan;
 pub use road::{RoadAttributes, RoadClass, Travel, parse_width_m};
 pub use roadside::{Kerb, Parking, Roadside};

@@ -1,13 +1,15 @@
 //! OpenStreetMap data as it is stored: nodes with a place, ways with tags.
 //!
-//! Only what a road map needs is kept: every node, and the ways that carry a `highway` tag. Relations (turn
-//! restrictions among them) are left out. OSM XML and OSM PBF; both come to the same data in the same order.
+//! Only what a road map needs is kept: every node, the barriers on them, and the ways that carry a `highway` tag. Relations
+//! (turn restrictions among them) are left out. OSM XML and OSM PBF, with histories and with nodes' places on their ways; both
+//! come to the same data in the same order.
 
 use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use crate::{LatLon, osm_pbf, osm_xml};
+use crate::elements::gather;
+use crate::{LatLon, MapNotice, osm_pbf, osm_xml};
 
 /// A node: a place with a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +31,15 @@ pub struct OsmWay {
     pub tags: BTreeMap<String, String>,
 }
 
+/// A barrier on a node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OsmBarrier {
+    /// OSM's number of the node.
+    pub node: i64,
+    /// Those of the node's tags that say what the barrier is and whom it lets through: key and value.
+    pub tags: BTreeMap<String, String>,
+}
+
 /// The nodes and highways of an extract, each sorted by number.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OsmData {
@@ -36,6 +47,10 @@ pub struct OsmData {
     pub nodes: Vec<OsmNode>,
     /// Ways that carry a `highway` tag, ascending numbers, no number twice.
     pub ways: Vec<OsmWay>,
+    /// Barriers on nodes, ascending numbers of those.
+    pub barriers: Vec<OsmBarrier>,
+    /// What was not understood.
+    pub notices: Vec<MapNotice>,
 }
 
 /// Why bytes are no OpenStreetMap data.
@@ -52,6 +67,11 @@ pub enum OsmError {
         /// The command that unpacks it.
         command: &'static str,
     },
+    /// JSON, as Overpass gives it where nothing else is asked for.
+    #[error(
+        "the map is JSON, which is not read here; ask Overpass for XML ([out:xml]), or give a .osm or .osm.pbf file"
+    )]
+    Json,
     /// Neither XML nor PBF.
     #[error("this is neither OSM XML nor OSM PBF (it starts with \"{start}\"); give a .osm or .osm.pbf file")]
     UnknownFormat {
@@ -71,6 +91,14 @@ pub enum OsmError {
     PackedBlocks {
         /// The way that their blobs name.
         packing: &'static str,
+    },
+    /// PBF that asks of its reader what this one cannot do.
+    #[error(
+        "the OSM PBF asks for \"{feature}\", which is not read here; write it again without (osmium cat IN.osm.pbf -o OUT.osm.pbf)"
+    )]
+    Feature {
+        /// The feature that its header names.
+        feature: String,
     },
     /// More data than may be held.
     #[error(
@@ -131,6 +159,8 @@ impl OsmData {
             Self::from_pbf(bytes, memory_bytes)
         } else if text.starts_with(b"<") {
             Self::from_xml(bytes, memory_bytes)
+        } else if text.starts_with(b"{") {
+            Err(OsmError::Json)
         } else if bytes.starts_with(b"BZh") {
             Err(OsmError::Packed { packer: "bzip2", command: "bunzip2 FILE" })
         } else if bytes.starts_with(b"\x1f\x8b") {
@@ -150,7 +180,7 @@ impl OsmData {
         if bytes.is_empty() {
             return Err(OsmError::Empty);
         }
-        osm_xml::read(bytes, memory_bytes).map(Self::sorted)
+        gather(memory_bytes, |elements| osm_xml::read(bytes, elements))
     }
 
     /// Reads OSM PBF into at most `memory_bytes`.
@@ -158,21 +188,12 @@ impl OsmData {
     /// The block being read, at most 32 MiB, and the list of its texts are counted while they are there.
     ///
     /// # Errors
-    /// [`OsmError::Empty`], [`OsmError::TooLarge`], [`OsmError::PackedBlocks`], and [`OsmError::Pbf`] for data that is cut short,
+    /// [`OsmError::Empty`], [`OsmError::TooLarge`], [`OsmError::PackedBlocks`], [`OsmError::Feature`], and [`OsmError::Pbf`] for data that is cut short,
     /// damaged, or holds a place that is none or a number beyond 64 bits.
     pub fn from_pbf(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
         if bytes.is_empty() {
             return Err(OsmError::Empty);
         }
-        osm_pbf::read(bytes, memory_bytes).map(Self::sorted)
-    }
-
-    fn sorted(mut self) -> Self {
-        // Stable sorts: of a number given twice the first stays.
-        self.nodes.sort_by_key(|node| node.id);
-        self.nodes.dedup_by_key(|node| node.id);
-        self.ways.sort_by_key(|way| way.id);
-        self.ways.dedup_by_key(|way| way.id);
-        self
+        gather(memory_bytes, |elements| osm_pbf::read(bytes, elements))
     }
 }

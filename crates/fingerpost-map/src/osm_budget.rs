@@ -30,14 +30,17 @@ impl Budget {
         self.take(GROWTH * size_of::<OsmWay>())
     }
 
-    /// Takes what one node of a way needs.
-    pub(crate) fn take_reference(&mut self) -> Result<(), OsmError> {
-        self.take(GROWTH * size_of::<i64>())
+    /// Takes what one node of a way needs, and says how much.
+    pub(crate) fn take_reference(&mut self) -> Result<usize, OsmError> {
+        let bytes = GROWTH * size_of::<i64>();
+        self.take(bytes).map(|()| bytes)
     }
 
-    /// Takes what a tag needs; asked before its texts are copied, since many tags of a PBF block may be the same long text.
-    pub(crate) fn take_tag(&mut self, key: &str, value: &str) -> Result<(), OsmError> {
-        self.take(OVERHEAD_BYTES.saturating_add(key.len()).saturating_add(value.len()))
+    /// Takes what a tag needs, and says how much; asked before its texts are copied, since many tags of a PBF block may be the
+    /// same long text.
+    pub(crate) fn take_tag(&mut self, key: &str, value: &str) -> Result<usize, OsmError> {
+        let bytes = OVERHEAD_BYTES.saturating_add(key.len()).saturating_add(value.len());
+        self.take(bytes).map(|()| bytes)
     }
 
     /// Gives back what something took that is there no more, bytes.

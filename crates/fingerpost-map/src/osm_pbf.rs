@@ -4,7 +4,9 @@ use std::io::{self, Read};
 
 use flate2::read::ZlibDecoder;
 
-use crate::osm::{OsmData, OsmError};
+use crate::elements::Elements;
+use crate::label::cleaned;
+use crate::osm::OsmError;
 use crate::osm_budget::Budget;
 use crate::pbf_block::read_block;
 use crate::pbf_fields::{Fields, Value};
@@ -13,23 +15,43 @@ use crate::pbf_fields::{Fields, Value};
 const MOST_HEADER_BYTES: usize = 64 * 1024;
 /// Bytes of a blob and of its block at the most, as the format has it.
 const MOST_BLOCK_BYTES: usize = 32 * 1024 * 1024;
+/// Bytes of a feature's name that a message shows.
+const MOST_FEATURE_BYTES: usize = 100;
 
-/// Reads nodes and highways in the file's order, block by block.
-pub(crate) fn read(mut bytes: &[u8], memory_bytes: usize) -> Result<OsmData, OsmError> {
-    let mut data = OsmData::default();
-    let mut budget = Budget::new(memory_bytes);
+/// Features that a file may ask of its reader and that this one has.
+const FEATURES: [&[u8]; 4] = [b"OsmSchema-V0.6", b"DenseNodes", b"HistoricalInformation", b"LocationsOnWays"];
+
+/// Gives nodes and highways to `elements`, in the file's order, block by block.
+pub(crate) fn read(mut bytes: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
     let mut unpacked = Vec::new();
     while !bytes.is_empty() {
         let (kind, blob) = next_blob(&mut bytes).map_err(broken)?;
         if kind == b"OSMHeader" || kind == b"OSMData" {
-            let block = unpack(blob, &mut budget, &mut unpacked)?;
+            let block = unpack(blob, &mut elements.budget, &mut unpacked)?;
             if kind == b"OSMData" {
-                read_block(block, &mut data, &mut budget)?;
+                read_block(block, elements)?;
+            } else {
+                check_features(block)?;
             }
-            budget.give_back(unpacked.len());
+            elements.budget.give_back(unpacked.len());
         }
     }
-    Ok(data)
+    Ok(())
+}
+
+/// Refuses a file that asks for more than is read here.
+fn check_features(header: &[u8]) -> Result<(), OsmError> {
+    let mut fields = Fields::of(header);
+    while let Some((number, value)) = fields.next().map_err(broken)? {
+        if let (4, Value::Bytes(feature)) = (number, value)
+            && !FEATURES.contains(&feature)
+        {
+            let feature =
+                cleaned(&String::from_utf8_lossy(&feature[..feature.len().min(MOST_FEATURE_BYTES)]));
+            return Err(OsmError::Feature { feature });
+        }
+    }
+    Ok(())
 }
 
 /// Data that is cut short or damaged.

@@ -1,29 +1,40 @@
-//! OSM XML.
+//! OSM XML, as editors, osmium and Overpass write it: `<osm>` with `<node>`, `<way>` and what servers say in a `<remark>`.
 
 use std::collections::BTreeMap;
 
-use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 
-use crate::LatLon;
-use crate::osm::{OsmData, OsmError, OsmNode, OsmWay};
-use crate::osm_budget::Budget;
+use crate::access::BARRIER_KEYS;
+use crate::elements::{Elements, Version};
+use crate::osm::{OsmError, OsmWay};
+use crate::xml_attributes::{Attributes, MOST_DEPTH};
+use crate::{LatLon, MapNoticeKind};
 
-/// Reads nodes and highways in the document's order.
-pub(crate) fn read(bytes: &[u8], memory_bytes: usize) -> Result<OsmData, OsmError> {
+/// Elements that may stand in a document beside nodes and ways, and from which no road comes.
+const PASSED_OVER: [&str; 9] =
+    ["note", "meta", "bounds", "bound", "relation", "changeset", "user", "count", "area"];
+/// Bytes of a remark that are kept.
+const MOST_REMARK_BYTES: usize = 1000;
+
+/// Gives nodes and highways to `elements`, in the document's order.
+pub(crate) fn read(bytes: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
     let text = std::str::from_utf8(bytes).map_err(|error| OsmError::Xml {
         at_byte: error.valid_up_to() as u64,
         cause: "not UTF-8 text".to_owned(),
     })?;
     let mut reader = Reader::from_str(text);
-    let mut document = Document::within(memory_bytes);
+    let mut document = Document { elements, depth: 0, is_osm: false, open: Open::Nothing, taken_bytes: 0 };
     loop {
         let at_byte = reader.buffer_position();
         let step = match reader.read_event() {
-            Ok(Event::Start(element)) => document.open(&element),
-            Ok(Event::Empty(element)) => document.open(&element).and_then(|()| document.close()),
+            Ok(Event::Start(element)) => document.open(&element, at_byte),
+            Ok(Event::Empty(element)) => document.open(&element, at_byte).and_then(|()| document.close()),
             Ok(Event::End(_)) => document.close(),
+            Ok(Event::Text(text)) => document.text(&text),
+            Ok(Event::CData(text)) => document.text(&text),
+            // A reference stands between two texts, as in &quot;.
+            Ok(Event::GeneralRef(_)) => document.text("\""),
             Ok(Event::Eof) => break,
             Ok(_) => Ok(()),
             Err(error) => Err(error.to_string().into()),
@@ -62,125 +73,143 @@ impl From<OsmError> for Fault {
     }
 }
 
-/// What has been read so far.
-struct Document {
-    data: OsmData,
-    budget: Budget,
-    depth: usize,
-    is_osm: bool,
-    /// The way whose element is open; deleted ways too, so that their tags go nowhere else.
-    way: Option<OsmWay>,
-    way_is_deleted: bool,
+/// The element below `<osm>` that is open.
+enum Open {
+    Nothing,
+    /// A node that is there, with those of its tags that speak of barriers.
+    Node(BTreeMap<String, String>),
+    /// A way; deleted ones too.
+    Way(OsmWay, Version),
+    Remark(String),
 }
 
-impl Document {
-    fn within(memory_bytes: usize) -> Self {
-        Self {
-            data: OsmData::default(),
-            budget: Budget::new(memory_bytes),
-            depth: 0,
-            is_osm: false,
-            way: None,
-            way_is_deleted: false,
-        }
-    }
+/// A document that is read.
+struct Document<'a> {
+    elements: &'a mut Elements,
+    depth: usize,
+    is_osm: bool,
+    open: Open,
+    /// What the open element has taken of the memory for nodes and tags.
+    taken_bytes: usize,
+}
 
-    fn open(&mut self, element: &BytesStart<'_>) -> Result<(), Fault> {
+impl Document<'_> {
+    fn open(&mut self, element: &BytesStart<'_>, at_byte: u64) -> Result<(), Fault> {
+        if self.depth == MOST_DEPTH {
+            return Err(format!("more than {MOST_DEPTH} elements stand within each other").into());
+        }
         self.depth += 1;
         match (self.depth, element.name().as_ref()) {
             (1, "osm") => self.is_osm = true,
             (1, other) => return Err(format!("the document is <{other}>, not <osm>").into()),
-            (2, "node") => {
-                let attributes = Attributes::of(element)?;
-                if !attributes.deleted() {
-                    let at = LatLon::new(attributes.number("lat")?, attributes.number("lon")?)
-                        .map_err(|error| error.to_string())?;
-                    self.budget.take_node()?;
-                    self.data.nodes.push(OsmNode { id: attributes.number("id")?, at });
-                }
-            }
+            (2, "node") => self.open_node(&Attributes::of(element)?)?,
             (2, "way") => {
                 let attributes = Attributes::of(element)?;
-                self.way_is_deleted = attributes.deleted();
-                let id = attributes.number("id")?;
-                self.way = Some(OsmWay { id, nodes: Vec::new(), tags: BTreeMap::new() });
+                let way = OsmWay { id: attributes.number("id")?, nodes: Vec::new(), tags: BTreeMap::new() };
+                self.open = Open::Way(way, version(&attributes)?);
             }
-            (3, "nd") => {
-                if let Some(way) = &mut self.way {
-                    way.nodes.push(Attributes::of(element)?.number("ref")?);
-                }
+            (2, "remark") => self.open = Open::Remark(String::new()),
+            (2, other) if !PASSED_OVER.contains(&other) && self.elements.are_taken() => {
+                let first = || format!("<{other}> at byte {at_byte}");
+                self.elements.notices.add(MapNoticeKind::UnknownElement, first);
             }
-            (3, "tag") => {
-                if let Some(way) = &mut self.way {
-                    let attributes = Attributes::of(element)?;
-                    way.tags.insert(attributes.text("k")?.to_owned(), attributes.text("v")?.to_owned());
-                }
-            }
+            (3, "nd") => self.add_reference(&Attributes::of(element)?)?,
+            (3, "tag") => self.add_tag(&Attributes::of(element)?)?,
             _ => {}
+        }
+        Ok(())
+    }
+
+    fn open_node(&mut self, attributes: &Attributes<'_>) -> Result<(), Fault> {
+        let version = version(attributes)?;
+        let id = attributes.number("id")?;
+        // The place of a deleted node may be missing.
+        let at = if version.is_deleted { None } else { Some(place(attributes)?) };
+        self.elements.node(id, version, at)?;
+        if at.is_some() && self.elements.are_taken() {
+            self.open = Open::Node(BTreeMap::new());
+        }
+        Ok(())
+    }
+
+    fn add_reference(&mut self, attributes: &Attributes<'_>) -> Result<(), Fault> {
+        let Open::Way(way, _) = &mut self.open else { return Ok(()) };
+        let id = attributes.number("ref")?;
+        self.taken_bytes += self.elements.budget.take_reference()?;
+        way.nodes.push(id);
+        // osmium and Overpass (`out geom`) can give the node's place here.
+        if attributes.find("lat")?.is_some() && self.elements.are_taken() {
+            self.elements.place_on_way(id, place(attributes)?)?;
+        }
+        Ok(())
+    }
+
+    fn add_tag(&mut self, attributes: &Attributes<'_>) -> Result<(), Fault> {
+        let (key, value) = (attributes.text("k")?, attributes.text("v")?);
+        let tags = match &mut self.open {
+            Open::Way(way, _) => &mut way.tags,
+            Open::Node(tags) if BARRIER_KEYS.contains(&&*key) => tags,
+            _ => return Ok(()),
+        };
+        self.taken_bytes += self.elements.budget.take_tag(&key, &value)?;
+        tags.insert(key.into_owned(), value.into_owned());
+        Ok(())
+    }
+
+    fn text(&mut self, text: &str) -> Result<(), Fault> {
+        if let Open::Remark(remark) = &mut self.open
+            && remark.len() + text.len() <= MOST_REMARK_BYTES
+        {
+            remark.push_str(text);
         }
         Ok(())
     }
 
     fn close(&mut self) -> Result<(), Fault> {
         self.depth = self.depth.saturating_sub(1);
-        if self.depth == 1
-            && let Some(way) = self.way.take()
-            && !self.way_is_deleted
-            && way.tags.contains_key("highway")
-        {
-            // XML holds every text as often as it is used: what a way takes is no more than its part of the file.
-            self.budget.take_way()?;
-            way.tags.iter().try_for_each(|(key, value)| self.budget.take_tag(key, value))?;
-            way.nodes.iter().try_for_each(|_| self.budget.take_reference())?;
-            self.data.ways.push(way);
+        if self.depth != 1 {
+            return Ok(());
+        }
+        let taken_bytes = std::mem::take(&mut self.taken_bytes);
+        let are_taken = self.elements.are_taken();
+        match std::mem::replace(&mut self.open, Open::Nothing) {
+            Open::Node(tags) if tags.contains_key("barrier") => self.elements.barrier(tags)?,
+            Open::Way(way, version) => {
+                let is_kept = !version.is_deleted && way.tags.contains_key("highway");
+                if is_kept && are_taken {
+                    self.elements.budget.take_way()?;
+                } else {
+                    self.elements.budget.give_back(taken_bytes);
+                }
+                self.elements.way(way.id, version, is_kept.then_some(way));
+            }
+            Open::Remark(remark) if are_taken => self.elements.notices.add(MapNoticeKind::Remark, || remark),
+            _ => self.elements.budget.give_back(taken_bytes),
         }
         Ok(())
     }
 
-    fn finish(self) -> Result<OsmData, Fault> {
+    fn finish(self) -> Result<(), Fault> {
         if !self.is_osm {
             Err("there is no <osm> element".to_owned().into())
         } else if self.depth > 0 {
             Err("the document ends in the middle; it is cut short".to_owned().into())
         } else {
-            Ok(self.data)
+            Ok(())
         }
     }
 }
 
-/// The attributes of one element.
-struct Attributes {
-    element: String,
-    values: BTreeMap<String, String>,
+/// The place that an element's attributes say.
+fn place(attributes: &Attributes<'_>) -> Result<LatLon, String> {
+    LatLon::new(attributes.number("lat")?, attributes.number("lon")?).map_err(|error| error.to_string())
 }
 
-impl Attributes {
-    fn of(element: &BytesStart<'_>) -> Result<Self, String> {
-        let mut values = BTreeMap::new();
-        for attribute in element.attributes() {
-            let attribute = attribute.map_err(|error| error.to_string())?;
-            let value =
-                attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
-            values.insert(attribute.key.as_ref().to_owned(), value.into_owned());
-        }
-        Ok(Self { element: element.name().as_ref().to_owned(), values })
-    }
-
-    fn text(&self, key: &str) -> Result<&str, String> {
-        self.values
-            .get(key)
-            .map(String::as_str)
-            .ok_or_else(|| format!("<{}> lacks the attribute {key}", self.element))
-    }
-
-    fn number<T: std::str::FromStr>(&self, key: &str) -> Result<T, String> {
-        let text = self.text(key)?;
-        text.trim().parse().map_err(|_| format!("{key}=\"{text}\" of <{}> is no number", self.element))
-    }
-
-    /// Whether an editor marks the element as deleted; its place may be missing then.
-    fn deleted(&self) -> bool {
-        let is = |key: &str, value: &str| self.values.get(key).is_some_and(|v| v == value);
-        is("visible", "false") || is("action", "delete")
-    }
+/// An element's version; editors mark what they have deleted, histories what was.
+fn version(attributes: &Attributes<'_>) -> Result<Version, String> {
+    let is = |key: &str, value: &str| attributes.find(key).map(|found| found.as_deref() == Some(value));
+    Ok(Version {
+        number: attributes.optional_number("version")?.unwrap_or_default(),
+        is_deleted: is("visible", "false")? || is("action", "delete")?,
+    })
 }

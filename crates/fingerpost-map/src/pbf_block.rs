@@ -5,7 +5,9 @@
 use std::collections::BTreeMap;
 
 use crate::LatLon;
-use crate::osm::{OsmData, OsmError, OsmNode, OsmWay};
+use crate::access::BARRIER_KEYS;
+use crate::elements::{Elements, Version};
+use crate::osm::{OsmError, OsmWay};
 use crate::osm_budget::Budget;
 use crate::osm_pbf::broken;
 use crate::pbf_fields::{Fields, Packed, Sums, Value, signed};
@@ -13,18 +15,18 @@ use crate::pbf_fields::{Fields, Packed, Sums, Value, signed};
 /// Billionths of a degree in a unit of a block that does not say it.
 const GRANULARITY: i64 = 100;
 
-/// Adds what a block holds to `data`.
-pub(crate) fn read_block(block: &[u8], data: &mut OsmData, budget: &mut Budget) -> Result<(), OsmError> {
-    let reading = Block::of(block, budget)?;
+/// Gives what a block holds to `elements`.
+pub(crate) fn read_block(block: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
+    let reading = Block::of(block, &mut elements.budget)?;
     let taken = reading.texts.len().saturating_mul(size_of::<&[u8]>());
     let mut fields = Fields::of(block);
     while let Some((number, value)) = fields.next().map_err(broken)? {
         if number == 2 {
-            reading.group(value.bytes().map_err(broken)?, data, budget)?;
+            reading.group(value.bytes().map_err(broken)?, elements)?;
         }
     }
     drop(reading);
-    budget.give_back(taken);
+    elements.budget.give_back(taken);
     Ok(())
 }
 
@@ -58,25 +60,26 @@ impl<'a> Block<'a> {
         Ok(made)
     }
 
-    fn group(&self, group: &[u8], data: &mut OsmData, budget: &mut Budget) -> Result<(), OsmError> {
+    fn group(&self, group: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
         let mut fields = Fields::of(group);
         while let Some((number, value)) = fields.next().map_err(broken)? {
             match (number, value) {
-                (1, Value::Bytes(node)) => self.node(node, data, budget)?,
-                (2, Value::Bytes(nodes)) => self.dense_nodes(nodes, data, budget)?,
-                (3, Value::Bytes(way)) => self.way(way, data, budget)?,
+                (1, Value::Bytes(node)) => self.node(node, elements)?,
+                (2, Value::Bytes(nodes)) => self.dense_nodes(nodes, elements)?,
+                (3, Value::Bytes(way)) => self.way(way, elements)?,
                 _ => {}
             }
         }
         Ok(())
     }
 
-    fn node(&self, node: &[u8], data: &mut OsmData, budget: &mut Budget) -> Result<(), OsmError> {
-        let (mut id, mut lat, mut lon) = (None, None, None);
+    fn node(&self, node: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
+        let (mut id, mut lat, mut lon, mut version) = (None, None, None, Version::default());
         let mut fields = Fields::of(node);
         while let Some((number, value)) = fields.next().map_err(broken)? {
             match (number, value) {
                 (1, Value::Number(number)) => id = Some(signed(number)),
+                (4, Value::Bytes(info)) => version = version_of(info)?,
                 (8, Value::Number(number)) => lat = Some(signed(number)),
                 (9, Value::Number(number)) => lon = Some(signed(number)),
                 _ => {}
@@ -85,32 +88,54 @@ impl<'a> Block<'a> {
         let (Some(id), Some(lat), Some(lon)) = (id, lat, lon) else {
             return Err(broken("a node without number or place"));
         };
-        self.place(id, lat, lon, data, budget)
+        self.place(id, version, lat, lon, elements)?;
+        let [keys, values] = columns(node, [2, 3])?;
+        let (mut keys, mut values) = (Packed::of(keys), Packed::of(values));
+        self.barrier(version, elements, || Ok(keys.next()?.zip(values.next()?)))
     }
 
-    fn dense_nodes(&self, nodes: &[u8], data: &mut OsmData, budget: &mut Budget) -> Result<(), OsmError> {
-        let [ids, lats, lons] = columns(nodes, [1, 8, 9])?;
+    fn dense_nodes(&self, nodes: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
+        let [ids, info, lats, lons, tags] = columns(nodes, [1, 5, 8, 9, 10])?;
+        let [versions, visible] = columns(info, [1, 6])?;
         let (mut ids, mut lats, mut lons) = (Sums::of(ids), Sums::of(lats), Sums::of(lons));
+        let (mut versions, mut visible, mut tags) =
+            (Packed::of(versions), Packed::of(visible), Packed::of(tags));
         loop {
-            let next = [&mut ids, &mut lats, &mut lons].map(Sums::next);
-            match next {
+            let (id, lat, lon) = match [&mut ids, &mut lats, &mut lons].map(Sums::next) {
                 [Ok(None), Ok(None), Ok(None)] => return Ok(()),
-                [Ok(Some(id)), Ok(Some(lat)), Ok(Some(lon))] => self.place(id, lat, lon, data, budget)?,
+                [Ok(Some(id)), Ok(Some(lat)), Ok(Some(lon))] => (id, lat, lon),
                 [Err(cause), ..] | [_, Err(cause), _] | [.., Err(cause)] => return Err(broken(cause)),
                 _ => return Err(broken("nodes have not as many places as numbers")),
-            }
+            };
+            let version = Version {
+                number: versions.next().map_err(broken)?.map_or(0, |number| i64::from(number as i32)),
+                is_deleted: visible.next().map_err(broken)? == Some(0),
+            };
+            self.place(id, version, lat, lon, elements)?;
+            // The tags of all nodes stand in one list, those of each before a zero.
+            self.barrier(version, elements, || match tags.next()? {
+                None | Some(0) => Ok(None),
+                Some(key) => Ok(Some(key).zip(tags.next()?)),
+            })?;
         }
     }
 
-    /// Adds a node at a place in the block's units.
+    /// Takes a node at a place in the block's units.
     fn place(
         &self,
         id: i64,
+        version: Version,
         lat: i64,
         lon: i64,
-        data: &mut OsmData,
-        budget: &mut Budget,
+        elements: &mut Elements,
     ) -> Result<(), OsmError> {
+        // The place of a deleted node means nothing.
+        let at = if version.is_deleted { None } else { Some(self.at(id, lat, lon)?) };
+        elements.node(id, version, at)
+    }
+
+    /// A node's place in the block's units.
+    fn at(&self, id: i64, lat: i64, lon: i64) -> Result<LatLon, OsmError> {
         let degrees = |at: i64, offset: i64| {
             let nano_degrees = at.checked_mul(self.granularity).and_then(|at| at.checked_add(offset));
             // The division rounds to the f64 that the decimal number in OSM XML reads as.
@@ -118,48 +143,87 @@ impl<'a> Block<'a> {
         };
         let at = degrees(lat, self.lat_offset).zip(degrees(lon, self.lon_offset));
         let (lat_deg, lon_deg) = at.ok_or_else(|| broken(format!("node {id} has a place beyond 64 bits")))?;
-        let at = LatLon::new(lat_deg, lon_deg).map_err(|error| broken(format!("node {id}: {error}")))?;
-        budget.take_node()?;
-        data.nodes.push(OsmNode { id, at });
+        LatLon::new(lat_deg, lon_deg).map_err(|error| broken(format!("node {id}: {error}")))
+    }
+
+    /// Takes the tags of the last node where they name a barrier; `next` gives the numbers of a tag's key and value.
+    fn barrier(
+        &self,
+        version: Version,
+        elements: &mut Elements,
+        mut next: impl FnMut() -> Result<Option<(u64, u64)>, String>,
+    ) -> Result<(), OsmError> {
+        let mut tags = BTreeMap::new();
+        let mut taken_bytes = 0;
+        while let Some((key, value)) = next().map_err(broken)? {
+            let key = self.text(key)?;
+            let Some(key) = BARRIER_KEYS.into_iter().find(|known| known.as_bytes() == key) else { continue };
+            let value = str::from_utf8(self.text(value)?);
+            let value = value.map_err(|_| broken(format!("{key} of a node is not UTF-8 text")))?;
+            taken_bytes += elements.budget.take_tag(key, value)?;
+            tags.insert(key.to_owned(), value.to_owned());
+        }
+        if tags.contains_key("barrier") && !version.is_deleted && elements.are_taken() {
+            return elements.barrier(tags);
+        }
+        elements.budget.give_back(taken_bytes);
         Ok(())
     }
 
-    fn way(&self, way: &[u8], data: &mut OsmData, budget: &mut Budget) -> Result<(), OsmError> {
-        let mut id = None;
+    fn way(&self, way: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
+        let (mut id, mut version) = (None, Version::default());
         let mut fields = Fields::of(way);
         while let Some((number, value)) = fields.next().map_err(broken)? {
-            if let (1, Value::Number(number)) = (number, value) {
-                id = Some(number as i64);
+            match (number, value) {
+                (1, Value::Number(number)) => id = Some(number as i64),
+                (4, Value::Bytes(info)) => version = version_of(info)?,
+                _ => {}
             }
         }
         let id = id.ok_or_else(|| broken("a way without a number"))?;
-        let [keys, values, references] = columns(way, [2, 3, 8])?;
+        let [keys, values, references, lats, lons] = columns(way, [2, 3, 8, 9, 10])?;
         let mut is_highway = false;
         self.each_tag(keys, values, |key, _| {
             is_highway |= key == b"highway";
             Ok(())
         })?;
-        if !is_highway {
+        if !is_highway || version.is_deleted {
+            elements.way(id, version, None);
             return Ok(());
         }
-        budget.take_way()?;
-        let mut tags = BTreeMap::new();
-        self.each_tag(keys, values, |key, value| {
-            let [key, value] = [key, value].map(str::from_utf8);
-            let (Ok(key), Ok(value)) = (key, value) else {
-                return Err(broken(format!("a tag of way {id} is not UTF-8 text")));
-            };
-            budget.take_tag(key, value)?;
-            tags.insert(key.to_owned(), value.to_owned());
-            Ok(())
-        })?;
-        let mut nodes = Vec::new();
-        let mut references = Sums::of(references);
-        while let Some(node) = references.next().map_err(broken)? {
-            budget.take_reference()?;
-            nodes.push(node);
+        let mut way = OsmWay { id, nodes: Vec::new(), tags: BTreeMap::new() };
+        if elements.are_taken() {
+            elements.budget.take_way()?;
+            self.each_tag(keys, values, |key, value| {
+                let [key, value] = [key, value].map(str::from_utf8);
+                let (Ok(key), Ok(value)) = (key, value) else {
+                    return Err(broken(format!("a tag of way {id} is not UTF-8 text")));
+                };
+                elements.budget.take_tag(key, value)?;
+                way.tags.insert(key.to_owned(), value.to_owned());
+                Ok(())
+            })?;
+            self.references([references, lats, lons], &mut way.nodes, elements)?;
         }
-        data.ways.push(OsmWay { id, nodes, tags });
+        elements.way(id, version, Some(way));
+        Ok(())
+    }
+
+    /// Takes the numbers of a way's nodes, and their places where the way has them.
+    fn references(
+        &self,
+        [ids, lats, lons]: [&[u8]; 3],
+        nodes: &mut Vec<i64>,
+        elements: &mut Elements,
+    ) -> Result<(), OsmError> {
+        let (mut ids, mut lats, mut lons) = (Sums::of(ids), Sums::of(lats), Sums::of(lons));
+        while let Some(id) = ids.next().map_err(broken)? {
+            elements.budget.take_reference()?;
+            nodes.push(id);
+            if let (Some(lat), Some(lon)) = (lats.next().map_err(broken)?, lons.next().map_err(broken)?) {
+                elements.place_on_way(id, self.at(id, lat, lon)?)?;
+            }
+        }
         Ok(())
     }
 
@@ -210,4 +274,18 @@ fn each_text<'a>(table: &'a [u8], mut each: impl FnMut(&'a [u8])) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// The version that an element's information says.
+fn version_of(info: &[u8]) -> Result<Version, OsmError> {
+    let mut version = Version::default();
+    let mut fields = Fields::of(info);
+    while let Some((number, value)) = fields.next().map_err(broken)? {
+        match (number, value) {
+            (1, Value::Number(number)) => version.number = i64::from(number as i32),
+            (6, Value::Number(visible)) => version.is_deleted = visible == 0,
+            _ => {}
+        }
+    }
+    Ok(version)
 }

@@ -45,6 +45,7 @@ fn planned(road: &[Place]) -> (Route, Vec<Place>) {
     let data = OsmData {
         nodes: ids.iter().zip(road).map(|(&id, place)| OsmNode { id, at: at(place) }).collect(),
         ways: vec![OsmWay { id: 1, nodes: ids, tags: tags.into_iter().collect() }],
+        ..OsmData::default()
     };
     let graph = RoadGraph::from_osm(&data).unwrap();
     let ends = [at(&road[0]), at(&road[road.len() - 1])];

@@ -55,8 +55,12 @@ fn roads() -> RoadGraph {
         let tags = [("highway".to_owned(), "residential".to_owned())].into();
         OsmWay { id, nodes: nodes.to_vec(), tags }
     };
-    RoadGraph::from_osm(&OsmData { nodes: nodes.collect(), ways: vec![way(1, &[1, 2, 3]), way(2, &[2, 4])] })
-        .unwrap()
+    RoadGraph::from_osm(&OsmData {
+        nodes: nodes.collect(),
+        ways: vec![way(1, &[1, 2, 3]), way(2, &[2, 4])],
+        ..OsmData::default()
+    })
+    .unwrap()
 }
 
 /// A drive to the east from 140 m on for 20 m, that is believed to begin `start_off_m` farther on. The landmark is seen `seen_off_m`

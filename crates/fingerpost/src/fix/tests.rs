@@ -26,7 +26,7 @@ fn roads() -> RoadGraph {
         OsmWay { id, nodes: nodes.to_vec(), tags }
     };
     let ways = vec![way(1, &[1, 2, 3, 4]), way(2, &[2, 5]), way(3, &[3, 6])];
-    RoadGraph::from_osm(&OsmData { nodes: nodes.collect(), ways }).unwrap()
+    RoadGraph::from_osm(&OsmData { nodes: nodes.collect(), ways, ..OsmData::default() }).unwrap()
 }
 
 /// Along the road to the east from 10 m on, then into a street with an arc of 6 m; the vehicle's true places and fixes.
