@@ -198,7 +198,7 @@ impl<'a> Chains<'a> {
         let (onto, back) = (self.graph.away_from(other, node), self.graph.away_from(one, node));
         let allowed = |segment: usize, away: Direction| {
             let towards = opposite(away);
-            [self.graph.permits(segment, away), self.graph.permits(segment, towards)]
+            [away, towards].map(|direction| !self.graph.forbids(segment, direction))
         };
         let ([one_away, one_towards], [other_away, other_towards]) =
             (allowed(one, into), allowed(other, onto));
@@ -210,7 +210,7 @@ impl<'a> Chains<'a> {
         let (mut segment, mut direction) = (segment, direction);
         let start = self.tail(segment, direction);
         let travel =
-            [self.graph.permits(segment, direction), self.graph.permits(segment, opposite(direction))];
+            [direction, opposite(direction)].map(|direction| !self.graph.forbids(segment, direction));
         let mut points = vec![self.graph.nodes()[start].p_in_map];
         let end = loop {
             self.taken[segment] = true;

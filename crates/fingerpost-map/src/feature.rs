@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::{LatLon, RoadClass, Roadside};
 
+/// Roads at a node, and arms of a feature: no junction has more.
+pub(crate) const MOST_ARMS: usize = 16;
+
 /// A junction, side road or bend of a route.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RouteFeature {

@@ -10,7 +10,9 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 use thiserror::Error;
 
-use crate::{LatLon, OsmData, RoadAttributes, TangentPlane, Travel};
+use crate::feature::MOST_ARMS;
+use crate::roads::Roads;
+use crate::{LatLon, MapBounds, MapNotice, OsmData, RoadAttributes, TangentPlane, Travel};
 
 /// A place where segments meet.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,8 @@ pub struct RoadNode {
     pub p_in_map: Point2<f64>,
     /// Indices of the segments that end here, ascending.
     pub segments: Vec<usize>,
+    /// Whether a barrier lets no car through.
+    pub is_closed: bool,
 }
 
 /// A drivable way. A way that leaves an extract and comes back is several of these with one number.
@@ -83,6 +87,17 @@ pub enum GraphError {
         /// How many ways carry a `highway` tag.
         highways: usize,
     },
+    /// More roads at a node than any junction has.
+    #[error(
+        "{roads} pieces of road meet at node {node} of the map, and no junction has more than {MOST_ARMS}: the map is damaged \
+         there; correct it, or cut out another area"
+    )]
+    Crowded {
+        /// OSM's number of the node.
+        node: i64,
+        /// How many meet there.
+        roads: usize,
+    },
 }
 
 type IndexedSegment = GeomWithData<Line<[f64; 2]>, usize>;
@@ -95,30 +110,77 @@ pub struct RoadGraph {
     ways: Vec<RoadWay>,
     segments: Vec<RoadSegment>,
     index: RTree<IndexedSegment>,
+    bounds: MapBounds,
+    notices: Vec<MapNotice>,
 }
 
 impl RoadGraph {
     /// The drivable roads of the data, in the plane that touches the earth in the middle of the roads' nodes.
     ///
     /// # Errors
-    /// [`GraphError::NoRoads`].
+    /// [`GraphError::NoRoads`] and [`GraphError::Crowded`].
     pub fn from_osm(osm: &OsmData) -> Result<Self, GraphError> {
         let roads = Roads::of(osm)?;
-        let origin = roads.middle();
-        Ok(roads.into_graph(TangentPlane::new(origin)))
+        let origin = roads.bounds.middle();
+        Self::of(roads, TangentPlane::new(origin))
     }
 
     /// The drivable roads of the data in the plane of `origin`, such as a route's.
     ///
     /// # Errors
-    /// [`GraphError::NoRoads`].
+    /// As [`Self::from_osm`].
     pub fn from_osm_at(osm: &OsmData, origin: LatLon) -> Result<Self, GraphError> {
-        Ok(Roads::of(osm)?.into_graph(TangentPlane::new(origin)))
+        Self::of(Roads::of(osm)?, TangentPlane::new(origin))
+    }
+
+    fn of(roads: Roads, plane: TangentPlane) -> Result<Self, GraphError> {
+        let index_of: BTreeMap<i64, usize> =
+            roads.places.keys().enumerate().map(|(index, id)| (*id, index)).collect();
+        let node = |(&id, &at): (&i64, &LatLon)| RoadNode {
+            id,
+            at,
+            p_in_map: plane.map_from_wgs84(at),
+            segments: Vec::new(),
+            is_closed: roads.closed.contains(&id),
+        };
+        let mut nodes: Vec<RoadNode> = roads.places.iter().map(node).collect();
+        let mut segments = Vec::new();
+        let mut ways = Vec::with_capacity(roads.ways.len());
+        for (id, way_nodes, attributes) in roads.ways {
+            let way_nodes: Vec<usize> = way_nodes.iter().map(|id| index_of[id]).collect();
+            for ends in way_nodes.windows(2) {
+                let length_m = (nodes[ends[1]].p_in_map - nodes[ends[0]].p_in_map).norm();
+                for &end in ends {
+                    nodes[end].segments.push(segments.len());
+                }
+                segments.push(RoadSegment { way: ways.len(), start: ends[0], end: ends[1], length_m });
+            }
+            ways.push(RoadWay { id, nodes: way_nodes, attributes });
+        }
+        if let Some(crowded) = nodes.iter().find(|node| node.segments.len() > MOST_ARMS) {
+            return Err(GraphError::Crowded { node: crowded.id, roads: crowded.segments.len() });
+        }
+        let entries = segments.iter().enumerate().map(|(index, segment)| {
+            let [start, end] = [segment.start, segment.end].map(|node| nodes[node].p_in_map);
+            GeomWithData::new(Line::new([start.x, start.y], [end.x, end.y]), index)
+        });
+        let index = RTree::bulk_load(entries.filter(|entry| segments[entry.data].length_m > 0.0).collect());
+        Ok(Self { plane, nodes, ways, segments, index, bounds: roads.bounds, notices: roads.notices })
     }
 
     /// The plane that the graph's metres are counted in.
     pub fn plane(&self) -> &TangentPlane {
         &self.plane
+    }
+
+    /// What the roads cover.
+    pub const fn bounds(&self) -> &MapBounds {
+        &self.bounds
+    }
+
+    /// What of the map was not understood, one a kind.
+    pub fn notices(&self) -> &[MapNotice] {
+        &self.notices
     }
 
     /// All nodes, ascending OSM numbers.
@@ -189,12 +251,17 @@ impl RoadGraph {
         Snap { segment, along_m, p_in_map: on_road, distance_m: (p_in_map - on_road).norm() }
     }
 
-    /// Whether a segment may be driven in a direction.
+    /// Whether a segment may be driven in a direction, now and always.
     pub fn permits(&self, segment: usize, direction: Direction) -> bool {
+        self.attributes_of(segment).travel != Travel::Unsure && !self.forbids(segment, direction)
+    }
+
+    /// Whether a segment is never driven in a direction.
+    pub fn forbids(&self, segment: usize, direction: Direction) -> bool {
         match self.attributes_of(segment).travel {
-            Travel::Both => true,
-            Travel::Forward => direction == Direction::Forward,
-            Travel::Backward => direction == Direction::Backward,
+            Travel::Both | Travel::Unsure => false,
+            Travel::Forward => direction == Direction::Backward,
+            Travel::Backward => direction == Direction::Forward,
         }
     }
 
@@ -214,70 +281,3 @@ impl RoadGraph {
 
 /// Slack of the search for segments within reach, metres; far below the map's resolution.
 const REACH_MARGIN_M: f64 = 1e-9;
-
-/// Drivable ways with the places of their nodes, before a plane is chosen.
-struct Roads {
-    places: BTreeMap<i64, LatLon>,
-    ways: Vec<(i64, Vec<i64>, RoadAttributes)>,
-}
-
-impl Roads {
-    fn of(osm: &OsmData) -> Result<Self, GraphError> {
-        let known: BTreeMap<i64, LatLon> = osm.nodes.iter().map(|node| (node.id, node.at)).collect();
-        let mut roads = Self { places: BTreeMap::new(), ways: Vec::new() };
-        for way in &osm.ways {
-            let Some(attributes) = RoadAttributes::from_tags(&way.tags) else { continue };
-            // Extracts cut ways at their border: nodes outside are named but not given.
-            for piece in way.nodes.split(|id| !known.contains_key(id)) {
-                let mut piece = piece.to_vec();
-                piece.dedup();
-                if piece.len() >= 2 {
-                    roads.places.extend(piece.iter().map(|id| (*id, known[id])));
-                    roads.ways.push((way.id, piece, attributes.clone()));
-                }
-            }
-        }
-        if roads.ways.is_empty() {
-            return Err(GraphError::NoRoads { highways: osm.ways.len() });
-        }
-        Ok(roads)
-    }
-
-    fn middle(&self) -> LatLon {
-        let middle = |degrees: &dyn Fn(&LatLon) -> f64| {
-            let low = self.places.values().map(degrees).fold(f64::INFINITY, f64::min);
-            let high = self.places.values().map(degrees).fold(f64::NEG_INFINITY, f64::max);
-            (low + high) / 2.0
-        };
-        LatLon { lat_deg: middle(&|at| at.lat_deg), lon_deg: middle(&|at| at.lon_deg) }
-    }
-
-    fn into_graph(self, plane: TangentPlane) -> RoadGraph {
-        let index_of: BTreeMap<i64, usize> =
-            self.places.keys().enumerate().map(|(index, id)| (*id, index)).collect();
-        let mut nodes: Vec<RoadNode> = self
-            .places
-            .iter()
-            .map(|(&id, &at)| RoadNode { id, at, p_in_map: plane.map_from_wgs84(at), segments: Vec::new() })
-            .collect();
-        let mut segments = Vec::new();
-        let mut ways = Vec::with_capacity(self.ways.len());
-        for (id, way_nodes, attributes) in self.ways {
-            let way_nodes: Vec<usize> = way_nodes.iter().map(|id| index_of[id]).collect();
-            for ends in way_nodes.windows(2) {
-                let length_m = (nodes[ends[1]].p_in_map - nodes[ends[0]].p_in_map).norm();
-                for &end in ends {
-                    nodes[end].segments.push(segments.len());
-                }
-                segments.push(RoadSegment { way: ways.len(), start: ends[0], end: ends[1], length_m });
-            }
-            ways.push(RoadWay { id, nodes: way_nodes, attributes });
-        }
-        let entries = segments.iter().enumerate().map(|(index, segment)| {
-            let [start, end] = [segment.start, segment.end].map(|node| nodes[node].p_in_map);
-            GeomWithData::new(Line::new([start.x, start.y], [end.x, end.y]), index)
-        });
-        let index = RTree::bulk_load(entries.filter(|entry| segments[entry.data].length_m > 0.0).collect());
-        RoadGraph { plane, nodes, ways, segments, index }
-    }
-}

@@ -10,6 +10,7 @@
 //! Limits: no turn restrictions, none that hold at times, no ferries, heights left out, maps of up to about 100 km across.
 
 mod access;
+mod bounds;
 mod course;
 mod cut;
 mod elements;
@@ -21,6 +22,7 @@ mod label;
 mod leaving;
 mod match_track;
 mod notice;
+mod off_road;
 mod osm;
 mod osm_budget;
 mod osm_pbf;
@@ -30,14 +32,17 @@ mod pbf_block;
 mod pbf_fields;
 mod plan;
 mod road;
+mod roads;
 mod roadside;
 mod route;
 mod route_check;
 mod route_file;
 mod search;
 mod tangent_plane;
+mod width;
 mod xml_attributes;
 
+pub use bounds::MapBounds;
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
 pub use gps_log::{GpsLog, GpsLogError, parse_gps_log_within};
 pub use gpx::{GpxError, GpxPoint, parse_gpx, parse_gpx_within};
@@ -45,10 +50,12 @@ pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay
 pub use leaving::{LEAVES_WITHIN_M, leaves_after_m};
 pub use match_track::match_track;
 pub use notice::{MapNotice, MapNoticeKind};
+pub use off_road::{OffRoad, PLACE_REACH_M};
 pub use osm::{OsmBarrier, OsmData, OsmError, OsmNode, OsmWay};
 pub use plan::plan;
-pub use road::{RoadAttributes, RoadClass, Travel, parse_width_m};
+pub use road::{RoadAttributes, RoadClass, Travel};
 pub use roadside::{Kerb, Parking, Roadside};
 pub use route::{Route, RouteError, RoutePoint};
 pub use route_file::{RouteFileError, read_route, write_route};
 pub use tangent_plane::{LatLon, LatLonError, TangentPlane};
+pub use width::parse_width_m;

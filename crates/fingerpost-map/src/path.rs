@@ -22,7 +22,7 @@ pub(crate) struct Path {
 }
 
 /// Points nearer together than this are one, metres: below the map's resolution of a centimetre.
-const SAME_POINT_M: f64 = 0.005;
+pub(crate) const SAME_POINT_M: f64 = 0.005;
 
 impl Path {
     /// The line along legs, each of which starts where the one before ended. A leg that sets out in another direction

@@ -2,11 +2,8 @@
 
 use crate::cut::cut;
 use crate::path::Path;
-use crate::search::{Aim, Leg, arrivals, departures, shortest};
+use crate::search::{Aim, Leg, arrivals, departures, node_at, shortest};
 use crate::{FeatureOptions, LatLon, RoadGraph, Route, RouteError, Snap};
-
-/// A stop farther than this from every road is not meant for the map, metres.
-const STOP_REACH_M: f64 = 100.0;
 
 /// The shortest route that starts at the first stop, passes the others in their order and ends at the last.
 ///
@@ -33,20 +30,20 @@ pub fn plan(graph: &RoadGraph, stops: &[LatLon], options: &FeatureOptions) -> Re
 }
 
 fn snap_stop(graph: &RoadGraph, index: usize, at: LatLon) -> Result<Snap, RouteError> {
-    let p_in_map = graph.plane().map_from_wgs84(at);
-    graph.nearest(p_in_map, STOP_REACH_M).ok_or_else(|| RouteError::StopOffRoad {
-        stop: index + 1,
-        lat_deg: at.lat_deg,
-        lon_deg: at.lon_deg,
-        nearest_m: graph.nearest(p_in_map, f64::INFINITY).map_or(f64::INFINITY, |snap| snap.distance_m),
-    })
+    graph.place_on_road(at).map_err(|off| RouteError::StopOffRoad { stop: index + 1, off })
 }
 
 fn leg(graph: &RoadGraph, before: Option<&Leg>, from: &Snap, to: &Snap) -> Option<Leg> {
     let goals = arrivals(graph, to);
     let find =
         |starts: &[_]| shortest(graph, starts, &goals, Aim::Place(to.p_in_map)).into_iter().flatten().next();
-    let starts = departures(graph, from);
+    let mut starts = departures(graph, from);
+    // A stop at a barrier is left on the side from which it was reached.
+    if let Some(before) = before
+        && node_at(graph, from.segment, from.along_m).is_some_and(|node| graph.nodes()[node].is_closed)
+    {
+        starts.retain(|start| start.step.segment == before.to.step.segment);
+    }
     let onwards: Vec<_> = starts
         .iter()
         .copied()

@@ -1,12 +1,14 @@
 //! Which ways a vehicle may drive on, and what is known about them: class, direction, width, surface.
 //!
 //! Tags mean what the OpenStreetMap wiki says they mean (pages Key:highway, Key:access, Key:oneway, Key:width,
-//! Key:lanes, Key:width:carriageway). Private roads are kept: farms, mines and works are where this is driven.
+//! Key:lanes, Key:width:carriageway). What decides something and is not understood is told.
 
 use std::collections::BTreeMap;
 
+use crate::access::{ACCESS_KEYS, Unread, is_open};
 use crate::label::cleaned;
-use crate::{Parking, Roadside};
+use crate::width::parse_width_m;
+use crate::{MapNoticeKind, Parking, Roadside};
 
 /// Class of a drivable road: OSM's `highway` values, links with the road they lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -76,17 +78,45 @@ const CLASS_DEFAULTS: [ClassDefaults; 11] = [
 ];
 /// A one-way street without a width is half the two-way road but no narrower than this, metres: a lorry must pass.
 const NARROWEST_ONE_WAY_M: f64 = 3.5;
-/// Widths beyond these are typing errors (a way's length, millimetres), metres: a cart track and a twelve-lane toll plaza.
-pub(crate) const PLAUSIBLE_WIDTH_M: std::ops::RangeInclusive<f64> = 1.5..=60.0;
 /// Lane counts beyond this are typing errors.
 const MOST_LANES: f64 = 16.0;
 /// Width that a row of cars takes and that of a lane for bicycles, metres: German practice again (2.0 m and 1.5 m).
 const PARKED_CAR_M: f64 = 2.0;
 const CYCLE_LANE_M: f64 = 1.5;
-/// Metres in a foot (international foot).
-const FOOT_M: f64 = 0.3048;
-/// Inches in a foot.
-const INCHES_PER_FOOT: f64 = 12.0;
+/// Values of `highway` on ways that are no roads for cars (the wiki's page Key:highway), or none yet or any more.
+const NOT_FOR_CARS: [&str; 31] = [
+    "footway",
+    "cycleway",
+    "path",
+    "pedestrian",
+    "steps",
+    "bridleway",
+    "corridor",
+    "via_ferrata",
+    "ladder",
+    "elevator",
+    "escape",
+    "emergency_bay",
+    "emergency_access_point",
+    "raceway",
+    "bus_guideway",
+    "busway",
+    "bus_stop",
+    "platform",
+    "crossing",
+    "traffic_island",
+    "rest_area",
+    "services",
+    "construction",
+    "proposed",
+    "planned",
+    "no",
+    "disused",
+    "abandoned",
+    "razed",
+    "demolished",
+    "historic",
+];
 
 impl RoadClass {
     /// The class of a `highway` value; `None` for values that are not for motor vehicles.
@@ -123,6 +153,8 @@ pub enum Travel {
     Forward,
     /// Only against the way's direction.
     Backward,
+    /// Now this way, now that, or nobody can tell: both may be met, and routes rely on neither.
+    Unsure,
 }
 
 /// What the map says about a road, its gaps filled by class.
@@ -145,58 +177,109 @@ pub struct RoadAttributes {
 impl RoadAttributes {
     /// The attributes of a way with these tags; `None` when it is not for motor vehicles.
     pub fn from_tags(tags: &BTreeMap<String, String>) -> Option<Self> {
+        Self::read(tags, &mut |_, _, _| {})
+    }
+
+    /// As [`Self::from_tags`]; `unread` is told what decides something and is not understood.
+    pub(crate) fn read(tags: &BTreeMap<String, String>, unread: &mut Unread<'_>) -> Option<Self> {
         let tag = |key: &str| tags.get(key).map(String::as_str);
-        let class = RoadClass::from_highway(tag("highway")?)?;
-        if tag("area") == Some("yes") || !is_open(tags) {
+        let highway = tag("highway")?;
+        let Some(class) = RoadClass::from_highway(highway) else {
+            if !NOT_FOR_CARS.contains(&highway) {
+                unread(MapNoticeKind::Highway, "highway", highway);
+            }
+            return None;
+        };
+        if tag("area") == Some("yes") || is_open(tags, "", unread) == Some(false) {
             return None;
         }
-        let travel = travel(tags, class);
-        let beside = Roadside::from_tags(tags, travel);
+        let travel = travel(tags, class, unread)?;
+        let beside = Roadside::read(tags, travel, unread);
+        for (key, value) in tags.iter().filter(|(key, _)| is_conditional(key)) {
+            unread(MapNoticeKind::Conditional, key, value);
+        }
         let named = |key| tag(key).map(cleaned).filter(|name| !name.is_empty());
         Some(Self {
             class,
             name: named("name").or_else(|| named("ref")),
             surface: named("surface"),
-            width_m: width_m(tags, class, travel, &beside),
+            width_m: width_m(tags, class, travel, &beside, unread),
             travel,
             beside,
         })
     }
 }
 
-/// Whether motor vehicles may use the way: the most special access tag decides, and only an outright no closes it.
-fn is_open(tags: &BTreeMap<String, String>) -> bool {
-    let special = ["motorcar", "motor_vehicle", "vehicle", "access"].iter().find_map(|key| tags.get(*key));
-    special.is_none_or(|value| value != "no")
+/// Whether a key restricts cars at some times or under some conditions (the wiki's page Conditional restrictions).
+fn is_conditional(key: &str) -> bool {
+    let Some(key) = key.strip_suffix(":conditional") else { return false };
+    let key = key.strip_suffix(":forward").or_else(|| key.strip_suffix(":backward")).unwrap_or(key);
+    ACCESS_KEYS.contains(&key) || ONEWAY_KEYS.contains(&key)
 }
 
-fn travel(tags: &BTreeMap<String, String>, class: RoadClass) -> Travel {
-    match tags.get("oneway").map(String::as_str) {
-        Some("yes" | "true" | "1") => Travel::Forward,
-        Some("-1" | "reverse") => Travel::Backward,
-        Some("no" | "false" | "0") => Travel::Both,
-        _ => {
+/// One-way tags that hold for cars, the most special first.
+const ONEWAY_KEYS: [&str; 4] = ["oneway:motorcar", "oneway:motor_vehicle", "oneway:vehicle", "oneway"];
+
+/// The permitted direction; `None` where access tags forbid both.
+fn travel(tags: &BTreeMap<String, String>, class: RoadClass, unread: &mut Unread<'_>) -> Option<Travel> {
+    let oneway = ONEWAY_KEYS.iter().find_map(|key| tags.get(*key).map(|value| (*key, value.as_str())));
+    let travel = match oneway {
+        Some((_, "yes" | "true" | "1")) => Travel::Forward,
+        Some((_, "-1" | "reverse")) => Travel::Backward,
+        Some((_, "no" | "false" | "0")) => Travel::Both,
+        Some((key, value @ "alternating")) => {
+            unread(MapNoticeKind::Alternating, key, value);
+            Travel::Both
+        }
+        Some((key, value)) => {
+            unread(MapNoticeKind::Oneway, key, value);
+            Travel::Unsure
+        }
+        None => {
             let is_circle =
                 matches!(tags.get("junction").map(String::as_str), Some("roundabout" | "circular"));
             if is_circle || class == RoadClass::Motorway { Travel::Forward } else { Travel::Both }
         }
+    };
+    let [forward, backward] =
+        [":forward", ":backward"].map(|suffix| is_open(tags, suffix, unread) != Some(false));
+    match (travel, forward, backward) {
+        (travel, true, true) | (travel @ Travel::Forward, true, _) | (travel @ Travel::Backward, _, true) => {
+            Some(travel)
+        }
+        (Travel::Both, true, false) => Some(Travel::Forward),
+        (Travel::Both, false, true) => Some(Travel::Backward),
+        (Travel::Unsure, true, _) | (Travel::Unsure, _, true) => Some(Travel::Unsure),
+        _ => None,
     }
 }
 
-fn width_m(tags: &BTreeMap<String, String>, class: RoadClass, travel: Travel, beside: &[Roadside; 2]) -> f64 {
+fn width_m(
+    tags: &BTreeMap<String, String>,
+    class: RoadClass,
+    travel: Travel,
+    beside: &[Roadside; 2],
+    unread: &mut Unread<'_>,
+) -> f64 {
     let defaults = class.defaults();
     // The first one says which width it means; the last is a guess.
-    let tagged = ["width:carriageway", "width", "est_width"]
-        .iter()
-        .find_map(|key| tags.get(*key).and_then(|text| parse_width_m(text)));
-    let lanes = tags.get("lanes").and_then(|text| text.trim().parse::<f64>().ok());
-    let by_lanes = lanes
-        .filter(|n| *n >= 1.0 && *n <= MOST_LANES)
-        .map(|n| n * defaults.lane_width_m + beside_lanes_m(beside));
-    tagged.or(by_lanes).unwrap_or(match (travel, class) {
-        (Travel::Both, _) | (_, RoadClass::Motorway | RoadClass::Link) => defaults.width_m,
+    for key in ["width:carriageway", "width", "est_width"] {
+        let Some(text) = tags.get(key) else { continue };
+        match parse_width_m(text) {
+            Some(width_m) => return width_m,
+            None => unread(MapNoticeKind::Width, key, text),
+        }
+    }
+    if let Some(text) = tags.get("lanes") {
+        match text.trim().parse::<f64>().ok().filter(|lanes| (1.0..=MOST_LANES).contains(lanes)) {
+            Some(lanes) => return lanes * defaults.lane_width_m + beside_lanes_m(beside),
+            None => unread(MapNoticeKind::Lanes, "lanes", text),
+        }
+    }
+    match (travel, class) {
+        (Travel::Both | Travel::Unsure, _) | (_, RoadClass::Motorway | RoadClass::Link) => defaults.width_m,
         _ => (defaults.width_m / 2.0).max(NARROWEST_ONE_WAY_M.min(defaults.width_m)),
-    })
+    }
 }
 
 /// What `lanes` leaves out of a carriageway: lanes for bicycles and parked cars, metres.
@@ -210,24 +293,4 @@ fn beside_lanes_m(beside: &[Roadside; 2]) -> f64 {
         parked_m + if side.cycle_lane == Some(true) { CYCLE_LANE_M } else { 0.0 }
     };
     beside.iter().map(side_m).sum()
-}
-
-/// A `width` tag in metres: "5.5", "5,5 m", "16'", "16'3\"", "16 ft"; `None` for what is no plausible width.
-pub fn parse_width_m(text: &str) -> Option<f64> {
-    let text = text.trim().trim_start_matches('~').replace(',', ".");
-    let width_m = if let Some((feet, inches)) = text.split_once('\'') {
-        let inches = inches.trim().trim_end_matches('"').trim();
-        let inches = if inches.is_empty() { 0.0 } else { inches.parse::<f64>().ok()? };
-        (feet.trim().parse::<f64>().ok()? + inches / INCHES_PER_FOOT) * FOOT_M
-    } else if let Some(feet) = text.strip_suffix("ft") {
-        feet.trim().parse::<f64>().ok()? * FOOT_M
-    } else {
-        let metres = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim();
-        let unit = text[metres.len()..].trim();
-        if !matches!(unit, "" | "m" | "metre" | "metres" | "meter" | "meters") {
-            return None;
-        }
-        metres.parse::<f64>().ok()?
-    };
-    PLAUSIBLE_WIDTH_M.contains(&width_m).then_some(width_m)
 }

@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Travel;
+use crate::access::Unread;
+use crate::{MapNoticeKind, Travel};
 
 /// What the map says lies on one side of a road. It is silent about most.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -63,13 +64,21 @@ const SIDES: [&str; 2] = ["left", "right"];
 type Tags = BTreeMap<String, String>;
 
 impl Roadside {
-    /// Left and right side of a way with these tags.
-    pub(crate) fn from_tags(tags: &Tags, travel: Travel) -> [Self; 2] {
-        SIDES.map(|side| Self {
-            pavement: pavement(tags, side),
-            kerb: on_side(tags, "kerb", side).or_else(|| value(tags, "kerb")).and_then(kerb),
-            parking: parking(tags, side),
-            cycle_lane: cycle_lane(tags, side, travel),
+    /// Left and right side of a way with these tags; `unread` is told of values that say nothing known.
+    pub(crate) fn read(tags: &Tags, travel: Travel, unread: &mut Unread<'_>) -> [Self; 2] {
+        SIDES.map(|side| {
+            // A tag of both sides is told of once.
+            let mut unread = |key: &str, value: &str| {
+                if side == SIDES[0] || key.contains(side) {
+                    unread(MapNoticeKind::Roadside, key, value);
+                }
+            };
+            Self {
+                pavement: pavement(tags, side, &mut unread),
+                kerb: kerb(tags, side, &mut unread),
+                parking: parking(tags, side, &mut unread),
+                cycle_lane: cycle_lane(tags, side, travel, &mut unread),
+            }
         })
     }
 
@@ -79,80 +88,108 @@ impl Roadside {
     }
 }
 
-fn value<'a>(tags: &'a Tags, key: &str) -> Option<&'a str> {
-    tags.get(key).map(String::as_str)
+/// A tag that was found: its key and value.
+type Found<'a> = (String, &'a str);
+/// Takes the key and value of what says nothing known.
+type UnreadTag<'a> = dyn FnMut(&str, &str) + 'a;
+
+fn value<'a>(tags: &'a Tags, key: &str) -> Option<Found<'a>> {
+    tags.get(key).map(|value| (key.to_owned(), value.as_str()))
 }
 
 /// `KEY:left` or `KEY:right`, else `KEY:both`.
-fn on_side<'a>(tags: &'a Tags, key: &str, side: &str) -> Option<&'a str> {
+fn on_side<'a>(tags: &'a Tags, key: &str, side: &str) -> Option<Found<'a>> {
     value(tags, &format!("{key}:{side}")).or_else(|| value(tags, &format!("{key}:both")))
 }
 
 /// `sidewalk:SIDE=yes` and its kin; else `sidewalk=both|left|right|no`, and `footway` of ways tagged long ago.
-fn pavement(tags: &Tags, side: &str) -> Option<bool> {
-    if let Some(on_side) = on_side(tags, "sidewalk", side) {
+fn pavement(tags: &Tags, side: &str, unread: &mut UnreadTag<'_>) -> Option<bool> {
+    if let Some((key, on_side)) = on_side(tags, "sidewalk", side) {
         return match on_side {
             "yes" | "separate" => Some(true),
             "no" | "none" => Some(false),
-            _ => None,
+            other => {
+                unread(&key, other);
+                None
+            }
         };
     }
-    match value(tags, "sidewalk").or_else(|| value(tags, "footway"))? {
+    let (key, value) = value(tags, "sidewalk").or_else(|| value(tags, "footway"))?;
+    match value {
         "both" | "yes" => Some(true),
         "no" | "none" => Some(false),
         // The pavements are ways of their own, on which sides is not said.
         "separate" => None,
         one if SIDES.contains(&one) => Some(one == side),
-        _ => None,
+        other => {
+            unread(&key, other);
+            None
+        }
     }
 }
 
 /// `cycleway:SIDE`; `cycleway` means both sides, but on a one-way road it does not say which it means.
-fn cycle_lane(tags: &Tags, side: &str, travel: Travel) -> Option<bool> {
+fn cycle_lane(tags: &Tags, side: &str, travel: Travel, unread: &mut UnreadTag<'_>) -> Option<bool> {
     let of_both = || value(tags, "cycleway").filter(|_| travel == Travel::Both);
-    match on_side(tags, "cycleway", side).or_else(of_both)? {
+    let (key, value) = on_side(tags, "cycleway", side).or_else(of_both)?;
+    match value {
         "lane" | "opposite_lane" => Some(true),
         // Bicycles share a lane of the road, or have their own way.
         "shared_lane" | "no" | "none" | "track" | "separate" | "opposite_track" => Some(false),
-        _ => None,
+        // They share a bus lane or the whole road, or what there is is not said.
+        "share_busway" | "opposite_share_busway" | "opposite" | "shared" | "crossing" | "yes" => None,
+        other => {
+            unread(&key, other);
+            None
+        }
     }
 }
 
-fn kerb(kerb: &str) -> Option<Kerb> {
-    match kerb {
+fn kerb(tags: &Tags, side: &str, unread: &mut UnreadTag<'_>) -> Option<Kerb> {
+    let (key, value) = on_side(tags, "kerb", side).or_else(|| value(tags, "kerb"))?;
+    match value {
         "raised" | "regular" | "yes" => Some(Kerb::Raised),
         "lowered" | "rolled" => Some(Kerb::Lowered),
         "flush" => Some(Kerb::Flush),
         "no" => Some(Kerb::None),
-        _ => None,
+        other => {
+            unread(&key, other);
+            None
+        }
     }
 }
 
 /// `parking:SIDE` as it is tagged since 2022, else `parking:lane:SIDE` of before.
-fn parking(tags: &Tags, side: &str) -> Option<Parking> {
-    if let Some(parking) = on_side(tags, "parking", side) {
-        return parked(parking);
+fn parking(tags: &Tags, side: &str, unread: &mut UnreadTag<'_>) -> Option<Parking> {
+    if let Some((key, parking)) = on_side(tags, "parking", side) {
+        return parked(&key, parking, unread);
     }
-    match on_side(tags, "parking:lane", side)? {
+    let (key, lane) = on_side(tags, "parking:lane", side)?;
+    match lane {
         "no_parking" | "no_stopping" | "fire_lane" => Some(Parking::None),
         angle @ ("parallel" | "diagonal" | "perpendicular" | "marked") => {
             let place =
                 [side, "both"].iter().find_map(|side| value(tags, &format!("parking:lane:{side}:{angle}")));
-            Some(place.and_then(parked).unwrap_or(Parking::OnRoad))
+            let place = place.and_then(|(key, place)| parked(&key, place, unread));
+            Some(place.unwrap_or(Parking::OnRoad))
         }
-        other => parked(other),
+        other => parked(&key, other, unread),
     }
 }
 
-fn parked(place: &str) -> Option<Parking> {
+fn parked(key: &str, place: &str, unread: &mut UnreadTag<'_>) -> Option<Parking> {
     match place {
         "lane" | "on_street" => Some(Parking::OnRoad),
         "half_on_kerb" => Some(Parking::HalfOnKerb),
         "on_kerb" => Some(Parking::OnKerb),
         "street_side" | "lay_by" | "shoulder" => Some(Parking::Bays),
         "no" | "none" => Some(Parking::None),
-        // "yes" and "separate" leave open where.
-        _ => None,
+        // These leave open where.
+        "yes" | "separate" => None,
+        other => {
+            unread(key, other);
+            None
+        }
     }
 }
 
@@ -165,9 +202,10 @@ mod tests {
     }
 
     fn sides_of(tags: &[(&str, &str)], travel: Travel) -> [Roadside; 2] {
-        Roadside::from_tags(
+        Roadside::read(
             &tags.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect(),
             travel,
+            &mut |_, _, _| {},
         )
     }
 

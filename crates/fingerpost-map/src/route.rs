@@ -3,7 +3,7 @@
 use fingerpost_geometry::{GeometryError, Polyline};
 use thiserror::Error;
 
-use crate::{LatLon, RouteFeature, TangentPlane};
+use crate::{LatLon, OffRoad, RouteFeature, TangentPlane};
 
 /// A point of a route's line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,23 +52,16 @@ pub enum RouteError {
         found: usize,
     },
     /// A stop far from every road.
-    #[error(
-        "stop {stop} (latitude {lat_deg}, longitude {lon_deg}) is {nearest_m:.0} m from the nearest road of the map; check \
-         the place, or take a map that covers it"
-    )]
+    #[error("stop {stop}: {off}")]
     StopOffRoad {
         /// Which stop, counted from 1.
         stop: usize,
-        /// Its latitude, degrees.
-        lat_deg: f64,
-        /// Its longitude, degrees.
-        lon_deg: f64,
-        /// Distance to the nearest road, metres.
-        nearest_m: f64,
+        /// Where it is, and what the map covers.
+        off: OffRoad,
     },
     /// No road leads from one stop to the next.
     #[error(
-        "no road of the map leads from stop {from_stop} to stop {to_stop}; one-way streets or the map's edge are in \
+        "no road of the map leads from stop {from_stop} to stop {to_stop}; one-way streets, barriers or the map's edge are in \
          between: move a stop, or take a larger map"
     )]
     Unreachable {
@@ -107,8 +100,8 @@ pub enum RouteError {
     },
     /// Roads near the track that do not connect.
     #[error(
-        "no connected roads follow the track at its point {point} (latitude {lat_deg}, longitude {lon_deg}): it jumps, or \
-         goes against a one-way street, or the map lacks a road there; cut the track, or correct the map"
+        "no connected roads follow the track at its point {point} (latitude {lat_deg}, longitude {lon_deg}): it jumps, \
+         goes against a one-way street or through a barrier, or the map lacks a road there; cut the track, or correct the map"
     )]
     TrackBroken {
         /// Which point of the track, counted from 1.

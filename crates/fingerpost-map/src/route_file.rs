@@ -15,9 +15,10 @@ use serde_json::value::RawValue;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use crate::feature::MOST_ARMS;
 use crate::label::cleaned;
-use crate::road::PLAUSIBLE_WIDTH_M;
 use crate::route_check::check_places;
+use crate::width::PLAUSIBLE_WIDTH_M;
 use crate::{Arm, ArmRole, FeatureKind, LatLon, Roadside, Route, RouteFeature, RoutePoint};
 
 /// Why text is no route.
@@ -37,6 +38,14 @@ pub enum RouteFileError {
         /// What is missing or too much.
         cause: String,
     },
+    /// A route that would not be read again.
+    #[error(
+        "the route cannot be written: {cause}; the map is damaged there, or the route too long: take another way"
+    )]
+    Unreadable {
+        /// What the reader would say.
+        cause: String,
+    },
     /// A member of the collection that cannot be read.
     #[error(
         "feature {index} of the route file: {cause}; correct it, or write it again with `fingerpost route`"
@@ -49,12 +58,20 @@ pub enum RouteFileError {
     },
 }
 
+impl RouteFileError {
+    /// What is wrong, without what to do about a file.
+    fn in_short(&self) -> String {
+        match self {
+            Self::Json { cause } | Self::Collection { cause } | Self::Unreadable { cause } => cause.clone(),
+            Self::Member { index, cause } => format!("feature {index}: {cause}"),
+        }
+    }
+}
+
 /// Features of a route: one every ten metres of the longest route.
 const MOST_FEATURES: usize = 100_000;
 /// Points of a route's line: one every metre of the longest route.
 const MOST_POINTS: usize = 1_000_000;
-/// Arms of a feature: no junction has more.
-const MOST_ARMS: usize = 16;
 /// Points of an arm: what OpenStreetMap allows a way.
 const MOST_ARM_POINTS: usize = 2000;
 /// Degrees that an angle may have: a full turn to either side, however it is counted.
@@ -127,7 +144,8 @@ struct ArmRecord {
 /// Rounded to a tenth of a millimetre; reading it back and writing it again gives the same bytes.
 ///
 /// # Errors
-/// [`RouteFileError::Json`] for numbers that JSON cannot hold (infinite, not a number).
+/// [`RouteFileError::Json`] for numbers that JSON cannot hold (infinite, not a number), and [`RouteFileError::Unreadable`] for
+/// whatever [`read_route`] would refuse.
 pub fn write_route(route: &Route) -> Result<String, RouteFileError> {
     let line = LineProperties {
         name: route.name.clone(),
@@ -138,7 +156,9 @@ pub fn write_route(route: &Route) -> Result<String, RouteFileError> {
     for feature in &route.features {
         members.push(member("Point", &Position(feature.at), &FeatureProperties::of(feature))?);
     }
-    Ok(format!("{{\"type\":\"FeatureCollection\",\"features\":[\n{}\n]}}\n", members.join(",\n")))
+    let text = format!("{{\"type\":\"FeatureCollection\",\"features\":[\n{}\n]}}\n", members.join(",\n"));
+    let unreadable = |cause: RouteFileError| RouteFileError::Unreadable { cause: cause.in_short() };
+    read_route(&text).map(|_| text).map_err(unreadable)
 }
 
 /// Reads `route.geojson`.

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 use nalgebra::Point2;
 
-use crate::{Direction, RoadGraph, Snap};
+use crate::{Direction, RoadGraph, RoadNode, Snap};
 
 /// A segment gone along in a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -219,9 +219,11 @@ impl Search<'_> {
     fn expand(&mut self, step: Step, cost_m: f64) {
         let graph = self.graph;
         let node = graph.head(step.segment, step.direction);
-        let turns_back = graph.nodes()[node].segments.len() == 1;
+        let RoadNode { segments, is_closed, .. } = &graph.nodes()[node];
+        // At an end and before a barrier one turns back, elsewhere one goes on.
+        let turns_back = segments.len() == 1 || *is_closed;
         for next in steps_from(graph, node) {
-            if next.segment == step.segment && !turns_back {
+            if (next.segment == step.segment) != turns_back {
                 continue;
             }
             for (index, goal) in self.goals.iter().enumerate().filter(|(_, goal)| goal.step == next) {

@@ -51,6 +51,11 @@ impl LatLon {
             Err(LatLonError { lat_deg, lon_deg })
         }
     }
+
+    /// Distance to another place, metres: straight, through the earth.
+    pub fn chord_m(self, other: Self) -> f64 {
+        (LocalFrame::at(self).position - LocalFrame::at(other).position).norm()
+    }
 }
 
 /// The plane that touches the ellipsoid at its origin; x east, y north, metres.

@@ -44,6 +44,8 @@ fn private_roads_are_kept_and_closed_ones_are_not() {
     assert!(attributes(&["highway=residential", "access=no"]).is_none());
     assert!(attributes(&["highway=residential", "motor_vehicle=no"]).is_none());
     assert!(attributes(&["highway=residential", "access=no", "motor_vehicle=yes"]).is_some());
+    assert!(attributes(&["highway=residential", "motor_vehicle=emergency"]).is_none());
+    assert!(attributes(&["highway=residential", "access=no;destination"]).is_some());
     assert!(attributes(&["highway=service", "area=yes"]).is_none());
     assert!(attributes(&["building=yes"]).is_none());
 }
@@ -58,11 +60,48 @@ fn widths_are_read_in_every_usual_spelling() {
         ("16'", 4.8768),
         ("16'6\"", 5.0292),
         ("16 ft", 4.8768),
+        ("3.5m", 3.5),
+        ("3.5\u{a0}m", 3.5),
+        ("~3,5", 3.5),
+        ("~ 3.5 metres", 3.5),
+        ("250 cm", 2.5),
+        ("250cm", 2.5),
+        ("2500 mm", 2.5),
+        ("0.003 km", 3.0),
+        ("0.003 mi", 4.828_032),
+        ("4 yd", 3.6576),
+        ("10'6\"", 3.2004),
+        ("10' 6\"", 3.2004),
+        ("10'6", 3.2004),
+        ("10\u{2032}6\u{2033}", 3.2004),
+        ("10\u{2019}6\u{201d}", 3.2004),
+        ("10'6''", 3.2004),
+        ("10 ft 6 in", 3.2004),
+        ("10ft 6in", 3.2004),
+        ("10 feet 6 inches", 3.2004),
+        ("10 Ft", 3.048),
+        ("120 in", 3.048),
+        ("120\"", 3.048),
+        ("16.5'", 5.0292),
     ] {
         let seen_m = parse_width_m(text).unwrap();
         assert!((seen_m - expected_m).abs() < 1e-9, "{text}: {seen_m}");
     }
-    for text in ["", "wide", "3 km", "5500", "0", "-4", "NaN", "inf", "5;6"] {
+    let unclear = [
+        "", "wide", "3 km", "5500", "0", "-4", "NaN", "inf", "5;6", "3-4", "<3", ">3", "about 3", "3 4",
+        "3 m 4",
+    ];
+    for text in unclear.into_iter().chain([
+        "6 in 10 ft",
+        "10 ft 6 ft",
+        "10 ft 6 in 3",
+        "3 lanes",
+        "3..5",
+        ",",
+        "m",
+        "'",
+        "1e1",
+    ]) {
         assert_eq!(parse_width_m(text), None, "{text}");
     }
 }
@@ -94,6 +133,15 @@ fn one_way_tags() {
     assert_eq!(travel(&["highway=tertiary", "junction=roundabout"]), Travel::Forward);
     assert_eq!(travel(&["highway=motorway"]), Travel::Forward);
     assert_eq!(travel(&["highway=motorway", "oneway=no"]), Travel::Both);
+    for oneway in ["reversible", "maybe", "yes;no", "", "forward"] {
+        assert_eq!(travel(&["highway=residential", &format!("oneway={oneway}")]), Travel::Unsure, "{oneway}");
+    }
+    assert_eq!(travel(&["highway=residential", "oneway=alternating"]), Travel::Both);
+    // A tag for cars alone is more special.
+    assert_eq!(travel(&["highway=residential", "oneway=yes", "oneway:motor_vehicle=no"]), Travel::Both);
+    assert_eq!(travel(&["highway=residential", "motor_vehicle:backward=no"]), Travel::Forward);
+    assert_eq!(travel(&["highway=residential", "access:forward=no"]), Travel::Backward);
+    assert_eq!(attributes(&["highway=residential", "oneway=yes", "vehicle:forward=no"]), None);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Small maps for tests, laid out in metres.
 
-use fingerpost_map::{LatLon, OsmData, OsmNode, OsmWay, RoadGraph, TangentPlane};
+use std::collections::BTreeMap;
+
+use fingerpost_map::{LatLon, OsmBarrier, OsmData, OsmNode, OsmWay, RoadGraph, TangentPlane};
 use nalgebra::Point2;
 
 /// A map under construction: nodes by number at metres east and north of the origin.
@@ -28,9 +30,13 @@ impl Town {
 
     /// Adds a way; tags as "key=value".
     pub(crate) fn way(mut self, id: i64, nodes: &[i64], tags: &[&str]) -> Self {
-        let tags = tags.iter().filter_map(|tag| tag.split_once('='));
-        let tags = tags.map(|(key, value)| (key.to_owned(), value.to_owned())).collect();
-        self.data.ways.push(OsmWay { id, nodes: nodes.to_vec(), tags });
+        self.data.ways.push(OsmWay { id, nodes: nodes.to_vec(), tags: tags_of(tags) });
+        self
+    }
+
+    /// Adds the tags of a node with a barrier, as "key=value".
+    pub(crate) fn barrier(mut self, node: i64, tags: &[&str]) -> Self {
+        self.data.barriers.push(OsmBarrier { node, tags: tags_of(tags) });
         self
     }
 
@@ -43,4 +49,9 @@ impl Town {
     pub(crate) fn graph(self) -> RoadGraph {
         RoadGraph::from_osm_at(&self.data, plane().origin()).expect("a town has roads")
     }
+}
+
+fn tags_of(tags: &[&str]) -> BTreeMap<String, String> {
+    let tags = tags.iter().filter_map(|tag| tag.split_once('='));
+    tags.map(|(key, value)| (key.to_owned(), value.to_owned())).collect()
 }
