@@ -1,10 +1,11 @@
-//! What `-v` says of what was read, in words.
+//! What is said of what was read: in words with `-v`, and in results.
 
 use std::collections::BTreeMap;
 
 use fingerpost::Config;
+use fingerpost_format::MapNoticeRecord;
 use fingerpost_geometry::{Camera, Distortion, View};
-use fingerpost_map::{RoadGraph, Route};
+use fingerpost_map::{MapNotice, RoadGraph, Route};
 use fingerpost_record::kind_name;
 use toml::{Table, Value};
 
@@ -35,6 +36,16 @@ pub(crate) fn of_camera(camera: &Camera) -> String {
 pub(crate) fn of_roads(graph: &RoadGraph) -> String {
     let (ways, segments, nodes) = (graph.ways().len(), graph.segments().len(), graph.nodes().len());
     format!("map with {ways} roads, of {segments} straight pieces between {nodes} nodes")
+}
+
+/// What of a map was not understood, as in results.
+pub(crate) fn of_notices(graph: &RoadGraph) -> Vec<MapNoticeRecord> {
+    let record = |notice: &MapNotice| MapNoticeRecord {
+        kind: notice.kind.as_str().to_owned(),
+        count: notice.count,
+        first: notice.first.clone(),
+    };
+    graph.notices().iter().map(record).collect()
 }
 
 /// A route: its length, and its features by kind.

@@ -27,9 +27,17 @@ pub(crate) fn osm(path: &Path, limit: InputLimit) -> Result<OsmData> {
     osm.with_context(|| path.display().to_string())
 }
 
-/// The roads of an OpenStreetMap file that takes no more than the limit.
+/// The roads of an OpenStreetMap file that takes no more than the limit; what of it was not understood is said.
 pub(crate) fn road_graph(path: &Path, limit: InputLimit) -> Result<RoadGraph> {
-    let graph = RoadGraph::from_osm(&osm(path, limit)?).with_context(|| path.display().to_string())?;
+    roads_of(&osm(path, limit)?, path)
+}
+
+/// The roads of a file's data; what of it was not understood is said.
+pub(crate) fn roads_of(osm: &OsmData, path: &Path) -> Result<RoadGraph> {
+    let graph = RoadGraph::from_osm(osm).with_context(|| path.display().to_string())?;
+    for notice in graph.notices() {
+        output::message(&format!("{}: {notice}", path.display()));
+    }
     log::info!("{}: {}", path.display(), facts::of_roads(&graph));
     Ok(graph)
 }

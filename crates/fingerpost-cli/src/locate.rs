@@ -27,7 +27,7 @@ use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::examples::examples;
 use crate::gps::GpsTrack;
-use crate::{inputs, output, output_path, simulate, version};
+use crate::{facts, inputs, output, output_path, simulate, version};
 
 /// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
 /// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
@@ -128,7 +128,10 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     drive.end(locator.rivals().collect());
     fixes.finish()?;
     tracks.write(&folder)?;
-    let summary = tally.summary(rows.len(), faults.faults(), truth.is_some());
+    let summary = LocationSummary {
+        map_notices: facts::of_notices(&graph),
+        ..tally.summary(rows.len(), faults.faults(), truth.is_some())
+    };
     write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
     let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} on {}", name(&args.motion), name(&args.map));
@@ -181,6 +184,7 @@ impl Tally {
             most_hypotheses: self.most_hypotheses,
             motion,
             gps: (self.gps.places > 0).then_some(self.gps),
+            map_notices: Vec::new(),
             row_ms: stage_time(self.row_ms),
             truth: with_truth.then(|| evaluate_location(&self.samples)),
         }

@@ -24,9 +24,9 @@ use indicatif::ProgressBar;
 
 use crate::arguments::FrameRange;
 use crate::driver::{FrameResult, Seen};
-use crate::output;
 use crate::stage_clock::{FrameClock, StageTimes};
 use crate::version::VERSION;
+use crate::{facts, output};
 
 /// How a run came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -321,6 +321,7 @@ impl Recorder {
             frames: self.frames,
             picture_px: Some(self.subject.picture_px),
             sampling: self.subject.sampling,
+            map_notices: self.subject.roads.as_ref().map(facts::of_notices).unwrap_or_default(),
             broken_frames: self.broken_frames,
             damaged_frames: self.damaged_frames,
             dropped_frames: self.dropped_frames,

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use fingerpost_map::{ArmRole, FeatureOptions, LatLon, Route, match_track, plan, write_route};
+use fingerpost_format::MapNoticeRecord;
+use fingerpost_map::{ArmRole, FeatureOptions, LatLon, RoadGraph, Route, match_track, plan, write_route};
 use fingerpost_record::kind_name;
 use serde::Serialize;
 
 use crate::arguments::{InputLimit, Place};
 use crate::examples::examples;
-use crate::{inputs, output, output_path};
+use crate::{facts, inputs, output, output_path};
 
 /// Plan a route on an OpenStreetMap map, or match a GPS track to it, and write it with its junctions, side roads and
 /// bends as route.geojson.
@@ -56,6 +57,8 @@ pub(crate) struct RouteArgs {
 struct RouteReport<'a> {
     length_m: f64,
     features: Vec<FeatureReport<'a>>,
+    /// What of the map was not understood.
+    map_notices: Vec<MapNoticeRecord>,
 }
 
 #[derive(Debug, Serialize)]
@@ -87,7 +90,7 @@ pub(crate) fn route(args: &RouteArgs) -> Result<()> {
         }
     };
     fingerpost_io::write_file(&args.out, write_route(&route)?)?;
-    let report = report(&route)?;
+    let report = report(&route, &graph)?;
     print_table(&report, &route);
     output::message(&format!(
         "{:.0} m with {} features in {}",
@@ -98,7 +101,7 @@ pub(crate) fn route(args: &RouteArgs) -> Result<()> {
     if args.json { output::print_json(&report) } else { Ok(()) }
 }
 
-fn report(route: &Route) -> Result<RouteReport<'_>> {
+fn report<'a>(route: &'a Route, graph: &RoadGraph) -> Result<RouteReport<'a>> {
     let features = route.features.iter().map(|feature| FeatureReport {
         id: feature.id,
         name: &feature.name,
@@ -107,7 +110,8 @@ fn report(route: &Route) -> Result<RouteReport<'_>> {
         turn_deg: feature.turn_rad.to_degrees(),
         arms: feature.arms.len(),
     });
-    Ok(RouteReport { length_m: route.polyline()?.length_m(), features: features.collect() })
+    let length_m = route.polyline()?.length_m();
+    Ok(RouteReport { length_m, features: features.collect(), map_notices: facts::of_notices(graph) })
 }
 
 fn print_table(report: &RouteReport<'_>, route: &Route) {

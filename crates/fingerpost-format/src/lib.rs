@@ -47,7 +47,8 @@ pub use lanes::{
     DepartureRecord, LaneEdgeRecord, LanesRecord, MarkingColour, MarkingKind, MarkingRecord, Side,
 };
 pub use location::{
-    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, MotionFaults, PlaceLine, Recall,
+    FixLine, FixStatus, GpsCount, GpsLine, LocationScores, LocationSummary, MapNoticeRecord, MotionFaults,
+    PlaceLine, Recall,
 };
 pub use marks::{
     EdgeMark, MARKS_VERSION, MarksError, MarksFile, is_near_picture, marks_from_json, marks_to_json,

@@ -125,11 +125,25 @@ pub struct LocationSummary {
     /// Places by GPS; none where there was no GPS.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gps: Option<GpsCount>,
+    /// What of the map was not understood.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub map_notices: Vec<MapNoticeRecord>,
     /// Wall time of a row.
     pub row_ms: Option<StageTime>,
     /// Comparison with truth.
     #[serde(flatten)]
     pub truth: Option<LocationScores>,
+}
+
+/// How often something of one kind in a map was not understood.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MapNoticeRecord {
+    /// What it is about: `width`, `oneway`, `remark` and so on.
+    pub kind: String,
+    /// How many times.
+    pub count: usize,
+    /// The first place and what stands there.
+    pub first: String,
 }
 
 /// Fixes against truth. Rows count from the first converged one on, whatever their status, unless something else is said.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{CameraRecordState, MountFaultRecord};
+use crate::{CameraRecordState, MapNoticeRecord, MountFaultRecord};
 
 /// A run in numbers; the last table only where a truth file was given.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,9 @@ pub struct Summary {
     /// What of the input was used, where that was not all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampling: Option<SamplingRecord>,
+    /// What of the map was not understood, where there was one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub map_notices: Vec<MapNoticeRecord>,
     /// Frames that could not be read and were passed over.
     #[serde(default)]
     pub broken_frames: u64,

@@ -48,12 +48,20 @@ impl Drawing {
         fps: Option<f64>,
         config: Config,
     ) -> Result<Self> {
-        let osm = match map {
-            Some(map) => inputs::osm(map, limit)?,
-            None => OsmData::from_bytes(TOWN_OSM)?,
+        let (osm, graph) = match map {
+            Some(map) => {
+                let osm = inputs::osm(map, limit)?;
+                let graph = inputs::roads_of(&osm, map)?;
+                (osm, graph)
+            }
+            None => {
+                let osm = OsmData::from_bytes(TOWN_OSM)?;
+                let graph = RoadGraph::from_osm(&osm)?;
+                (osm, graph)
+            }
         };
         let camera = default_camera(size.unwrap_or(SIZE), Lens::None)?;
-        Ok(Self { graph: RoadGraph::from_osm(&osm)?, osm, camera, size, fps, config })
+        Ok(Self { graph, osm, camera, size, fps, config })
     }
 }
 

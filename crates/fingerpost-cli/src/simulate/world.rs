@@ -27,7 +27,12 @@ impl WorldArgs {
     /// The drive that the seed draws.
     pub(super) fn plan(&self, args: &SimulateArgs) -> Result<Plan> {
         let osm = match &args.map {
-            Some(map) => inputs::osm(map, args.limit)?,
+            Some(map) => {
+                let osm = inputs::osm(map, args.limit)?;
+                // Says what of the map is not understood; the world draws roads of its own from it.
+                inputs::roads_of(&osm, map)?;
+                osm
+            }
             None => OsmData::from_bytes(TOWN_OSM)?,
         };
         let size_px = args.size.map(|size| [size.width, size.height]);

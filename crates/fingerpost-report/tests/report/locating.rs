@@ -86,6 +86,7 @@ fn summary(truth: Option<LocationScores>) -> LocationSummary {
         motion: fingerpost_format::MotionFaults::default(),
         most_hypotheses: 2,
         gps: None,
+        map_notices: Vec::new(),
         row_ms: None,
         truth,
     }
