@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use fingerpost::fix::NearPlace;
 use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::FeatureIdentity;
@@ -19,9 +18,8 @@ use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
 use crate::examples::examples;
 use crate::picture_order::OutOfOrder;
-use crate::run::NEAR_SIGMA_M;
 use crate::stage_clock::{FrameClock, stage_name};
-use crate::{inputs, output};
+use crate::{inputs, output, start_check};
 
 /// Advise a vehicle or simulator frame by frame. Standard input: for each frame one line of JSON, {"t_s", "width", "height",
 /// "speed_mps"?, "yaw_rate_rps"?, "lat"?, "lon"?}, then width x height x 3 bytes, red, green and blue, row by row. Standard output: for
@@ -73,8 +71,8 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
     };
     let mut pipeline = setting.pipeline()?;
     if let Some(map) = &args.map {
-        let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
-        pipeline.locate_on(&inputs::road_graph(map, args.limit)?, near);
+        let graph = inputs::road_graph(map, args.limit)?;
+        pipeline.locate_on(&graph, start_check::near_place(&graph, args.near)?);
     }
     let mut adviser = Adviser {
         features: feature_identities(pipeline.tracker().stops()),

@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Args};
-use fingerpost::fix::NearPlace;
 use fingerpost_format::PictureKind;
 use fingerpost_geometry::Camera;
 use fingerpost_io::{FolderKind, RunFolder};
@@ -82,6 +81,7 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
     let known = args.mount.known()?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     let roads = args.map.as_deref().map(|map| inputs::road_graph(map, args.limit)).transpose()?;
+    let near = roads.as_ref().map(|roads| start_check::near_place(roads, args.near)).transpose()?.flatten();
     let start_m = args.start_m.or_else(|| {
         let Place(near) = args.near?;
         let start_m = start_check::place_on_route(route.as_ref()?, near, NEAR_SIGMA_M)?;
@@ -121,7 +121,6 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
     };
     let mut driver = Driver::new(run, &wishes, args.frames)?.without_key_frames();
     if let Some(roads) = &roads {
-        let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
         driver = driver.locating_on(roads, near);
     }
     let subject = Subject { roads, ..driver.subject(run)? };

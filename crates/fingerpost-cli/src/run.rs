@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Args};
-use fingerpost::fix::NearPlace;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost::{Config, Sensors};
 use fingerpost_format::TruthRecord;
@@ -203,6 +202,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if route.is_some() {
         let start = start_m.map_or("anywhere".to_owned(), |start_m| format!("at {start_m:.1} m"));
         log::info!("the drive begins {start} on the route");
+        if args.near.is_some() && start_m.is_none() {
+            output::message("--near lies beside the route, so the drive may begin anywhere on it");
+        }
     }
     check_start(&config, start_m, route.as_ref(), gps.as_ref())?;
     let can = args.can.as_deref().zip(args.dbc.as_deref());
@@ -240,8 +242,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let mut driver = Driver::new(setting, &wishes, frames)?.scaling_with(scaling);
     let mut roads = None;
     if let Some(map) = &args.map {
-        let near = args.near.map(|Place(at)| NearPlace { at, sigma_m: NEAR_SIGMA_M });
         let graph = inputs::road_graph(map, args.limit)?;
+        let near = start_check::near_place(&graph, args.near)?;
         driver = driver.locating_on(&graph, near);
         roads = Some(graph);
     }

@@ -1,8 +1,12 @@
 //! Whether a given start, a GPS track and a route can belong to one drive.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use fingerpost::fix::NearPlace;
 use fingerpost::progress::RouteProgressConfig;
-use fingerpost_map::{LatLon, Route};
+use fingerpost_map::{LatLon, RoadGraph, Route};
+
+use crate::arguments::Place;
+use crate::run::NEAR_SIGMA_M;
 
 /// Standard deviations of start and GPS by which the two may lie apart, beyond what a position may lie off the route.
 const APART_SIGMAS: f64 = 3.0;
@@ -13,6 +17,13 @@ pub(crate) fn place_on_route(route: &Route, place: LatLon, sigma_m: f64) -> Opti
     let p_in_map = route.plane()?.map_from_wgs84(place);
     let nearest = route.polyline().ok()?.nearest(p_in_map);
     ((p_in_map - nearest.point).norm() <= APART_SIGMAS * sigma_m).then_some(nearest.along_m)
+}
+
+/// The place that `--near` gives; refused where it is on no road of the map, as the stops of a route are.
+pub(crate) fn near_place(roads: &RoadGraph, near: Option<Place>) -> Result<Option<NearPlace>> {
+    let Some(Place(at)) = near else { return Ok(None) };
+    roads.place_on_road(at).context("--near")?;
+    Ok(Some(NearPlace { at, sigma_m: NEAR_SIGMA_M }))
 }
 
 /// Refuses a start that is not on the route and a GPS track that never comes near it. The answer are contradictions that a run

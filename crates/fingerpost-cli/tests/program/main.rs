@@ -27,6 +27,7 @@ mod live;
 mod locating;
 #[cfg(feature = "completions")]
 mod manual;
+mod maps;
 mod marking;
 #[cfg(feature = "onnx")]
 mod networks;
