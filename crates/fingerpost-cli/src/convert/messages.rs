@@ -90,15 +90,19 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
     output_path::check_folder(&args.out, FolderKind::ConvertedDrive, inputs)?;
     let known = args.mount.known()?;
     let streams = files.iter().map(|path| open_bag(path)).collect::<Result<Vec<_>, _>>()?;
-    let Survey { topics, cut_short } = survey(streams);
+    let Survey { topics, without_channel, cut_short } = survey(streams);
     let of_input = || input.display().to_string();
-    if let (true, Some(RecordsError::Damaged { .. } | RecordsError::Read(_))) =
-        (topics.is_empty(), &cut_short)
-    {
-        return Err(cut_short.map_or_else(|| anyhow::anyhow!("nothing to read"), Into::into))
-            .with_context(of_input);
+    let cut_short = match cut_short {
+        Some(cause) if topics.is_empty() && !matches!(cause, RecordsError::BreaksOff) => {
+            return Err(cause).with_context(of_input);
+        }
+        cut_short => cut_short.map(|cause| format!("{}: {cause}", input.display())),
+    };
+    let choice = Choice::of(&topics, &wanted(args)).with_context(of_input);
+    if let (Err(_), Some(cause)) = (&choice, &cut_short) {
+        output::message(cause);
     }
-    let choice = Choice::of(&topics, &wanted(args)).with_context(of_input)?;
+    let choice = choice?;
     let camera = match known {
         KnownCamera::Whole(camera) => *camera,
         KnownCamera::Mount(mount) => {
@@ -111,7 +115,14 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
     let drive = read(files, &choice, RecordedDrive::new(&args.out, camera), &interrupt)?;
     let converted = drive.finish(input)?;
     if let Some(cause) = &cut_short {
-        output::message(&format!("{}: {cause}; what came before is converted", input.display()));
+        output::message(&format!("{cause}; what came before is converted"));
+    }
+    if without_channel > 0 {
+        output::message(&format!(
+            "{}: {without_channel} messages are of no channel that was introduced before them, and are passed over; \
+             `mcap recover` writes what can be read",
+            input.display()
+        ));
     }
     if interrupt.wanted() {
         bail!("interrupted after {} frames; they are in {}", converted.frames, args.out.display());
