@@ -16,6 +16,7 @@ use fingerpost_io::{
 };
 use fingerpost_map::{LatLon, Route};
 use fingerpost_record::FrameTime;
+use fingerpost_record::live::Origin;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
@@ -28,7 +29,7 @@ use crate::interrupt::Interrupt;
 use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
-use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
+use crate::recorder::{LiveWish, Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
@@ -142,6 +143,10 @@ pub(crate) struct RunArgs {
     /// Port that viewers connect to; 0 takes any that is free, which is then said.
     #[arg(long, value_name = "PORT", default_value_t = 8765, requires = "serve")]
     serve_port: u16,
+    /// A site whose pages may connect, as browsers name it: https://viewer.example:8443; may be given several times. Programs always may, and
+    /// pages of https://app.foxglove.dev, of Foxglove's program for the desktop and of this machine (localhost).
+    #[arg(long, value_name = "ORIGIN", requires = "serve")]
+    serve_origin: Vec<Origin>,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
@@ -233,7 +238,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
-        live_port: args.serve.map(|Viewer::Foxglove| args.serve_port),
+        live: args
+            .serve
+            .map(|Viewer::Foxglove| LiveWish { port: args.serve_port, origins: args.serve_origin.clone() }),
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);

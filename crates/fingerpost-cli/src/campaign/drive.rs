@@ -77,7 +77,7 @@ impl Run {
             pictures,
             video: None,
             recording: RecordingWish::None,
-            live_port: None,
+            live: None,
         };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
         let folder = setting.args.out.join(name);

@@ -164,7 +164,7 @@ impl Run {
         let programs = FfmpegPrograms { stop: Some(setting.interrupt.shared_flag()), ..inputs::ffmpeg() };
         let video = setting.args.video.then_some(VideoWish { fps: plan.fps, programs });
         let title = format!("Fingerpost closed loop: {name}");
-        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None, live_port: None };
+        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None, live: None };
         let driver = Driver::new(run_setting, &wishes, None)?;
         let folder = setting.args.out.join(name);
         let recorder = reports.then(|| {
