@@ -28,6 +28,7 @@ mod output_folder;
 mod periodic_sync;
 mod picture_file;
 mod picture_folder;
+mod private;
 mod run_folder;
 mod sampling;
 mod setup_file;
@@ -72,6 +73,7 @@ pub use picture_file::{
 };
 pub use picture_folder::{PictureFolderError, picture_paths, text_files};
 pub use run_folder::{RunFolder, RunFolderError};
+pub use private::create_private_folder;
 pub use sampling::Sampling;
 pub use source::{
     DEFAULT_PICTURE_FPS, Frame, FrameDecoder, FrameError, FrameSource, SourceError, SourceOptions,
@@ -83,4 +85,4 @@ pub use tuning_folder::{TuningFolder, TuningFolderError};
 pub use video::{Liveness, VideoDecoder};
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
-pub use whole_file::{remove_abandoned, write_file};
+pub use whole_file::{remove_abandoned, write_file, write_private_file};
