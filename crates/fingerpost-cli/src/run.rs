@@ -292,7 +292,7 @@ fn check_outputs(args: &RunArgs) -> Result<()> {
     let inputs: Vec<&Path> =
         optional.chain([&args.camera]).map(PathBuf::as_path).chain(gps).chain(streams).collect();
     let bank = args.bank.as_deref();
-    bank.map_or(Ok(()), |bank| output_path::check_file(bank, inputs.iter().copied()))?;
+    bank.map_or(Ok(()), |bank| output_path::check_kept_file(bank, inputs.iter().copied()))?;
     output_path::check_folder(&args.out, FolderKind::Run, inputs.into_iter().chain(bank))
 }
 

@@ -32,6 +32,7 @@ mod private;
 mod run_folder;
 mod sampling;
 mod setup_file;
+mod signed_png;
 mod source;
 mod tether;
 mod tuning_folder;
@@ -72,9 +73,10 @@ pub use picture_file::{
     write_jpeg, write_png, write_ppm,
 };
 pub use picture_folder::{PictureFolderError, picture_paths, text_files};
-pub use run_folder::{RunFolder, RunFolderError};
 pub use private::create_private_folder;
+pub use run_folder::{RunFolder, RunFolderError};
 pub use sampling::Sampling;
+pub use signed_png::{is_signed_png, write_signed_png};
 pub use source::{
     DEFAULT_PICTURE_FPS, Frame, FrameDecoder, FrameError, FrameSource, SourceError, SourceOptions,
 };
