@@ -25,7 +25,7 @@ use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::examples::examples;
 use crate::frame_choice::FrameChoice;
 use crate::gps::GpsFeed;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Preparation};
 use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
@@ -191,6 +191,7 @@ impl RunArgs {
 /// Runs the method.
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_outputs(args)?;
+    let preparation = Preparation::listen()?;
     limit_instruction_set(args.instruction_set)?;
     let mut config = inputs::config(args.config.as_deref())?;
     let camera = inputs::camera(&args.camera)?;
@@ -214,7 +215,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(inputs::truth).transpose()?;
     // From here on an end that is wanted is one that leaves results.
-    let interrupt = Interrupt::listen()?;
+    let interrupt = preparation.work_begins();
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
     let options = SourceOptions {
         fps: args.fps,

@@ -10,7 +10,7 @@ use fingerpost_io::{FolderKind, bag_files, open_bag};
 
 use super::recorded_drive::RecordedDrive;
 use crate::examples::examples;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Preparation};
 use crate::mount_args::{KnownCamera, MountArgs};
 use crate::{output, output_path};
 
@@ -88,6 +88,7 @@ pub(crate) fn bag(args: &BagArgs) -> Result<()> {
 fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> {
     let inputs = args.mount.inputs().chain(files).map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::ConvertedDrive, inputs)?;
+    let preparation = Preparation::listen()?;
     let known = args.mount.known()?;
     let streams = files.iter().map(|path| open_bag(path)).collect::<Result<Vec<_>, _>>()?;
     let Survey { topics, without_channel, cut_short } = survey(streams);
@@ -111,7 +112,7 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
             info.camera(pictures, mount).with_context(of_input)?
         }
     };
-    let interrupt = Interrupt::listen()?;
+    let interrupt = preparation.work_begins();
     let drive = read(files, &choice, RecordedDrive::new(&args.out, camera), &interrupt)?;
     let converted = drive.finish(input)?;
     if let Some(cause) = &cut_short {
