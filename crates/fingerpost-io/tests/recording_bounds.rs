@@ -54,8 +54,11 @@ fn stored_lz4(bytes: &[u8]) -> Vec<u8> {
     frame
 }
 
+/// Puts records into a file in one way.
+type Pack = fn(&[u8]) -> Vec<u8>;
+
 /// How records may stand in a file.
-const PACKINGS: [fn(&[u8]) -> Vec<u8>; 4] = [
+const PACKINGS: [Pack; 4] = [
     |records| records.to_vec(),
     |records| chunk(records, "", records),
     |records| chunk(records, "lz4", &stored_lz4(records)),
