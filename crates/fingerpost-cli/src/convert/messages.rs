@@ -8,7 +8,9 @@ use fingerpost_format::{CameraInfo, PictureKind};
 use fingerpost_io::bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
+use super::kept_messages;
 use super::recorded_drive::RecordedDrive;
+use crate::arguments::InputLimit;
 use crate::examples::examples;
 use crate::interrupt::{Interrupt, Preparation};
 use crate::mount_args::{KnownCamera, MountArgs};
@@ -67,6 +69,8 @@ struct RecordingArgs {
     /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens.
     #[arg(long, conflicts_with = "camera")]
     rectified: bool,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Folder to write: a new or empty one, or one of an earlier `convert`, which is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -104,6 +108,7 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
         output::message(cause);
     }
     let choice = choice?;
+    kept_messages::check(&topics, &choice, args.limit).with_context(of_input)?;
     let camera = match known {
         KnownCamera::Whole(camera) => *camera,
         KnownCamera::Mount(mount) => {
