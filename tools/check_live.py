@@ -44,13 +44,14 @@ async def view(url, messages):
             messages.append((channels[subscription - 100], time_ns, message[13:]))
 
 
-async def answer(url, host, subprotocol):
-    """The status that a handshake under this name and for this protocol is answered with."""
+async def answer(url, host, subprotocol, origin):
+    """The status that a handshake under this name, for this protocol and from a page of this site is answered with."""
     at, port = url.removeprefix("ws://").split(":")
     reader, writer = await asyncio.open_connection(at, int(port))
     writer.write(
         f"GET / HTTP/1.1\r\nHost: {host.format(port=port)}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-        f"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: {subprotocol}\r\n\r\n".encode())
+        f"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: {subprotocol}\r\n"
+        f"Origin: {origin}\r\n\r\n".encode())
     status = int((await reader.readline()).split()[1])
     writer.close()
     return status
@@ -63,10 +64,12 @@ async def main(program, drive, out):
     url = await address(process)
     messages, others = [], []
     viewers = asyncio.gather(view(url, messages), view(url, others))
-    for host, subprotocol, status in [
-        ("127.0.0.1:{port}", "mqtt", 400), ("example.org:{port}", "foxglove.sdk.v1", 403), ("localhost:{port}", "foxglove.websocket.v1", 101),
+    app, this, other = "https://app.foxglove.dev", "http://localhost:8080", "https://example.org"
+    for host, subprotocol, origin, status in [
+        ("127.0.0.1:{port}", "mqtt", app, 400), ("example.org:{port}", "foxglove.sdk.v1", app, 403),
+        ("127.0.0.1:{port}", "foxglove.sdk.v1", other, 403), ("localhost:{port}", "foxglove.websocket.v1", this, 101),
     ]:
-        assert await answer(url, host, subprotocol) == status, (host, subprotocol)
+        assert await answer(url, host, subprotocol, origin) == status, (host, subprotocol, origin)
     said = process.stderr.read()
     await viewers
     await said

@@ -123,7 +123,8 @@ impl Display for WaitingTime {
 /// How much memory an input may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::Args)]
 pub(crate) struct InputLimit {
-    /// Memory that a map or GPS track may take, MiB, 1 to 65536: so much of its file is read, and so much is made of it.
+    /// Memory that a map, a GPS track or a recording's measurements may take, MiB, 1 to 65536: so much of a file is read, and so much is
+    /// made of it.
     #[arg(long, value_name = "MIB", default_value_t = (OsmData::MEMORY_BYTES >> 20) as u32,
           value_parser = clap::value_parser!(u32).range(1..=65_536))]
     max_input_mib: u32,

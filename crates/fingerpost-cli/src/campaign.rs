@@ -17,7 +17,7 @@ use clap::builder::PossibleValuesParser;
 use fingerpost_control::ControllerName;
 use fingerpost_eval::CampaignTally;
 use fingerpost_format::{Campaign, CampaignDrive, CampaignGroup, ErrorQuantiles, ToJson};
-use fingerpost_io::{FolderKind, OutputFolder, write_file};
+use fingerpost_io::{FolderKind, OutputFolder, write_private_file};
 use fingerpost_sim::Conditions;
 use indicatif::ProgressBar;
 
@@ -221,7 +221,7 @@ fn drive_all(setting: &Setting<'_>, bar: &ProgressBar) -> Result<Campaign> {
 fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
     let mut text = campaign.to_json().context("the campaign cannot be written as JSON")?;
     text.push('\n');
-    Ok(write_file(&args.out.join(RESULT_FILE), text)?)
+    Ok(write_private_file(&args.out.join(RESULT_FILE), text)?)
 }
 
 fn print_table(campaign: &Campaign) {

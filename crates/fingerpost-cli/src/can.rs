@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::can_signals::{CanSignals, Meaning};
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::{inputs, output, output_path};
 
 /// Decode the configured signals of a CAN log, say how often each came and between what values, and write them as CSV: to
@@ -38,6 +39,9 @@ pub(crate) struct CanArgs {
     json: bool,
 }
 
+/// How a table of samples begins: its first columns.
+pub(crate) const CSV_HEAD: &str = "log_s,t_s,";
+
 /// What a log says of a signal.
 #[derive(Debug, Serialize)]
 struct SignalFacts {
@@ -52,7 +56,11 @@ struct SignalFacts {
 /// Decodes.
 pub(crate) fn can(args: &CanArgs) -> Result<()> {
     if let Some(out) = &args.out {
-        output_path::check_file(out, [&args.log, &args.dbc, &args.config].map(PathBuf::as_path))?;
+        output_path::check_file(
+            out,
+            FileKind::Signals,
+            [&args.log, &args.dbc, &args.config].map(PathBuf::as_path),
+        )?;
     }
     let config = inputs::config(Some(&args.config))?.can;
     let signals = CanSignals::find(&config, &args.dbc)?;
@@ -104,7 +112,7 @@ fn facts(signals: &CanSignals, log: &SignalLog) -> Vec<SignalFacts> {
 
 fn write_csv(path: &Path, signals: &CanSignals, log: &SignalLog, offset_s: f64) -> Result<()> {
     let columns: Vec<&str> = signals.meanings.iter().map(|meaning| quantity(*meaning)).collect();
-    let mut text = format!("log_s,t_s,{}\n", columns.join(","));
+    let mut text = format!("{CSV_HEAD}{}\n", columns.join(","));
     let mut rows: Vec<(usize, SignalSample)> = log
         .samples
         .iter()

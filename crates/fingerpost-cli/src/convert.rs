@@ -1,5 +1,6 @@
 //! `fingerpost convert`: others' recordings as drives.
 
+mod kept_messages;
 mod kitti;
 mod messages;
 mod recorded_drive;

@@ -65,7 +65,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         pictures: Pictures::Every(PICTURE_EVERY_FRAMES),
         video: None,
         recording: RecordingWish::Mcap,
-        live_port: None,
+        live: None,
     };
     log::info!("the town: {}", facts::of_roads(&graph));
     log::info!("the drive: {}", facts::of_route(&route));

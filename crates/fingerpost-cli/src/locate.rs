@@ -8,14 +8,16 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_eval::{evaluate_location, stage_time};
 use fingerpost_format::{
     FixLine, FixStatus, GpsCount, GpsLine, LocationSummary, MotionFaults, MotionLogRow, PlaceLine, StageTime,
     parse_motion_log, parse_pose_log,
 };
-use fingerpost_io::{FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_file};
+use fingerpost_io::{
+    FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_private_file,
+};
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
 use fingerpost_map::RoadGraph;
 use fingerpost_record::fix_status;
@@ -27,6 +29,7 @@ use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::examples::examples;
 use crate::gps::GpsTrack;
+use crate::interrupt::Preparation;
 use crate::{facts, inputs, output, output_path, simulate, version};
 
 /// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
@@ -78,6 +81,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         FolderKind::Location,
         inputs.into_iter().flatten().map(PathBuf::as_path),
     )?;
+    let preparation = Preparation::listen()?;
     let graph = inputs::road_graph(&args.map, args.limit)?;
     let text = |path: &PathBuf| read_text_within(path, args.limit.bytes() as u64);
     let log = parse_motion_log(&text(&args.motion)?).with_context(|| args.motion.display().to_string())?;
@@ -93,6 +97,7 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         None => None,
     };
     let mut gps = args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?;
+    let interrupt = preparation.work_begins();
     let folder = OutputFolder::take(&args.out, FolderKind::Location)?;
     let mut fixes = JsonLinesFile::create(&folder.path().join(FIXES_FILE))?;
     let traffic = match args.traffic {
@@ -102,7 +107,9 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     };
     let mut locator = Locator::new(&graph, traffic, args.seed);
     let (mut tally, mut tracks, mut drive) = (Tally::default(), Tracks::default(), LocatedDrive::default());
-    for row in &rows {
+    let mut rows_used = 0;
+    for row in rows.iter().take_while(|_| !interrupt.wanted()) {
+        rows_used += 1;
         let started = Instant::now();
         let fix = match locator.step(sample(row)) {
             Ok(Some(fix)) => fix,
@@ -130,14 +137,20 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
     tracks.write(&folder)?;
     let summary = LocationSummary {
         map_notices: facts::of_notices(&graph),
-        ..tally.summary(rows.len(), faults.faults(), truth.is_some())
+        ..tally.summary(rows_used, faults.faults(), truth.is_some())
     };
-    write_file(&folder.path().join("summary.json"), format!("{:#}\n", serde_json::to_value(&summary)?))?;
+    write_private_file(
+        &folder.path().join("summary.json"),
+        format!("{:#}\n", serde_json::to_value(&summary)?),
+    )?;
     let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let title = format!("{} on {}", name(&args.motion), name(&args.map));
     let page =
         locating_html(&LocatingInput { title: &title, graph: &graph, drive: &drive, summary: &summary });
-    write_file(&folder.path().join("report.html"), page)?;
+    write_private_file(&folder.path().join("report.html"), page)?;
+    if interrupt.wanted() {
+        bail!("interrupted after {rows_used} rows; results so far are in {}", args.out.display());
+    }
     if let Some(StageTime { median, p95 }) = summary.row_ms {
         log::info!("a row takes {median:.3} ms in the median, {p95:.3} ms at the 95th percentile");
     }

@@ -1,12 +1,81 @@
 //! Where a command may write.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
-use fingerpost_io::{FolderKind, file_keeps_inputs, folder_keeps_inputs, remove_abandoned};
+use anyhow::{Result, bail};
+use fingerpost_format::camera_from_toml;
+use fingerpost_io::{
+    FolderKind, file_keeps_inputs, folder_keeps_inputs, is_signed_png, read_bytes, remove_abandoned,
+};
+use fingerpost_map::read_route;
+use fingerpost_report::is_surface_svg;
 
-/// Makes sure that a file to be written is none of a command's inputs, and removes what a killed command left beside it.
-pub(crate) fn check_file<'a>(output: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+use crate::can::CSV_HEAD;
+
+/// What a single file that a command writes holds; by it a file of this program is told from the user's, as folders are by their marker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FileKind {
+    /// A route on a map.
+    Route,
+    /// A camera's calibration.
+    Camera,
+    /// Samples of the bus's signals.
+    Signals,
+    /// A surface of accuracies.
+    Plot,
+    /// A sheet of pictures.
+    Sheet,
+}
+
+impl FileKind {
+    /// Whether a file's bytes are of this kind; nothing is anybody's.
+    fn is_read_from(self, bytes: &[u8]) -> bool {
+        let is_text = |is_ours: fn(&str) -> bool| std::str::from_utf8(bytes).is_ok_and(is_ours);
+        bytes.is_empty()
+            || match self {
+                Self::Route => is_text(|text| read_route(text).is_ok()),
+                Self::Camera => is_text(|text| camera_from_toml(text).is_ok()),
+                Self::Signals => is_text(|text| text.starts_with(CSV_HEAD)),
+                Self::Plot => is_text(is_surface_svg),
+                Self::Sheet => is_signed_png(bytes),
+            }
+    }
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Route => "route",
+            Self::Camera => "camera",
+            Self::Signals => "table of signals",
+            Self::Plot => "plot",
+            Self::Sheet => "sheet",
+        })
+    }
+}
+
+/// Makes sure that a file to be written is none of a command's inputs and nothing that may be the user's: what is there is empty or
+/// reads as what is to be written. Removes what a killed command left beside it.
+pub(crate) fn check_file<'a>(
+    output: &Path,
+    kind: FileKind,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<()> {
+    check_kept_file(output, inputs)?;
+    // A device or a pipe takes anything.
+    if output.is_file() && !kind.is_read_from(&read_bytes(output)?) {
+        bail!(
+            "{} is no {kind} that this program wrote, so it may be yours; choose another file, or remove this one first (plots and sheets of \
+             versions that did not sign them are not replaced either)",
+            output.display()
+        );
+    }
+    Ok(())
+}
+
+/// The same for a file that is also read: reading says whether it is what is to be written.
+pub(crate) fn check_kept_file<'a>(output: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     file_keeps_inputs(output, inputs)?;
     Ok(remove_abandoned(output)?)
 }

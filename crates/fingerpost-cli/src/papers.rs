@@ -14,7 +14,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost::Config;
 use fingerpost_format::from_json_lines;
-use fingerpost_io::{FolderKind, JsonLinesFile, OutputFolder, create_folder, write_file};
+use fingerpost_io::{FolderKind, JsonLinesFile, OutputFolder, create_private_folder, write_private_file};
 use fingerpost_papers::claims::{
     Asked, Measured, Measurement, Measurements, PLOTS_FOLDER, Page, RENDERED_FPS, ROADS, RoadKind, SAMPLES,
     SIZE_PX, variants,
@@ -184,12 +184,12 @@ fn write(args: &PapersArgs, measurements: &Measurements) -> Result<()> {
     let page =
         Page::of(measurements, &Asked { command: &command, drives: args.drives, seconds: args.seconds });
     let plots = args.out.join(PLOTS_FOLDER);
-    create_folder(&plots)?;
+    create_private_folder(&plots)?;
     for (name, svg) in &page.plots {
-        write_file(&plots.join(name), svg)?;
+        write_private_file(&plots.join(name), svg)?;
     }
     let path = args.out.join(PAGE_FILE);
-    write_file(&path, &page.text)?;
+    write_private_file(&path, &page.text)?;
     output::message(&format!("the page is {}", path.display()));
     Ok(())
 }

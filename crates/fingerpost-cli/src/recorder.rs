@@ -14,7 +14,7 @@ use fingerpost_format::{
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::{RoadGraph, Route};
-use fingerpost_record::live::LiveView;
+use fingerpost_record::live::{LiveView, Origin};
 use fingerpost_record::recording::{MessageEncoder, RecordedFrame, Recording};
 use fingerpost_record::{FrameTime, broken_record};
 use fingerpost_report::{
@@ -69,15 +69,24 @@ pub(crate) struct Wishes {
     pub(crate) video: Option<VideoWish>,
     /// Whether all that was seen is recorded for viewers.
     pub(crate) recording: RecordingWish,
-    /// The port that viewers connect to while it runs, where they may.
-    pub(crate) live_port: Option<u16>,
+    /// Where viewers connect to while it runs, where they may.
+    pub(crate) live: Option<LiveWish>,
 }
 
 impl Wishes {
     /// Whether anybody wants a frame as messages.
     pub(crate) fn messages(&self) -> bool {
-        self.live_port.is_some() || self.recording == RecordingWish::Mcap
+        self.live.is_some() || self.recording == RecordingWish::Mcap
     }
+}
+
+/// Viewers that connect while it runs.
+#[derive(Debug)]
+pub(crate) struct LiveWish {
+    /// The port that they connect to.
+    pub(crate) port: u16,
+    /// Sites whose pages may, beside those that always may.
+    pub(crate) origins: Vec<Origin>,
 }
 
 /// Whether `run.mcap` is written.
@@ -168,7 +177,7 @@ impl Recorder {
             }
             RecordingWish::None => None,
         };
-        let live = wishes.live_port.map(|port| begin_live(port, subject.route.as_ref())).transpose()?;
+        let live = wishes.live.as_ref().map(|wish| begin_live(wish, subject.route.as_ref())).transpose()?;
         Ok(Self {
             folder,
             outcomes: FeatureOutcomes::new(&subject.features),
@@ -372,8 +381,8 @@ impl Recorder {
 }
 
 /// Serves a drive along `route`, and says where.
-fn begin_live(port: u16, route: Option<&Route>) -> Result<LiveView> {
-    let live = LiveView::begin(&format!("fingerpost {VERSION}"), port, route)?;
+fn begin_live(wish: &LiveWish, route: Option<&Route>) -> Result<LiveView> {
+    let live = LiveView::begin(&format!("fingerpost {VERSION}"), wish.port, &wish.origins, route)?;
     output::message(&format!("viewers may connect to {}", live.address()));
     Ok(live)
 }

@@ -117,7 +117,7 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
         pictures: Pictures::None,
         video: None,
         recording: if recording { RecordingWish::Mcap } else { RecordingWish::None },
-        live_port: None,
+        live: None,
     };
     let mut driver = Driver::new(run, &wishes, args.frames)?.without_key_frames();
     if let Some(roads) = &roads {

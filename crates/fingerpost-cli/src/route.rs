@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::arguments::{InputLimit, Place};
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::{facts, inputs, output, output_path};
 
 /// Plan a route on an OpenStreetMap map, or match a GPS track to it, and write it with its junctions, side roads and
@@ -74,7 +75,7 @@ struct FeatureReport<'a> {
 /// Makes the route file.
 pub(crate) fn route(args: &RouteArgs) -> Result<()> {
     let inputs = [Some(&args.map), args.gpx.as_ref()].into_iter().flatten().map(PathBuf::as_path);
-    output_path::check_file(&args.out, inputs)?;
+    output_path::check_file(&args.out, FileKind::Route, inputs)?;
     let graph = inputs::road_graph(&args.map, args.limit)?;
     let options = FeatureOptions::default();
     let route = match &args.gpx {

@@ -15,6 +15,7 @@ use fingerpost_io::{
 };
 use fingerpost_map::{LatLon, Route};
 use fingerpost_record::FrameTime;
+use fingerpost_record::live::Origin;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::arguments::{FrameRange, InputLimit, InstructionSetName, Place, Threads, number};
@@ -23,11 +24,11 @@ use crate::driver::{Driver, FrameResult, RunSetting, Sequence, pass_over};
 use crate::examples::examples;
 use crate::frame_choice::FrameChoice;
 use crate::gps::GpsFeed;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Preparation};
 use crate::live_gps::is_live;
 use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
-use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
+use crate::recorder::{LiveWish, Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path, start_check};
 
@@ -141,6 +142,10 @@ pub(crate) struct RunArgs {
     /// Port that viewers connect to; 0 takes any that is free, which is then said.
     #[arg(long, value_name = "PORT", default_value_t = 8765, requires = "serve")]
     serve_port: u16,
+    /// A site whose pages may connect, as browsers name it: https://viewer.example:8443; may be given several times. Programs always may, and
+    /// pages of https://app.foxglove.dev, of Foxglove's program for the desktop and of this machine (localhost).
+    #[arg(long, value_name = "ORIGIN", requires = "serve")]
+    serve_origin: Vec<Origin>,
     /// Print what summary.json holds on standard output.
     #[arg(long)]
     json: bool,
@@ -185,6 +190,7 @@ impl RunArgs {
 /// Runs the method.
 pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_outputs(args)?;
+    let preparation = Preparation::listen()?;
     limit_instruction_set(args.instruction_set)?;
     let mut config = inputs::config(args.config.as_deref())?;
     let camera = inputs::camera(&args.camera)?;
@@ -211,7 +217,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(inputs::truth).transpose()?;
     // From here on an end that is wanted is one that leaves results.
-    let interrupt = Interrupt::listen()?;
+    let interrupt = preparation.work_begins();
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
     let options = SourceOptions {
         fps: args.fps,
@@ -235,7 +241,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
-        live_port: args.serve.map(|Viewer::Foxglove| args.serve_port),
+        live: args
+            .serve
+            .map(|Viewer::Foxglove| LiveWish { port: args.serve_port, origins: args.serve_origin.clone() }),
     };
     let most = args.frames.unwrap_or(u64::MAX);
     let frames = source.length().map(|length| length.min(most)).or(args.frames);
@@ -287,7 +295,7 @@ fn check_outputs(args: &RunArgs) -> Result<()> {
     let inputs: Vec<&Path> =
         optional.chain([&args.camera]).map(PathBuf::as_path).chain(gps).chain(streams).collect();
     let bank = args.bank.as_deref();
-    bank.map_or(Ok(()), |bank| output_path::check_file(bank, inputs.iter().copied()))?;
+    bank.map_or(Ok(()), |bank| output_path::check_kept_file(bank, inputs.iter().copied()))?;
     output_path::check_folder(&args.out, FolderKind::Run, inputs.into_iter().chain(bank))
 }
 

@@ -22,7 +22,7 @@ use self::world::WorldArgs;
 pub(crate) use self::world::known_vehicle;
 use crate::arguments::{InputLimit, PictureSize};
 use crate::examples::examples;
-use crate::interrupt::Interrupt;
+use crate::interrupt::Preparation;
 use crate::{inputs, output, output_path};
 
 /// Drive a simulated vehicle along a route and write what its camera sees, with the truth: frames, camera.toml,
@@ -207,6 +207,7 @@ fn plan(args: &SimulateArgs) -> Result<Plan> {
 
 /// Writes the drive.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
+    let preparation = Preparation::listen()?;
     let Plan { simulator, camera, route, settings } = plan(args)?;
     let inputs = [&args.map, &args.route, &args.camera].into_iter().flatten().map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::Drive, inputs)?;
@@ -215,6 +216,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         (_, true) => FrameFormat::Ppm,
         _ => FrameFormat::Jpeg,
     };
+    let interrupt = preparation.work_begins();
     let mut folder = DriveFolder::create(&args.out, format)?;
     folder.write_camera(&camera_to_toml(&camera)?)?;
     folder.write_route(&write_route(&route)?)?;
@@ -238,7 +240,6 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
         if args.world.is_wanted() { "of the world" } else { &args.conditions },
         args.seed
     );
-    let interrupt = Interrupt::listen()?;
     let bar = output::progress(Some(simulator.frames() as u64), "frames");
     let mut written = 0;
     // Enough frames in hand to keep every core busy, few enough to fit into any memory.

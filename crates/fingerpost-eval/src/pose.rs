@@ -35,7 +35,9 @@ pub(crate) fn wrapped(angle_rad: f64) -> f64 {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PosesError {
     /// A line is no pose.
-    #[error("line {line} has {found} finite numbers where a pose has 12; give a KITTI odometry pose file")]
+    #[error(
+        "line {line} has {found} finite numbers, and a pose is 12 of them and no other word; give a KITTI odometry pose file"
+    )]
     Line {
         /// Line number, from one.
         line: usize,
@@ -65,15 +67,15 @@ pub fn poses_from_kitti(text: &str) -> Result<BTreeMap<u64, PlanarPose>, PosesEr
         .filter(|(_, line)| !line.trim().is_empty())
         .enumerate()
         .map(|(frame, (i, line))| {
-            let numbers: Vec<f64> = line
-                .split_whitespace()
-                .filter_map(|word| word.parse().ok())
-                .filter(|number: &f64| number.is_finite())
-                .collect();
-            let [_, _, forward_x, x, _, _, _, _, _, _, forward_z, z] = numbers[..] else {
-                return Err(PosesError::Line { line: i + 1, found: numbers.len() });
+            let number = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
+            let words: Vec<Option<f64>> = line.split_whitespace().map(number).collect();
+            let found = words.iter().flatten().count();
+            // A word that is no number is not passed over: which of the others would be which?
+            let numbers: Option<Vec<f64>> = words.into_iter().collect();
+            let Some([_, _, forward_x, x, _, _, _, _, _, _, forward_z, z]) = numbers.as_deref() else {
+                return Err(PosesError::Line { line: i + 1, found });
             };
-            let pose = PlanarPose { x_m: z, y_m: -x, heading_rad: libm::atan2(-forward_x, forward_z) };
+            let pose = PlanarPose { x_m: *z, y_m: -x, heading_rad: libm::atan2(-forward_x, *forward_z) };
             Ok((frame as u64, pose))
         })
         .collect()

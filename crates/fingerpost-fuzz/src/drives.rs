@@ -1,9 +1,11 @@
 //! What stands in the folders of drives and runs: calibrations, times, truth, records and marks.
 
+use fingerpost_eval::poses_from_kitti;
 use fingerpost_format::{
-    FrameRecord, FromJson, ToJson, TruthRecord, TuSimpleRecord, camera_from_toml, camera_from_yaml,
-    camera_to_toml, from_json_lines, kitti_oxts, kitti_projection, kitti_timestamps, marks_from_json,
-    marks_to_json, parse_motion_log, parse_pose_log, parse_times, to_json_line,
+    FrameRecord, FromJson, LoopDrive, Summary, ToJson, TruthRecord, TuSimpleRecord, TuningTrial,
+    camera_from_toml, camera_from_yaml, camera_to_toml, from_json_lines, kitti_oxts, kitti_projection,
+    kitti_timestamps, marks_from_json, marks_to_json, mount_from_toml, parse_motion_log, parse_pose_log,
+    parse_times, to_json_line,
 };
 use fingerpost_geometry::{Camera, Mount, Pixel};
 
@@ -34,6 +36,23 @@ pub(crate) fn camera_toml(bytes: &[u8]) -> bool {
 
 pub(crate) fn camera_toml_seeds() -> Vec<Vec<u8>> {
     seeds(&[include_str!("../seeds/camera.toml"), include_str!("../seeds/points.toml")])
+}
+
+/// A mount that is accepted is finite.
+pub(crate) fn mount_toml(bytes: &[u8]) -> bool {
+    let Some(mount) = str::from_utf8(bytes).ok().and_then(|text| mount_from_toml(text).ok()) else {
+        return false;
+    };
+    let Mount { height_m, pitch_rad, yaw_rad, roll_rad, x_m, y_m } = mount;
+    assert!([height_m, pitch_rad, yaw_rad, roll_rad, x_m, y_m].iter().all(|number| number.is_finite()));
+    assert!(height_m > 0.0, "a camera {height_m} m above the road");
+    true
+}
+
+pub(crate) fn mount_toml_seeds() -> Vec<Vec<u8>> {
+    seeds(&[
+        "[mount]\nheight_m = 1.5\npitch_deg = 2.0\nyaw_deg = -0.5\nroll_deg = 0.25\nx_m = 1.5\ny_m = 0.1\n",
+    ])
 }
 
 pub(crate) fn camera_yaml(bytes: &[u8]) -> bool {
@@ -128,6 +147,60 @@ pub(crate) fn truth_seeds() -> Vec<Vec<u8>> {
     let record =
         TruthRecord { t_s: 0.5, lat: 48.5, lon: 8.25, feature_id: Some(7), ..TruthRecord::default() };
     vec![must(to_json_line(&record), "a seed").into_bytes()]
+}
+
+/// What a job is gone on with: its trials, and its closed-loop drives.
+pub(crate) fn trials(bytes: &[u8]) -> bool {
+    check_lines::<TuningTrial>(bytes)
+}
+
+pub(crate) fn trials_seeds() -> Vec<Vec<u8>> {
+    seeds(&[
+        "{\"trial\": 0, \"purpose\": \"search\", \"settings\": {}, \"scores\": null, \"ms_per_frame\": 2.5, \"error\": \"refused\"}\n",
+    ])
+}
+
+pub(crate) fn closed_loop(bytes: &[u8]) -> bool {
+    check_lines::<LoopDrive>(bytes)
+}
+
+pub(crate) fn closed_loop_seeds() -> Vec<Vec<u8>> {
+    vec![must(to_json_line(&LoopDrive::default()), "a seed").into_bytes()]
+}
+
+/// A summary that is read can be written, and reads back.
+pub(crate) fn summary(bytes: &[u8]) -> bool {
+    let Some(summary) = str::from_utf8(bytes).ok().and_then(|text| Summary::from_json(text).ok()) else {
+        return false;
+    };
+    must(
+        Summary::from_json(&must(summary.to_json(), "a summary that was read")),
+        "a summary that was written",
+    );
+    true
+}
+
+pub(crate) fn summary_seeds() -> Vec<Vec<u8>> {
+    vec![must(Summary::default().to_json(), "a seed").into_bytes()]
+}
+
+/// Poses that are accepted are finite, and one a line.
+pub(crate) fn kitti_poses(bytes: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(bytes) else { return false };
+    let Ok(poses) = poses_from_kitti(text) else { return false };
+    assert!(
+        poses
+            .values()
+            .all(|pose| [pose.x_m, pose.y_m, pose.heading_rad].iter().all(|number| number.is_finite()))
+    );
+    assert_eq!(poses.len(), text.lines().filter(|line| !line.trim().is_empty()).count());
+    true
+}
+
+pub(crate) fn kitti_poses_seeds() -> Vec<Vec<u8>> {
+    seeds(&[
+        "1 0 0 0 0 1 0 0 0 0 1 0\n9.999e-01 5e-04 -2e-03 -4.7e-02 -5e-04 1 -1e-04 -2.8e-02 2e-03 1e-04 9.999e-01 8.58e-01\n",
+    ])
 }
 
 pub(crate) fn tusimple(bytes: &[u8]) -> bool {

@@ -27,16 +27,20 @@ pub struct Parser {
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 
-/// Every parser of files that come from outside.
+/// Every parser of files that come from outside, and of results that are read again.
 pub const PARSERS: &[Parser] = &[
     Parser { name: "picture", body: pictures::picture, seeds: pictures::seeds },
     Parser { name: "camera_toml", body: drives::camera_toml, seeds: drives::camera_toml_seeds },
     Parser { name: "camera_yaml", body: drives::camera_yaml, seeds: drives::camera_yaml_seeds },
+    Parser { name: "mount_toml", body: drives::mount_toml, seeds: drives::mount_toml_seeds },
     Parser { name: "times", body: drives::times, seeds: drives::times_seeds },
     Parser { name: "motion_log", body: drives::motion_log, seeds: drives::motion_log_seeds },
     Parser { name: "pose_log", body: drives::pose_log, seeds: drives::pose_log_seeds },
     Parser { name: "frames", body: drives::frames, seeds: drives::frames_seeds },
     Parser { name: "truth", body: drives::truth, seeds: drives::truth_seeds },
+    Parser { name: "trials", body: drives::trials, seeds: drives::trials_seeds },
+    Parser { name: "closed_loop", body: drives::closed_loop, seeds: drives::closed_loop_seeds },
+    Parser { name: "summary", body: drives::summary, seeds: drives::summary_seeds },
     Parser { name: "tusimple", body: drives::tusimple, seeds: drives::tusimple_seeds },
     Parser { name: "marks", body: drives::marks, seeds: drives::marks_seeds },
     Parser { name: "osm_xml", body: maps::osm_xml, seeds: maps::osm_xml_seeds },
@@ -51,6 +55,7 @@ pub const PARSERS: &[Parser] = &[
     Parser { name: "bag", body: recordings::bag, seeds: recordings::bag_seeds },
     Parser { name: "bag_message", body: recordings::message, seeds: recordings::message_seeds },
     Parser { name: "kitti", body: drives::kitti, seeds: drives::kitti_seeds },
+    Parser { name: "kitti_poses", body: drives::kitti_poses, seeds: drives::kitti_poses_seeds },
     Parser { name: "config", body: config::config, seeds: config::config_seeds },
     Parser { name: "fuzzy_rules", body: config::fuzzy_rules, seeds: config::fuzzy_rules_seeds },
     Parser { name: "fed_frames", body: vehicles::fed_frames, seeds: vehicles::fed_frames_seeds },

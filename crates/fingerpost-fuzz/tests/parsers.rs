@@ -89,3 +89,44 @@ fn every_parser_has_a_target_and_seeds_that_it_reads_twice_the_same() {
         assert!((0..50).all(|_| a.input(&seeds) == b.input(&seeds)), "{}", parser.name);
     }
 }
+
+/// The public functions of a source that make a value of a text or of bytes or refuse it.
+fn parsers_of(source: &str) -> impl Iterator<Item = &str> {
+    let functions = source.split("\npub fn ").skip(1);
+    functions.filter_map(|function| {
+        let (signature, _) = function.split_once(" {\n")?;
+        let (name, parameters) = signature.split_once('(')?;
+        let reads = ["text: &str", "bytes: &[u8]", "line: &str"];
+        let is_parser = reads.iter().any(|read| parameters.trim_start().starts_with(read));
+        (is_parser && signature.contains("-> Result<")).then(|| name.split('<').next().unwrap_or(name))
+    })
+}
+
+fn sources(folder: &std::path::Path) -> Vec<String> {
+    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths
+        .flat_map(|path| match path.extension() {
+            _ if path.is_dir() => sources(&path),
+            Some(ending) if ending == "rs" => vec![std::fs::read_to_string(&path).unwrap()],
+            _ => Vec::new(),
+        })
+        .collect()
+}
+
+#[test]
+fn every_public_parser_of_the_workspace_has_a_body() {
+    let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let bodies = sources(&crates.join("fingerpost-fuzz/src")).concat();
+    let folders = std::fs::read_dir(&crates).unwrap().map(|entry| entry.unwrap().path());
+    let others = folders.filter(|folder| folder.is_dir() && !folder.ends_with("fingerpost-fuzz"));
+    let mut found = 0;
+    for source in others.flat_map(|folder| sources(&folder.join("src"))) {
+        for name in parsers_of(&source) {
+            // With a bound given it is the same parser.
+            let parser = name.trim_end_matches("_within");
+            assert!(bodies.contains(parser), "{name} has no body in crates/fingerpost-fuzz/src");
+            found += 1;
+        }
+    }
+    assert!(found > 15, "{found} parsers are found");
+}

@@ -28,6 +28,7 @@ mod records;
 mod ros_messages;
 mod schema;
 mod survey;
+mod topics;
 mod zstd_chunks;
 
 pub use cdr::CdrError;

@@ -11,7 +11,7 @@ use crate::{
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
     setup_file::keep_setup,
-    whole_file::write_file,
+    whole_file::write_private_file,
 };
 
 /// A folder of closed-loop drives that cannot be used.
@@ -101,8 +101,8 @@ impl ClosedLoopFolder {
     pub fn write_table(&self, table: &ClosedLoop, report: &str) -> Result<(), ClosedLoopFolderError> {
         let mut text = table.to_json().map_err(|cause| ClosedLoopFolderError::Table { cause })?;
         text.push('\n');
-        write_file(&self.folder.path().join("report.html"), report)?;
-        Ok(write_file(&self.folder.path().join(CLOSED_LOOP_FILE), text)?)
+        write_private_file(&self.folder.path().join("report.html"), report)?;
+        Ok(write_private_file(&self.folder.path().join(CLOSED_LOOP_FILE), text)?)
     }
 
     /// Ends the file of drives: they are on the disk.

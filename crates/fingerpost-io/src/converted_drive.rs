@@ -7,12 +7,13 @@ use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder},
+    file::FileError,
     folder_kind::{CAMERA_FILE, FolderKind, GPS_FILE, MOTION_FILE, POSES_FILE},
     output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_png},
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
-    whole_file::write_file,
+    private::create_private_folder,
+    whole_file::write_private_file,
 };
 
 /// A drive that cannot be written.
@@ -66,8 +67,8 @@ impl ConvertedDrive {
     /// [`ConvertedDriveError`] when the folder cannot be made, holds something else or is in use.
     pub fn create(path: &Path, camera_toml: &str) -> Result<Self, ConvertedDriveError> {
         let folder = OutputFolder::take(path, FolderKind::ConvertedDrive)?;
-        create_folder(&path.join(FRAMES_FOLDER))?;
-        write_file(&path.join(CAMERA_FILE), camera_toml)?;
+        create_private_folder(&path.join(FRAMES_FOLDER))?;
+        write_private_file(&path.join(CAMERA_FILE), camera_toml)?;
         Ok(Self { times: String::new(), frames: 0, folder })
     }
 
@@ -90,7 +91,7 @@ impl ConvertedDrive {
             PictureEnding::Jpeg => "jpg",
             PictureEnding::Png => "png",
         };
-        write_file(&self.frame_path(ending), bytes)?;
+        write_private_file(&self.frame_path(ending), bytes)?;
         self.count(t_s);
         Ok(())
     }
@@ -110,7 +111,7 @@ impl ConvertedDrive {
     /// # Errors
     /// [`ConvertedDriveError::File`] when they cannot be written.
     pub fn finish(self, logs: &ConvertedLogs) -> Result<(), ConvertedDriveError> {
-        let write = |name: &str, text: String| write_file(&self.folder.path().join(name), text);
+        let write = |name: &str, text: String| write_private_file(&self.folder.path().join(name), text);
         write(TIMES_FILE, self.times.clone())?;
         if !logs.gps.is_empty() {
             write(GPS_FILE, gps_gpx(&logs.gps))?;

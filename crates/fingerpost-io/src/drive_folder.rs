@@ -13,13 +13,14 @@ use fingerpost_vision::{
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder, read_text},
+    file::{FileError, read_text},
     folder_kind::{BUS_FILES, FolderKind, HEIGHTS_FOLDER, MASKS_FOLDER, TRUTH_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_deep_png, write_grey_png, write_jpeg, write_png, write_ppm},
     picture_folder::{FRAMES_FOLDER, TIMES_FILE},
-    whole_file::write_file,
+    private::create_private_folder,
+    whole_file::write_private_file,
 };
 
 /// JPEG quality of frames: the noise of a camera survives it. Colour has half the resolution, as in most cameras' recordings.
@@ -100,7 +101,7 @@ impl DriveFolder {
     pub fn create(path: &Path, format: FrameFormat) -> Result<Self, DriveFolderError> {
         let folder = OutputFolder::take(path, FolderKind::Drive)?;
         for name in [FRAMES_FOLDER, MASKS_FOLDER] {
-            create_folder(&path.join(name))?;
+            create_private_folder(&path.join(name))?;
         }
         let truth = JsonLinesFile::create(&path.join(TRUTH_FILE))?;
         Ok(Self { format, truth, times: String::new(), folder })
@@ -169,7 +170,7 @@ impl DriveFolder {
     /// # Errors
     /// [`DriveFolderError::File`] when it cannot be made.
     pub fn expect_heights(&self) -> Result<(), DriveFolderError> {
-        Ok(create_folder(&self.folder.path().join(HEIGHTS_FOLDER))?)
+        Ok(create_private_folder(&self.folder.path().join(HEIGHTS_FOLDER))?)
     }
 
     /// Writes the heights of the ground that frame `index` shows; in any order and from several threads.
@@ -198,12 +199,12 @@ impl DriveFolder {
     /// [`DriveFolderError::File`] when they cannot be written.
     pub fn finish(self) -> Result<(), DriveFolderError> {
         self.truth.finish()?;
-        Ok(write_file(&self.folder.path().join(TIMES_FILE), self.times)?)
+        Ok(write_private_file(&self.folder.path().join(TIMES_FILE), self.times)?)
     }
 
     fn write_text(&self, name: &str, text: &str) -> Result<PathBuf, DriveFolderError> {
         let path = self.folder.path().join(name);
-        write_file(&path, text)?;
+        write_private_file(&path, text)?;
         Ok(path)
     }
 }

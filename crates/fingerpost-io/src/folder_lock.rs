@@ -1,7 +1,7 @@
 //! One writer a folder: a lock that ends with its process, however that ends, and says who holds it.
 
 use std::{
-    fs::{self, File, OpenOptions, TryLockError},
+    fs::{self, File, TryLockError},
     io::{self, Read, Write},
     path::{Path, PathBuf},
     process,
@@ -12,7 +12,7 @@ use fingerpost_format::utc_time;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::file::FileError;
+use crate::{file::FileError, private::private_options};
 
 /// Name of the file that is locked.
 pub(crate) const LOCK_FILE: &str = ".fingerpost.lock";
@@ -62,8 +62,8 @@ impl FolderLock {
     pub(crate) fn take(folder: &Path) -> Result<Self, FolderLockError> {
         let path = folder.join(LOCK_FILE);
         loop {
-            let mut options = OpenOptions::new();
-            options.read(true).write(true).create(true).truncate(false);
+            let mut options = private_options();
+            options.read(true).create(true).truncate(false);
             let mut file = options.open(&path).map_err(FileError::writing(&path))?;
             match file.try_lock() {
                 Ok(()) => {}

@@ -13,6 +13,7 @@ use thiserror::Error;
 use crate::{
     file::{FileError, read_bytes},
     periodic_sync::PeriodicSync,
+    private::private_file,
     whole_file::sync_folder,
 };
 
@@ -74,7 +75,7 @@ impl JsonLinesFile {
     /// [`FileError::Write`] when it cannot be made.
     pub fn create(path: &Path) -> Result<Self, FileError> {
         let writing = || FileError::writing(path);
-        let file = File::create(path).map_err(writing())?;
+        let file = private_file(path).map_err(writing())?;
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             sync_folder(folder).map_err(writing())?;
         }

@@ -28,9 +28,11 @@ mod output_folder;
 mod periodic_sync;
 mod picture_file;
 mod picture_folder;
+mod private;
 mod run_folder;
 mod sampling;
 mod setup_file;
+mod signed_png;
 mod source;
 mod tether;
 mod tuning_folder;
@@ -71,8 +73,10 @@ pub use picture_file::{
     write_jpeg, write_png, write_ppm,
 };
 pub use picture_folder::{PictureFolderError, picture_paths, text_files};
+pub use private::create_private_folder;
 pub use run_folder::{RunFolder, RunFolderError};
 pub use sampling::Sampling;
+pub use signed_png::{is_signed_png, write_signed_png};
 pub use source::{
     DEFAULT_PICTURE_FPS, Frame, FrameDecoder, FrameError, FrameSource, SourceError, SourceOptions,
 };
@@ -83,4 +87,4 @@ pub use tuning_folder::{TuningFolder, TuningFolderError};
 pub use video::{Liveness, VideoDecoder};
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
-pub use whole_file::{remove_abandoned, write_file};
+pub use whole_file::{remove_abandoned, write_file, write_private_file};

@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder, read_text, remove_if_there},
+    file::{FileError, read_text, remove_if_there},
     folder_kind::FolderKind,
     folder_lock::{FolderLock, FolderLockError, LOCK_FILE},
-    whole_file::{is_temporary, remove_all_abandoned, write_file},
+    private::create_private_folder,
+    whole_file::{is_temporary, remove_all_abandoned, write_private_file},
 };
 
 /// Name of the marker file.
@@ -104,7 +105,7 @@ impl OutputFolder {
     pub fn go_on_with(path: &Path, kind: FolderKind) -> Result<Self, OutputFolderError> {
         // Looked at before the lock, so that nothing is written into a folder that is not ours.
         check(path, kind)?;
-        create_folder(path)?;
+        create_private_folder(path)?;
         let lock = FolderLock::take(path)?;
         check(path, kind)?;
         remove_all_abandoned(path)?;
@@ -180,7 +181,7 @@ fn write_marker(path: &Path, kind: FolderKind) -> Result<(), OutputFolderError> 
     let mut text =
         text.map_err(|cause| OutputFolderError::Marker { path: path.clone(), cause: cause.to_string() })?;
     text.push('\n');
-    Ok(write_file(&path, text)?)
+    Ok(write_private_file(&path, text)?)
 }
 
 /// Removes the marker of a folder whose results are gone.

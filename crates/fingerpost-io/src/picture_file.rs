@@ -22,7 +22,7 @@ use zune_jpeg::{
 
 use crate::{
     file::{FileError, read_bytes},
-    whole_file::write_file,
+    whole_file::write_private_file,
 };
 
 /// Largest side of a picture that is read or written, pixels: no camera's is larger, a broken header's may be.
@@ -194,7 +194,7 @@ fn write_encoded(
 ) -> Result<(), PictureFileError> {
     let bytes =
         encoded.map_err(|cause| PictureFileError::Encode { path: path.to_owned(), width, height, cause })?;
-    Ok(write_file(path, bytes)?)
+    Ok(write_private_file(path, bytes)?)
 }
 
 /// What a pixel of a PNG file holds.

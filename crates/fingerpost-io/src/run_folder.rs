@@ -8,12 +8,13 @@ use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder},
+    file::FileError,
     folder_kind::{FRAMES_FILE, FolderKind, PICTURES_FOLDER, RECORDING_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_png},
-    whole_file::write_file,
+    private::{create_private_folder, private_file},
+    whole_file::write_private_file,
 };
 
 /// A result that cannot be written.
@@ -83,7 +84,7 @@ impl RunFolder {
     /// # Errors
     /// [`RunFolderError::File`] when it cannot be written.
     pub fn write_config(&self, text: &str) -> Result<(), RunFolderError> {
-        Ok(write_file(&self.path().join("config.toml"), text)?)
+        Ok(write_private_file(&self.path().join("config.toml"), text)?)
     }
 
     /// Adds a frame to `frames.jsonl`.
@@ -101,7 +102,7 @@ impl RunFolder {
     pub fn write_summary(&self, summary: &Summary) -> Result<(), RunFolderError> {
         let mut text = summary.to_json().map_err(|cause| RunFolderError::Summary { cause })?;
         text.push('\n');
-        Ok(write_file(&self.path().join("summary.json"), text)?)
+        Ok(write_private_file(&self.path().join("summary.json"), text)?)
     }
 
     /// Writes `report.html` and gives its path.
@@ -110,7 +111,7 @@ impl RunFolder {
     /// [`RunFolderError::File`] when it cannot be written.
     pub fn write_report(&self, html: &str) -> Result<PathBuf, RunFolderError> {
         let path = self.path().join("report.html");
-        write_file(&path, html)?;
+        write_private_file(&path, html)?;
         Ok(path)
     }
 
@@ -120,7 +121,7 @@ impl RunFolder {
     /// [`RunFolderError`] when it cannot be written.
     pub fn write_picture(&self, frame: u64, picture: &RgbImage) -> Result<PathBuf, RunFolderError> {
         let folder = self.path().join(PICTURES_FOLDER);
-        create_folder(&folder)?;
+        create_private_folder(&folder)?;
         let path = folder.join(format!("frame_{frame:06}.png"));
         write_png(&path, picture)?;
         Ok(path)
@@ -145,7 +146,7 @@ impl RunFolder {
     /// [`RunFolderError::File`] when it cannot be made.
     pub fn create_recording(&self) -> Result<File, RunFolderError> {
         let path = self.recording_path();
-        Ok(File::create(&path).map_err(FileError::writing(&path))?)
+        Ok(private_file(&path).map_err(FileError::writing(&path))?)
     }
 
     /// Where the recording belongs.

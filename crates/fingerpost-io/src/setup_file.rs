@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::{
     file::{FileError, read_text},
     folder_kind::SETUP_FILE,
-    whole_file::write_file,
+    whole_file::write_private_file,
 };
 
 /// Writes the setup, a JSON object, into a folder that has none; of another one, the name of the first field that differs.
@@ -16,7 +16,7 @@ pub(crate) fn keep_setup(folder: &Path, setup: &serde_json::Value) -> Result<Opt
         let before: serde_json::Value = serde_json::from_str(&read_text(&path)?).unwrap_or_default();
         return Ok(first_difference(&before, setup));
     }
-    write_file(&path, format!("{setup:#}\n"))?;
+    write_private_file(&path, format!("{setup:#}\n"))?;
     Ok(None)
 }
 

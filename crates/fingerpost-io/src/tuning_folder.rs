@@ -6,12 +6,13 @@ use fingerpost_format::{LinesError, TuningTrial, from_json_lines};
 use thiserror::Error;
 
 use crate::{
-    file::{FileError, create_folder},
+    file::FileError,
     folder_kind::{DRIVES_FOLDER, FRONT_FILE, FolderKind, TRIALS_FILE, remove_numbered_configs},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
+    private::create_private_folder,
     setup_file::keep_setup,
-    whole_file::write_file,
+    whole_file::write_private_file,
 };
 
 /// A search's folder that cannot be used.
@@ -92,7 +93,7 @@ impl TuningFolder {
     /// [`TuningFolderError::File`] when the folder of all drives cannot be made.
     pub fn drive(&self, name: &str) -> Result<PathBuf, TuningFolderError> {
         let drives = self.folder.path().join(DRIVES_FOLDER);
-        create_folder(&drives)?;
+        create_private_folder(&drives)?;
         Ok(drives.join(name))
     }
 
@@ -111,9 +112,9 @@ impl TuningFolder {
         self.trials.finish()?;
         remove_numbered_configs(path)?;
         for (name, config) in configs {
-            write_file(&path.join(name), config)?;
+            write_private_file(&path.join(name), config)?;
         }
-        write_file(&path.join("report.html"), report)?;
-        Ok(write_file(&path.join(FRONT_FILE), front)?)
+        write_private_file(&path.join("report.html"), report)?;
+        Ok(write_private_file(&path.join(FRONT_FILE), front)?)
     }
 }

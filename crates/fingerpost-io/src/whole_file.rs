@@ -4,7 +4,7 @@
 //! ends the program, the target holds what it held before or what it was to hold.
 
 use std::{
-    fs::{self, File},
+    fs::{self, File, OpenOptions},
     io::{self, ErrorKind, Write},
     path::{Path, PathBuf},
     process,
@@ -13,25 +13,34 @@ use std::{
 
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::file::FileError;
+use crate::{file::FileError, private::private_options};
 
 /// How names of temporary files end.
 const TEMPORARY_ENDING: &str = ".fingerpost-tmp";
 
 /// Writes a whole file, replacing it where it exists.
 ///
-/// Links are followed and permissions stay as they are. A device or a pipe is written to as it is.
+/// Links are followed, permissions stay as they are, and a new file has those that the system gives files. A device or a pipe is written to as it is.
 ///
 /// # Errors
 /// [`FileError::Write`] when it cannot be written, or exists and is write-protected; what was there stays.
 pub fn write_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
-    write_whole(path, contents.as_ref()).map_err(FileError::writing(path))
+    write_whole(path, contents.as_ref(), File::options().write(true)).map_err(FileError::writing(path))
 }
 
-fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
+/// The same; a new file is its owner's alone to read.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn write_private_file(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), FileError> {
+    write_whole(path, contents.as_ref(), &mut private_options()).map_err(FileError::writing(path))
+}
+
+/// Writes a whole file; a new one is made with `options`.
+fn write_whole(path: &Path, contents: &[u8], options: &mut OpenOptions) -> io::Result<()> {
     let target = match fs::metadata(path) {
         Ok(there) if !there.is_file() => {
-            return fs::OpenOptions::new().write(true).open(path)?.write_all(contents);
+            return OpenOptions::new().write(true).open(path)?.write_all(contents);
         }
         Ok(there) if there.permissions().readonly() => {
             return Err(io::Error::new(ErrorKind::PermissionDenied, "it is write-protected"));
@@ -39,15 +48,15 @@ fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
         Ok(_) => path.canonicalize()?,
         Err(_) => path.to_owned(),
     };
-    let temporary = temporary_beside(&target)?;
+    let temporary = temporary_beside(&target, options)?;
     // Written as a plain file: errors are to name the target, not this file.
     temporary.as_file().write_all(contents)?;
     put_in_place(temporary, &target)
 }
 
-/// Makes an empty temporary file in the target's folder. It is locked for as long as it is open, which tells it from one
+/// Makes an empty temporary file in the target's folder with `options`. It is locked for as long as it is open, which tells it from one
 /// whose writer was killed.
-pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+fn temporary_beside(target: &Path, options: &mut OpenOptions) -> io::Result<NamedTempFile> {
     /// Makes names of files that are written at the same time differ.
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let name = target.file_name().ok_or(ErrorKind::IsADirectory)?.to_string_lossy();
@@ -55,7 +64,7 @@ pub(crate) fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let file = loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let path = folder_of(target).join(format!("{prefix}{}-{count}{TEMPORARY_ENDING}", process::id()));
-        match File::create_new(&path) {
+        match options.create_new(true).open(&path) {
             // Left by a killed process that had the same number.
             Err(cause) if cause.kind() == ErrorKind::AlreadyExists => {}
             file => break NamedTempFile::from_parts(file?, TempPath::try_from_path(path)?),
@@ -143,9 +152,10 @@ pub(crate) struct FileInWork {
 }
 
 impl FileInWork {
-    /// Makes the temporary file.
+    /// Makes the temporary file, its owner's alone to read.
     pub(crate) fn begin(target: &Path) -> Result<Self, FileError> {
-        let temporary = temporary_beside(target).map_err(FileError::writing(target))?;
+        let temporary =
+            temporary_beside(target, &mut private_options()).map_err(FileError::writing(target))?;
         Ok(Self { target: target.to_owned(), temporary })
     }
 

@@ -34,7 +34,7 @@ pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictur
 pub use plan_view::{PlanView, plan_view_svg};
 pub use road_sheet::{RoadSheetCell, RoadSheetRow, road_sheet};
 pub use scene::{Scene, Setting};
-pub use surface_plot::{SurfacePlot, surface_svg};
+pub use surface_plot::{SurfacePlot, is_surface_svg, surface_svg};
 pub use timeline::Timeline;
 
 use fingerpost_vision::jpeg::JpegError;

@@ -33,9 +33,17 @@ const SIZE: [f64; 2] = [720.0, 500.0];
 /// The scale starts at the next lower multiple of this, and is at least so long.
 const SCALE_STEP_PCT: f64 = 5.0;
 
+/// What the file says of itself, so that it is told from a user's.
+const WRITTEN_BY: &str = "a surface of percentages by fingerpost";
+
 /// A place in the box, each coordinate 0 to 1.
 fn at(x: f64, y: f64, z: f64) -> [f64; 2] {
     [ORIGIN[0] + x * ALONG_X[0] + y * ALONG_Y[0], ORIGIN[1] + x * ALONG_X[1] + y * ALONG_Y[1] + z * UP]
+}
+
+/// Whether a text is one of [`surface_svg`].
+pub fn is_surface_svg(text: &str) -> bool {
+    text.starts_with("<svg") && text.contains(&format!("<metadata>{WRITTEN_BY}</metadata>"))
 }
 
 /// The surface as a whole SVG file. Values that are missing or no numbers are drawn at the scale's lower end.
@@ -51,7 +59,7 @@ fn at(x: f64, y: f64, z: f64) -> [f64; 2] {
 ///     z_label: "%".into(),
 ///     percent: vec![vec![90.0, 95.0], vec![91.0, 97.5]],
 /// });
-/// assert!(svg.starts_with("<svg") && svg.contains("97.5"));
+/// assert!(svg.starts_with("<svg") && svg.contains("97.5") && fingerpost_report::is_surface_svg(&svg));
 /// ```
 pub fn surface_svg(plot: &SurfacePlot) -> String {
     let lowest = plot.percent.iter().flatten().copied().filter(|p| p.is_finite()).fold(100.0, f64::min);
@@ -73,6 +81,7 @@ pub fn surface_svg(plot: &SurfacePlot) -> String {
     let markup = html! {
         svg xmlns="http://www.w3.org/2000/svg" viewBox={ "0 0 " (SIZE[0]) " " (SIZE[1]) } width=(SIZE[0])
             height=(SIZE[1]) font-family="sans-serif" font-size="13" fill="#222" {
+            metadata { (WRITTEN_BY) }
             rect width="100%" height="100%" fill="#fff" {}
             text x=(SIZE[0] / 2.0) y="24" font-size="16" text-anchor="middle" { (plot.title) }
             @for tick in ticks {

@@ -18,6 +18,7 @@ use self::pictures::{Looked, look_at_all, paths_of};
 use self::report::Report;
 use crate::arguments::number;
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::{output, output_path};
 
 /// Find a camera's focal lengths, principal point and lens distortion from pictures of a chessboard, and write its camera.toml.
@@ -76,9 +77,9 @@ const NOTHING_WRITTEN: &str = "the lens cannot be trusted and nothing was writte
 
 /// Calibrates the lens.
 pub(crate) fn chessboard(args: &ChessboardArgs) -> Result<()> {
-    output_path::check_file(&args.out, args.pictures.iter().map(PathBuf::as_path))?;
+    output_path::check_file(&args.out, FileKind::Camera, args.pictures.iter().map(PathBuf::as_path))?;
     let paths = paths_of(&args.pictures)?;
-    output_path::check_file(&args.out, paths.iter().map(PathBuf::as_path))?;
+    output_path::check_kept_file(&args.out, paths.iter().map(PathBuf::as_path))?;
     let looked = look_at_all(&paths, args.corners.0);
     report::say_dropped(&looked);
     let sizes: Vec<_> =

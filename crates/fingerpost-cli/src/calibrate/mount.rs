@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::arguments::number;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
+use crate::output_path::FileKind;
 use crate::{inputs, output, output_path};
 
 /// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
@@ -104,7 +105,7 @@ const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
 
 /// Calibrates the mount.
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
-    output_path::check_file(&args.out, [Path::new(&args.input), &args.camera])?;
+    output_path::check_file(&args.out, FileKind::Camera, [Path::new(&args.input), &args.camera])?;
     let known = known_scale(args)?;
     let camera = inputs::camera(&args.camera)?;
     let mut calibrator = MountCalibrator::new(&camera)?;

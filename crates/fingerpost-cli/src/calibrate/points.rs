@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::arguments::PictureSize;
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::{inputs, output, output_path};
 
 /// Write a camera.toml from four points of the picture whose places on the road were measured (paper 1, section IV-A).
@@ -66,7 +67,7 @@ struct SolvedMount {
 /// Calibrates by points.
 pub(crate) fn points(args: &PointsArgs) -> Result<()> {
     let inputs = args.camera.as_deref().into_iter().chain([Path::new(&args.points)]);
-    output_path::check_file(&args.out, inputs)?;
+    output_path::check_file(&args.out, FileKind::Camera, inputs)?;
     let (image, road_m) = four_points(&args.points)?;
     let camera = args.camera.as_deref().map(inputs::camera).transpose()?;
     let size = match (&camera, args.image_size) {

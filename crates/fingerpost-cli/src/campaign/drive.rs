@@ -6,7 +6,7 @@ use anyhow::{Error, Result};
 use fingerpost::Sensors;
 use fingerpost_eval::{DriveClaims, evaluate_junctions, feature_summaries, first_detections};
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
-use fingerpost_io::{JsonLinesFile, RunFolder, write_file};
+use fingerpost_io::{JsonLinesFile, RunFolder, write_private_file};
 use fingerpost_map::{Route, write_route};
 use fingerpost_record::{FrameTime, broken_record};
 use indicatif::ProgressBar;
@@ -77,7 +77,7 @@ impl Run {
             pictures,
             video: None,
             recording: RecordingWish::None,
-            live_port: None,
+            live: None,
         };
         let driver = Driver::new(run_setting, &wishes, Some(frames as u64))?;
         let folder = setting.args.out.join(name);
@@ -108,7 +108,7 @@ impl Run {
         let Self { driver, recorder, folder, records, truth } = self;
         if let Some(recorder) = recorder {
             recorder.finish(RunEnd::Complete, None, Some(&truth))?;
-            write_file(&folder.join("route.geojson"), write_route(route)?)?;
+            write_private_file(&folder.join("route.geojson"), write_route(route)?)?;
             let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
             truth.iter().try_for_each(|truth| lines.append(truth))?;
             lines.finish()?;

@@ -17,6 +17,7 @@ use fingerpost_io::{
 use super::recorded_drive::Converted;
 use crate::arguments::number;
 use crate::examples::examples;
+use crate::interrupt::Preparation;
 use crate::{output, output_path};
 
 /// Where KITTI's cameras sit (Geiger et al. 2013, figure 3): above the road, and ahead of the inertial unit, which is at the rear
@@ -105,6 +106,7 @@ pub(crate) fn kitti(args: &KittiArgs) -> Result<()> {
     let calibration = args.calibration.as_ref().unwrap_or(&calibration);
     let inputs = [&args.input, calibration].map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::ConvertedDrive, inputs)?;
+    let preparation = Preparation::listen()?;
     let projection = kitti_projection(&read_text(calibration)?, args.camera)
         .with_context(|| calibration.display().to_string())?;
     let paths = picture_paths(&pictures)?;
@@ -127,8 +129,9 @@ pub(crate) fn kitti(args: &KittiArgs) -> Result<()> {
         Some((oxts, since)) => read_oxts(&oxts, since, times_s.last().copied().unwrap_or_default())?,
         None => (ConvertedLogs::default(), 0),
     };
+    let interrupt = preparation.work_begins();
     let mut drive = ConvertedDrive::create(&args.out, &camera_to_toml(&camera)?)?;
-    for (path, t_s) in paths.iter().zip(&times_s) {
+    for (path, t_s) in paths.iter().zip(&times_s).take_while(|_| !interrupt.wanted()) {
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let ending = if is_png { PictureEnding::Png } else { PictureEnding::Jpeg };
         drive.add_packed(*t_s, ending, &read_bytes(path)?)?;
@@ -142,6 +145,9 @@ pub(crate) fn kitti(args: &KittiArgs) -> Result<()> {
         poses: logs.poses.len(),
     };
     drive.finish(&logs)?;
+    if interrupt.wanted() {
+        bail!("interrupted after {} frames; they are in {}", converted.frames, args.out.display());
+    }
     output::message(&format!(
         "{} frames, {} GPS positions with motion and true poses in {}",
         converted.frames,

@@ -8,9 +8,11 @@ use fingerpost_format::{CameraInfo, PictureKind};
 use fingerpost_io::bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
+use super::kept_messages;
 use super::recorded_drive::RecordedDrive;
+use crate::arguments::InputLimit;
 use crate::examples::examples;
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Interrupt, Preparation};
 use crate::mount_args::{KnownCamera, MountArgs};
 use crate::{output, output_path};
 
@@ -67,6 +69,8 @@ struct RecordingArgs {
     /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens.
     #[arg(long, conflicts_with = "camera")]
     rectified: bool,
+    #[command(flatten)]
+    limit: InputLimit,
     /// Folder to write: a new or empty one, or one of an earlier `convert`, which is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -88,17 +92,23 @@ pub(crate) fn bag(args: &BagArgs) -> Result<()> {
 fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> {
     let inputs = args.mount.inputs().chain(files).map(PathBuf::as_path);
     output_path::check_folder(&args.out, FolderKind::ConvertedDrive, inputs)?;
+    let preparation = Preparation::listen()?;
     let known = args.mount.known()?;
     let streams = files.iter().map(|path| open_bag(path)).collect::<Result<Vec<_>, _>>()?;
-    let Survey { topics, cut_short } = survey(streams);
+    let Survey { topics, without_channel, cut_short } = survey(streams);
     let of_input = || input.display().to_string();
-    if let (true, Some(RecordsError::Damaged { .. } | RecordsError::Read(_))) =
-        (topics.is_empty(), &cut_short)
-    {
-        return Err(cut_short.map_or_else(|| anyhow::anyhow!("nothing to read"), Into::into))
-            .with_context(of_input);
+    let cut_short = match cut_short {
+        Some(cause) if topics.is_empty() && !matches!(cause, RecordsError::BreaksOff) => {
+            return Err(cause).with_context(of_input);
+        }
+        cut_short => cut_short.map(|cause| format!("{}: {cause}", input.display())),
+    };
+    let choice = Choice::of(&topics, &wanted(args)).with_context(of_input);
+    if let (Err(_), Some(cause)) = (&choice, &cut_short) {
+        output::message(cause);
     }
-    let choice = Choice::of(&topics, &wanted(args)).with_context(of_input)?;
+    let choice = choice?;
+    kept_messages::check(&topics, &choice, args.limit).with_context(of_input)?;
     let camera = match known {
         KnownCamera::Whole(camera) => *camera,
         KnownCamera::Mount(mount) => {
@@ -107,11 +117,18 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
             info.camera(pictures, mount).with_context(of_input)?
         }
     };
-    let interrupt = Interrupt::listen()?;
+    let interrupt = preparation.work_begins();
     let drive = read(files, &choice, RecordedDrive::new(&args.out, camera), &interrupt)?;
     let converted = drive.finish(input)?;
     if let Some(cause) = &cut_short {
-        output::message(&format!("{}: {cause}; what came before is converted", input.display()));
+        output::message(&format!("{cause}; what came before is converted"));
+    }
+    if without_channel > 0 {
+        output::message(&format!(
+            "{}: {without_channel} messages are of no channel that was introduced before them, and are passed over; \
+             `mcap recover` writes what can be read",
+            input.display()
+        ));
     }
     if interrupt.wanted() {
         bail!("interrupted after {} frames; they are in {}", converted.frames, args.out.display());

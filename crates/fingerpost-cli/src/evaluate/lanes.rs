@@ -18,6 +18,7 @@ use self::table::{clip_table, mean_table, tusimple_line};
 use super::records;
 use crate::arguments::{PictureSize, number};
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::{inputs, output, output_path};
 
 /// Lane edges: Lane Position Deviation, its root and the accuracy over regions of interest and thresholds, by default those of paper 3 (100,
@@ -135,7 +136,7 @@ pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
             );
         }
         let runs: Vec<PathBuf> = args.runs.iter().flat_map(|run| output_path::run_files(run)).collect();
-        output_path::check_file(plot, args.truth.iter().chain(&runs).map(PathBuf::as_path))?;
+        output_path::check_file(plot, FileKind::Plot, args.truth.iter().chain(&runs).map(PathBuf::as_path))?;
     }
     if args.runs.len() != args.truth.len() {
         bail!(

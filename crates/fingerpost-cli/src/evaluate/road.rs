@@ -24,6 +24,7 @@ use self::pictures::{GroundViews, Pictures};
 use self::sheet::{on_sheet, sheet};
 use crate::arguments::DetectorName;
 use crate::examples::examples;
+use crate::output_path::FileKind;
 use crate::parts::road_detector;
 use crate::stage_clock::milliseconds;
 use crate::{inputs, output, output_path};
@@ -114,7 +115,11 @@ struct Kept {
 pub(super) fn road(args: &RoadArgs) -> Result<()> {
     if let Some(sheet) = &args.sheet {
         let optional = [&args.labels, &args.config, &args.ground_view].into_iter().flatten();
-        output_path::check_file(sheet, optional.chain([&args.images]).map(PathBuf::as_path))?;
+        output_path::check_file(
+            sheet,
+            FileKind::Sheet,
+            optional.chain([&args.images]).map(PathBuf::as_path),
+        )?;
     }
     let config = inputs::config(args.config.as_deref())?;
     let pictures = picture_paths(&args.images)?;
@@ -177,7 +182,7 @@ pub(super) fn road(args: &RoadArgs) -> Result<()> {
     };
     print_table(&numbers);
     if let Some(path) = &args.sheet {
-        fingerpost_io::write_png(path, &sheet(&kept, &contestants, &numbers))?;
+        fingerpost_io::write_signed_png(path, &sheet(&kept, &contestants, &numbers))?;
         output::message(&format!("the sheet is {}", path.display()));
     }
     if args.json { output::print_json(&numbers) } else { Ok(()) }

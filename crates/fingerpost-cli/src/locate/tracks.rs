@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use fingerpost_format::{FixLine, FixStatus, TrackPoint, track_geojson, track_gpx, track_kitti, track_tum};
-use fingerpost_io::{OutputFolder, write_file};
+use fingerpost_io::{OutputFolder, write_private_file};
 use fingerpost_locate::Fix;
 
 /// Points of the track so far.
@@ -37,7 +37,7 @@ impl Tracks {
             ("poses_kitti.txt", track_kitti(&self.points)),
         ];
         for (name, text) in texts {
-            write_file(&folder.path().join(name), text)?;
+            write_private_file(&folder.path().join(name), text)?;
         }
         Ok(())
     }

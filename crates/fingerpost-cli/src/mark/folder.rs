@@ -30,7 +30,7 @@ impl MarksFolder {
 
 impl Keeper for MarksFolder {
     fn keep(&mut self, marks: &MarksFile) -> Result<(), Cause> {
-        Ok(fingerpost_io::write_file(&self.marks_path(), marks_to_json(marks)?)?)
+        Ok(fingerpost_io::write_private_file(&self.marks_path(), marks_to_json(marks)?)?)
     }
 
     fn export(&mut self, marks: &LaneMarks) -> Result<Vec<String>, Cause> {
@@ -60,7 +60,7 @@ impl TruthTexts {
             .into_iter()
             .map(|(name, text)| {
                 let path = folder.path().join(name);
-                fingerpost_io::write_file(&path, text)?;
+                fingerpost_io::write_private_file(&path, text)?;
                 Ok(path.display().to_string())
             })
             .collect()

@@ -100,7 +100,7 @@ fn video_pictures(
     name: &str,
 ) -> Result<(Vec<PathBuf>, [u32; 2])> {
     if let Some(folder) = folder {
-        fingerpost_io::create_folder(folder)?;
+        fingerpost_io::create_private_folder(folder)?;
     }
     let bar = output::progress(source.length(), "frames");
     let (mut pictures, mut picture_px) = (Vec::new(), None);

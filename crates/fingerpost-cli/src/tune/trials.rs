@@ -123,7 +123,7 @@ impl Bench<'_> {
             pictures: Pictures::None,
             video: None,
             recording: RecordingWish::None,
-            live_port: None,
+            live: None,
         };
         let mut driver = match Driver::new(setting, &wishes, source.length()) {
             Ok(driver) => driver,

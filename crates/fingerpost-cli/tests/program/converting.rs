@@ -1,5 +1,6 @@
 //! `convert`: drives out of others' recordings.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -120,6 +121,44 @@ fn recordings_that_cannot_be_converted_say_why() {
     assert!(converted.stderr.contains("ends before its end"), "{}", converted.stderr);
     let facts: serde_json::Value = serde_json::from_str(&converted.stdout).unwrap();
     assert!(facts["frames"].as_u64().is_some_and(|frames| frames > 0 && frames < FRAMES as u64));
+}
+
+#[test]
+fn measurements_take_no_more_memory_than_an_input_may() {
+    let work = TempDir::new().unwrap();
+    let recording = work.path().join("many.mcap");
+    for (schema, encoding, topic) in [
+        ("geometry_msgs/msg/TwistStamped", "cdr", "/twist"),
+        ("sensor_msgs/msg/Imu", "cdr", "/imu"),
+        ("sensor_msgs/msg/NavSatFix", "cdr", "/gps"),
+        ("foxglove.LocationFix", "protobuf", "/gps"),
+    ] {
+        let mut writer = mcap::WriteOptions::new().create(fs::File::create(&recording).unwrap()).unwrap();
+        let mut channel = |schema: &str, topic: &str, encoding: &str| {
+            let schema_id = writer.add_schema(schema, "any", b"").unwrap();
+            writer.add_channel(schema_id, topic, encoding, &BTreeMap::new()).unwrap()
+        };
+        let pictures = channel("sensor_msgs/msg/Image", "/camera", "cdr");
+        let measured = channel(schema, topic, encoding);
+        for (channel_id, count) in [(pictures, 1), (measured, 9000)] {
+            for time in 0..count {
+                let header = mcap::records::MessageHeader {
+                    channel_id,
+                    sequence: 0,
+                    log_time: time,
+                    publish_time: time,
+                };
+                writer.write_to_known_channel(&header, &[0; 4]).unwrap();
+            }
+        }
+        writer.finish().unwrap();
+        let line = format!("mcap {} --height-m 1.5", recording.display());
+        let out = work.path().join("out");
+        convert(&format!("{line} --max-input-mib 1"), &out)
+            .refused(1, &[topic, "9000 messages", "8192 fit", "--max-input-mib"]);
+        // With room for them the camera is what is missing.
+        convert(&line, &out).refused(1, &["no calibration"]);
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Runs that end before their input does.
 
 use std::fs;
+use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use crate::drive::Drive;
-use crate::program::{Called, frames, summary};
+use crate::program::{Called, command, frames, summary};
 use crate::video_stub::VideoStub;
 
 #[test]
@@ -67,6 +68,100 @@ fn an_interrupt_leaves_a_finished_run_folder() {
     let summary = summary(out.path());
     assert!(summary.interrupted);
     assert_eq!(summary.frames, frames(out.path()).len() as u64);
+}
+
+/// Starts a command, sends it a signal once `is_begun`, and gives what came of it.
+fn signalled(line: &str, signal: &str, is_begun: impl Fn() -> bool) -> Called {
+    let mut child = command()
+        .args(line.split_whitespace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let patience = Instant::now();
+    while !is_begun() {
+        assert!(child.try_wait().unwrap().is_none(), "{line} has ended");
+        assert!(patience.elapsed() < Duration::from_secs(60), "{line} does not get going");
+        sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+    Called::from(child.wait_with_output().unwrap())
+}
+
+#[test]
+fn signals_leave_whole_what_commands_have_written_so_far() {
+    let folder = TempDir::new().unwrap();
+    // A KITTI sequence of the same picture a thousand times.
+    let (sequence, drive) = (folder.path().join("00"), Drive::get());
+    fs::create_dir_all(sequence.join("image_2")).unwrap();
+    let mut times = String::new();
+    for i in 0..1000 {
+        symlink(drive.path().join("frames/000000.jpg"), sequence.join(format!("image_2/{i:06}.jpg")))
+            .unwrap();
+        times += &format!("{}\n", 0.1 * f64::from(i));
+    }
+    fs::write(sequence.join("times.txt"), times).unwrap();
+    fs::write(sequence.join("calib.txt"), "P2: 210 0 159.5 44 0 210 119.5 0.2 0 0 1 0.003\n").unwrap();
+    for (name, line) in [
+        ("simulated", "simulate --course highway --size 64x64".to_owned()),
+        ("converted", format!("convert kitti {}", sequence.display())),
+    ] {
+        for signal in ["-TERM", "-INT", "-HUP"] {
+            let out = folder.path().join(name);
+            let first = out.join("frames/000003.jpg");
+            let _ = fs::remove_file(&first);
+            let called = signalled(&format!("{line} --out {}", out.display()), signal, || first.exists());
+            called.refused(1, &["interrupted after", "frames; they are in"]);
+            let times = fs::read_to_string(out.join("times.txt")).unwrap().lines().count();
+            let frames = fs::read_dir(out.join("frames")).unwrap().count();
+            assert!(
+                times == frames && (4..1000).contains(&frames),
+                "{name} {signal}: {times} times of {frames}"
+            );
+            assert!(out.join("camera.toml").exists() && !out.join(".fingerpost.lock").exists());
+        }
+    }
+}
+
+#[test]
+fn a_signal_before_the_first_result_ends_a_command_with_a_message() {
+    let folder = TempDir::new().unwrap();
+    let (pipe, drive) = (folder.path().join("pipe"), Drive::get());
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let (map, camera) = (drive.map(), drive.camera());
+    let (pipe, map) = (pipe.display(), map.display());
+    // Each reads a pipe that nobody writes.
+    for line in [
+        format!("convert mcap {pipe} --height-m 1.4"),
+        format!("simulate --map {map} --route {pipe}"),
+        format!("run {} --camera {} --route {pipe}", drive.path().display(), camera.display()),
+        format!("locate --map {map} --motion {pipe}"),
+    ] {
+        let out = folder.path().join("out");
+        let mut child = command()
+            .args(line.split_whitespace())
+            .args(["--out", &out.display().to_string()])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Its thread for signals is there.
+        let tasks = format!("/proc/{}/task", child.id());
+        let names = || {
+            let tasks = fs::read_dir(&tasks).into_iter().flatten().flatten();
+            tasks.map(|task| fs::read_to_string(task.path().join("comm")).unwrap_or_default())
+        };
+        let patience = Instant::now();
+        while !names().any(|name| name.trim() == "signals") {
+            assert!(patience.elapsed() < Duration::from_secs(60), "{line}");
+            assert!(child.try_wait().unwrap().is_none(), "{line} has ended");
+            sleep(Duration::from_millis(5));
+        }
+        assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+        let called = Called::from(child.wait_with_output().unwrap());
+        called.refused(1, &["interrupted before the first result; nothing was written"]);
+        assert!(!out.exists(), "{line}");
+    }
 }
 
 /// A limit on the size of files stops writing as a full disk does, at a place that the test chooses.

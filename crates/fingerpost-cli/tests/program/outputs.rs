@@ -1,7 +1,7 @@
 //! What commands may write: nothing of the user's is replaced, and what is written is whole.
 
 use std::fs;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -110,6 +110,136 @@ fn a_file_that_is_read_is_not_written() {
     }
 }
 
+/// Commands that write a single file, each up to the option that names it.
+fn commands_of_single_files(folder: &Path) -> Vec<(String, &'static str)> {
+    let drive = Drive::get();
+    let (path, camera) = (drive.path(), drive.camera());
+    let points = folder.join("points.txt");
+    fs::write(&points, "80,180,6,1.5\n240,180,6,-1.5\n110,150,12,1.5\n210,150,12,-1.5\n").unwrap();
+    let (input, camera, map) = (path.display(), camera.display(), drive.map());
+    vec![
+        (format!("route --map {} --from 47,9.5 --to 47.0005,9.5006 --out", map.display()), "route"),
+        (format!("calibrate mount {input} --camera {camera} --speed-mps 8 --out"), "camera"),
+        (format!("calibrate points --image-size 320x240 --points {} --out", points.display()), "camera"),
+        (format!("calibrate chessboard {input}/frames --corners 5x4 --height-m 1.4 --out"), "camera"),
+        (
+            format!("can {input}/can.log --dbc {input}/car.dbc --config {input}/can.toml --out"),
+            "table of signals",
+        ),
+        (
+            format!("evaluate road --images {input}/frames --labels {input}/road_masks --road 1 --sheet"),
+            "sheet",
+        ),
+        (
+            format!(
+                "evaluate lanes {input} --truth {input}/truth.jsonl --roi-rows 100,120 --thresholds 10,20 --plot"
+            ),
+            "plot",
+        ),
+    ]
+}
+
+#[test]
+fn a_single_file_that_may_be_the_users_is_not_replaced() {
+    let folder = TempDir::new().unwrap();
+    let own = folder.path().join("own");
+    // A text, a picture of another program, and what other commands write.
+    let foreign: [&[u8]; 4] = [
+        b"my notes",
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR of another program, and more of it than a header",
+        b"<svg xmlns=\"http://www.w3.org/2000/svg\"><text>mine</text></svg>",
+        b"{\"type\": \"FeatureCollection\", \"features\": []}",
+    ];
+    for (line, kind) in commands_of_single_files(folder.path()) {
+        for contents in foreign {
+            fs::write(&own, contents).unwrap();
+            let said =
+                format!("own is no {kind} that this program wrote, so it may be yours; choose another file");
+            call_line(&format!("{line} {}", own.display())).refused(1, &[&said]);
+            assert_eq!(fs::read(&own).unwrap(), contents, "{line}");
+        }
+    }
+}
+
+#[test]
+fn a_single_file_of_the_programs_is_replaced_and_so_is_an_empty_one() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    for (line, kind) in commands_of_single_files(folder.path()) {
+        // These need pictures of chessboards, labels and marked lanes; what they write is tried where they are tested.
+        if matches!(kind, "sheet" | "plot") || line.contains("chessboard") || line.contains("calibrate mount")
+        {
+            continue;
+        }
+        fs::write(&out, "").unwrap();
+        for _ in 0..2 {
+            call_line(&format!("{line} {}", out.display())).done();
+            assert!(fs::metadata(&out).unwrap().len() > 0);
+        }
+    }
+}
+
+/// Mode of a file or folder.
+fn mode(path: &Path) -> u32 {
+    fs::metadata(path).unwrap().permissions().mode() & 0o777
+}
+
+/// Everything in a folder and below it.
+fn everything_in(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| if path.is_dir() { [everything_in(&path), vec![path]].concat() } else { vec![path] })
+        .collect()
+}
+
+#[test]
+fn what_a_camera_saw_is_its_owners_alone() {
+    let (folder, drive) = (TempDir::new().unwrap(), Drive::get());
+    let [simulated, run, converted] = ["drive", "run", "converted"].map(|name| folder.path().join(name));
+    let shared = folder.path().join("shared");
+    let [map, route] = [drive.map(), drive.route()];
+    // The loosest umask that there is.
+    let script = |line: &str| {
+        let script = format!("umask 0; exec {} {line}", env!("CARGO_BIN_EXE_fingerpost"));
+        Called::from(Command::new("sh").args(["-c", &script]).output().unwrap()).done()
+    };
+    script(&format!(
+        "simulate --map {} --route {} --frames 3 --size 320x240 --out {}",
+        map.display(),
+        route.display(),
+        simulated.display()
+    ));
+    let input = drive.pictures(6);
+    script(&format!("{} --pictures 0-1", drive.run_line(input.path(), &run)));
+    let recording = run.join("run.mcap");
+    script(&format!(
+        "convert mcap {} --image-topic /camera/image --height-m 1.4 --out {}",
+        recording.display(),
+        converted.display()
+    ));
+    for out in [&simulated, &run, &converted] {
+        assert_eq!(mode(out), 0o700, "{}", out.display());
+        let all = everything_in(out);
+        assert!(all.len() > 4, "{all:?}");
+        for path in all {
+            assert_eq!(mode(&path), if path.is_dir() { 0o700 } else { 0o600 }, "{}", path.display());
+        }
+    }
+    // A folder that its owner shares stays shared, and so does a file that was there; what is new in it is the owner's.
+    fs::create_dir(&shared).unwrap();
+    fs::set_permissions(&shared, fs::Permissions::from_mode(0o755)).unwrap();
+    script(&drive.run_line(input.path(), &shared));
+    assert_eq!((mode(&shared), mode(&shared.join("run.mcap"))), (0o755, 0o600));
+    // What tells of no camera's pictures is as the user's other files.
+    let planned = folder.path().join("planned.geojson");
+    script(&format!(
+        "route --map {} --from 47,9.5 --to 47.0005,9.5006 --out {}",
+        map.display(),
+        planned.display()
+    ));
+    assert_eq!(mode(&planned), 0o666);
+}
+
 #[test]
 fn a_folder_in_use_is_refused_and_a_killed_holder_holds_nothing() {
     let stub = VideoStub::new("while cat $PICTURE; do :; done");
@@ -186,11 +316,13 @@ fn a_full_disk_keeps_the_files_that_were_there() {
         format!("calibrate points --image-size 320x240 --points {POINTS} --out {}", camera.display()),
         format!("can {} --dbc {} --config {} --out {}", bus[0], bus[1], bus[2], signals.display()),
     ];
-    let before = "as it was ".repeat(100);
-    for path in [&route, &camera, &signals] {
-        fs::write(path, &before).unwrap();
+    for line in &lines {
+        call_line(line).done();
     }
     for (line, path) in lines.iter().zip([&route, &camera, &signals]) {
+        // One line more than the program writes.
+        let before = fs::read_to_string(path).unwrap() + "\n";
+        fs::write(path, &before).unwrap();
         let program = env!("CARGO_BIN_EXE_fingerpost");
         let script = format!("ulimit -f 0; exec {program} {}", line.replace(';', "\\;"));
         let called = Called::from(Command::new("sh").args(["-c", &script]).output().unwrap());

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -94,4 +95,46 @@ fn a_killed_run_leaves_a_recording_to_within_a_second() {
         let kept_s = kept.map_or(0.0, |message| message.log_time as f64 / 1e9);
         assert!(last_s - kept_s <= 1.0, "{last_s} s were run and {kept_s} s are in the recording");
     }
+}
+
+/// A recording's messages, each with its topic, number and times, without what the clock measured.
+fn timeless_messages(recording: &Path) -> Vec<(String, u32, [u64; 2], Vec<u8>)> {
+    let bytes = fs::read(recording).unwrap();
+    let messages = MessageStream::new(&bytes).unwrap().map(|message| {
+        let message = message.unwrap();
+        let data = match message.channel.topic.as_str() {
+            "/record" => {
+                let mut record: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+                assert!(record.as_object_mut().unwrap().remove("stage_ms").is_some());
+                serde_json::to_vec(&record).unwrap()
+            }
+            _ => message.data.to_vec(),
+        };
+        (message.channel.topic.clone(), message.sequence, [message.log_time, message.publish_time], data)
+    });
+    messages.collect()
+}
+
+/// A report without the rate and the chart of stage times.
+fn timeless_report(report: &Path) -> String {
+    let text = fs::read_to_string(report).unwrap();
+    let (before, rest) = text.split_once("<dt>frames a second</dt><dd>").unwrap();
+    let (between, rest) = rest.split_once("aria-label=\"stage times\">").unwrap();
+    let without_rate = between.split_once("</dd>").unwrap().1;
+    format!("{before}{without_rate}{}", rest.split_once("</svg>").unwrap().1)
+}
+
+#[test]
+fn two_runs_on_the_same_input_differ_in_measured_times_alone() {
+    let drive = Drive::get();
+    let out = [TempDir::new().unwrap(), TempDir::new().unwrap()];
+    for (out, threads) in out.iter().zip(["1", "8"]) {
+        let line = drive.run_line(&drive.path(), out.path());
+        call_line(&format!("{line} --frames 12 --threads {threads}")).done();
+    }
+    let messages = out.each_ref().map(|out| timeless_messages(&out.path().join("run.mcap")));
+    assert!(messages[0].len() > 100, "{} messages", messages[0].len());
+    assert!(messages[0] == messages[1], "the recordings differ");
+    let reports = out.each_ref().map(|out| timeless_report(&out.path().join("report.html")));
+    assert!(reports[0].len() > 10_000 && reports[0] == reports[1], "the reports differ");
 }

@@ -74,5 +74,7 @@ fn what_cannot_be_compared_is_refused() {
         poses_from_kitti("1 0 0 0 0 1 0 0 0 0 1 0\n\n1 2 x\n"),
         Err(PosesError::Line { line: 3, found: 2 })
     );
+    // Twelve numbers with another word between them are no pose.
+    assert_eq!(poses_from_kitti("1 0 0 0 0 1 x 0 0 0 0 1 0\n"), Err(PosesError::Line { line: 1, found: 12 }));
     assert_eq!(poses_from_kitti("nan 0 0 0 0 1 0 0 0 0 1 0\n"), Err(PosesError::Line { line: 1, found: 11 }));
 }

@@ -1,6 +1,5 @@
 //! Messages of an MCAP stream, from its start to its end or to where it breaks off.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 use std::rc::Rc;
 
@@ -10,9 +9,10 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use thiserror::Error;
 
 use super::record_fields::Fields;
+use super::topics::{Channel, MOST_NAMES_BYTES, Topics};
 use super::zstd_chunks::ZstdChunks;
 
-/// Bytes of the largest record: a bare picture of 44 million pixels.
+/// Bytes of the largest record, and of the largest chunk that is checked, packed and unpacked: a bare picture of 44 million pixels.
 const MOST_RECORD_BYTES: usize = 128 << 20;
 /// Bytes that are asked for at once, whatever a length in the stream says.
 const READ_BYTES: usize = 1 << 20;
@@ -28,6 +28,45 @@ pub enum RecordsError {
     Damaged {
         /// What the reader says.
         cause: String,
+    },
+    /// A record is larger than any that is read.
+    #[error(
+        "a {what} there has {bytes} bytes, more than the {} MB that are read of one; record with smaller chunks, or without what \
+         is so large",
+        MOST_RECORD_BYTES >> 20
+    )]
+    TooLarge {
+        /// What it is.
+        what: &'static str,
+        /// How many bytes it has, packed or unpacked.
+        bytes: u64,
+    },
+    /// Its names are longer than those of any recording.
+    #[error(
+        "its names of topics and schemas have more than {} MB together (with {name:?}, of {bytes} bytes, there); no recorder writes \
+         such names: copy it again, or record it again",
+        MOST_NAMES_BYTES >> 20
+    )]
+    Names {
+        /// How the name begins that is one too many.
+        name: String,
+        /// Its bytes.
+        bytes: usize,
+    },
+    /// A number stands for two things.
+    #[error(
+        "its {kind} {id} is {first:?} first and {second:?} there, and what is recorded under a number may not change in MCAP; \
+         record or merge it again (`mcap merge`)"
+    )]
+    TwoMeanings {
+        /// Whether it is the number of a schema or of a channel.
+        kind: &'static str,
+        /// The number.
+        id: u16,
+        /// What it stood for first.
+        first: String,
+        /// What it was to stand for then.
+        second: String,
     },
     /// The system does not give its bytes.
     #[error("it cannot be read on ({0}); check the disk or the connection")]
@@ -49,53 +88,12 @@ pub struct Record {
     pub data: Vec<u8>,
 }
 
-/// What is known of a channel.
-#[derive(Debug, Clone)]
-struct Channel {
-    topic: Rc<str>,
-    schema: Rc<str>,
-    encoding: Rc<str>,
-}
-
-/// What a stream has introduced.
-#[derive(Debug, Default)]
-struct Topics {
-    schemas: BTreeMap<u16, Rc<str>>,
-    channels: BTreeMap<u16, Channel>,
-}
-
-impl Topics {
-    /// Takes in a record, and gives the message if it is one of a channel that was introduced; none where it is too short.
-    fn take(&mut self, opcode: u8, mut fields: Fields<'_>) -> Option<Option<Record>> {
-        match opcode {
-            op::SCHEMA => {
-                let (id, name) = (fields.u16()?, fields.text()?);
-                self.schemas.insert(id, name.into());
-            }
-            op::CHANNEL => {
-                let (id, schema_id) = (fields.u16()?, fields.u16()?);
-                let (topic, encoding) = (fields.text()?.into(), fields.text()?.into());
-                let schema = self.schemas.get(&schema_id).cloned().unwrap_or_else(|| "".into());
-                self.channels.insert(id, Channel { topic, schema, encoding });
-            }
-            op::MESSAGE => {
-                let (id, _sequence, log_ns, _published_ns) =
-                    (fields.u16()?, fields.u32()?, fields.u64()?, fields.u64()?);
-                return Some(self.channels.get(&id).cloned().map(|Channel { topic, schema, encoding }| {
-                    Record { topic, schema, encoding, log_ns, data: fields.rest().to_vec() }
-                }));
-            }
-            _ => {}
-        }
-        Some(None)
-    }
-}
-
 /// Messages in the order in which they were written.
 pub struct Records<R> {
     stream: R,
     reader: LinearReader,
     topics: Topics,
+    without_channel: u64,
     ended: bool,
 }
 
@@ -109,7 +107,12 @@ impl<R: Read> Records<R> {
         let mut reader = LinearReader::new_with_options(options);
         // Only a decoder without a name is refused; a chunk that none is there for says so when it is met.
         reader.add_decompressor(ZstdChunks::new()).ok();
-        Self { stream, reader, topics: Topics::default(), ended: false }
+        Self { stream, reader, topics: Topics::default(), without_channel: 0, ended: false }
+    }
+
+    /// Messages so far under a number that no channel had been introduced with; they are passed over.
+    pub fn without_channel(&self) -> u64 {
+        self.without_channel
     }
 
     /// The next message; none at the end.
@@ -124,9 +127,15 @@ impl<R: Read> Records<R> {
                 // What follows makes looking things up faster, and repeats schemas and channels.
                 LinearReadEvent::Record { opcode: op::DATA_END, .. } => return Ok(None),
                 LinearReadEvent::Record { opcode, data } => {
-                    let taken = self.topics.take(opcode, Fields::of(data));
-                    if let Some(record) = taken.ok_or_else(|| too_short(opcode))? {
-                        return Ok(Some(record));
+                    let (short, fields) = (|| too_short(opcode), Fields::of(data));
+                    match opcode {
+                        op::SCHEMA => self.topics.add_schema(fields).ok_or_else(short)??,
+                        op::CHANNEL => self.topics.add_channel(fields).ok_or_else(short)??,
+                        op::MESSAGE => match message(&self.topics, fields).ok_or_else(short)? {
+                            Some(record) => return Ok(Some(record)),
+                            None => self.without_channel += 1,
+                        },
+                        _ => {}
                     }
                 }
             }
@@ -154,10 +163,39 @@ impl<R> std::fmt::Debug for Records<R> {
     }
 }
 
+/// A message with its channel, if that was introduced; none where the record is too short.
+fn message(topics: &Topics, mut fields: Fields<'_>) -> Option<Option<Record>> {
+    let (id, _sequence, log_ns, _published_ns) = (fields.u16()?, fields.u32()?, fields.u64()?, fields.u64()?);
+    Some(topics.channel(id).cloned().map(|Channel { topic, schema, encoding, .. }| Record {
+        topic,
+        schema,
+        encoding,
+        log_ns,
+        data: fields.rest().to_vec(),
+    }))
+}
+
 fn damaged(cause: McapError) -> RecordsError {
     match cause {
         McapError::UnexpectedEof => RecordsError::BreaksOff,
+        McapError::RecordTooLarge { opcode, len } => {
+            RecordsError::TooLarge { what: kind_of_record(opcode), bytes: len }
+        }
+        McapError::ChunkTooLarge(len) => RecordsError::TooLarge { what: "chunk", bytes: len },
         cause => RecordsError::Damaged { cause: cause.to_string() },
+    }
+}
+
+/// What a record is. Source: the MCAP specification (mcap.dev/spec).
+const fn kind_of_record(opcode: u8) -> &'static str {
+    match opcode {
+        op::SCHEMA => "schema",
+        op::CHANNEL => "channel",
+        op::MESSAGE => "message",
+        op::ATTACHMENT => "attachment",
+        op::METADATA => "record of metadata",
+        op::MESSAGE_INDEX | op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX => "index",
+        _ => "record",
     }
 }
 

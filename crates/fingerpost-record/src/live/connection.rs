@@ -5,69 +5,46 @@ use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::Duration;
 
-use tungstenite::handshake::server::{ErrorResponse, Request as Handshake, Response};
-use tungstenite::http::{HeaderValue, StatusCode, header};
-use tungstenite::protocol::WebSocketConfig;
-use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
 
 use super::live_view::Shared;
 use super::protocol::{self, Request};
 use super::viewer::Viewer;
 use crate::recording::{Channel, FrameMessages};
 
-/// How long a connection may take to say what it wants, and to take what it is sent.
+/// How long a connection may take to take what it is sent.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// How long is listened for a viewer's wishes before frames are looked for: what that adds to a frame's way.
 const LISTEN: Duration = Duration::from_millis(5);
 /// Bytes of the largest request; a subscription to every channel has two thousand.
 const MOST_REQUEST_BYTES: usize = 1 << 20;
 
-/// Agrees on the protocol; none with what is no viewer.
-pub(crate) fn greet(stream: TcpStream, shared: &Shared) -> Option<WebSocket<TcpStream>> {
-    // On some systems a connection takes this over from the listener.
-    stream.set_nonblocking(false).ok()?;
-    stream.set_nodelay(true).ok()?;
-    stream.set_read_timeout(Some(PATIENCE)).ok()?;
-    stream.set_write_timeout(Some(PATIENCE)).ok()?;
-    let config = WebSocketConfig::default()
+/// Bounds of what a viewer sends.
+pub(crate) fn config() -> WebSocketConfig {
+    WebSocketConfig::default()
         .max_message_size(Some(MOST_REQUEST_BYTES))
-        .max_frame_size(Some(MOST_REQUEST_BYTES));
-    #[expect(clippy::result_large_err, reason = "the form that tungstenite asks for")]
-    let agree = |asked: &Handshake, answer: Response| agree(asked, answer, shared.port);
-    let mut socket = accept_hdr_with_config(stream, agree, Some(config)).ok()?;
-    socket.get_ref().set_read_timeout(Some(LISTEN)).ok()?;
-    socket.send(Message::text(protocol::server_info(&shared.name))).ok()?;
-    socket.send(Message::text(protocol::advertisement())).ok()?;
-    Some(socket)
+        .max_frame_size(Some(MOST_REQUEST_BYTES))
 }
 
-/// Refuses those who come under another name than this machine's own, as pages whose name was made to lead here do, and those who
-/// speak another protocol.
-#[expect(clippy::result_large_err, reason = "the form that tungstenite asks for")]
-fn agree(asked: &Handshake, mut answer: Response, port: u16) -> Result<Response, ErrorResponse> {
-    let text = |name: header::HeaderName| asked.headers().get(name).and_then(|value| value.to_str().ok());
-    let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    if !text(header::HOST).is_some_and(|host| names.iter().any(|name| name == host)) {
-        return Err(refusal(StatusCode::FORBIDDEN, "come to 127.0.0.1 or localhost"));
-    }
-    let offered = text(header::SEC_WEBSOCKET_PROTOCOL).unwrap_or_default();
-    let chosen = protocol::SUBPROTOCOLS
-        .into_iter()
-        .find(|known| offered.split(',').any(|offer| offer.trim() == *known));
-    let Some(chosen) = chosen else {
-        return Err(refusal(
-            StatusCode::BAD_REQUEST,
-            "the subprotocol is foxglove.sdk.v1 or foxglove.websocket.v1",
-        ));
-    };
-    answer.headers_mut().insert(header::SEC_WEBSOCKET_PROTOCOL, HeaderValue::from_static(chosen));
-    Ok(answer)
+/// Tells a viewer that there is no place for it, as far as the system takes it at once.
+pub(crate) fn turn_away(mut socket: WebSocket<TcpStream>) {
+    let frame = CloseFrame { code: CloseCode::Again, reason: "all places of viewers are taken".into() };
+    // Whoever does not hear it finds the connection closed.
+    let _ = socket.close(Some(frame));
 }
 
-fn refusal(status: StatusCode, why: &str) -> ErrorResponse {
-    let mut response = ErrorResponse::new(Some(why.to_owned()));
-    *response.status_mut() = status;
-    response
+/// Says which channels there are.
+pub(crate) fn greet(socket: &mut WebSocket<TcpStream>, shared: &Shared) -> Result<(), Box<Error>> {
+    let stream = socket.get_ref();
+    stream
+        .set_nonblocking(false)
+        .and_then(|()| stream.set_read_timeout(Some(LISTEN)))
+        .and_then(|()| stream.set_write_timeout(Some(PATIENCE)))
+        .map_err(|cause| Box::new(Error::Io(cause)))?;
+    socket.send(Message::text(protocol::server_info(&shared.name))).map_err(Box::new)?;
+    socket.send(Message::text(protocol::advertisement())).map_err(Box::new)
 }
 
 /// Sends what is wanted until the viewer leaves, or everything that there will be has been sent.
@@ -103,7 +80,7 @@ struct NewWish {
     subscription: u32,
 }
 
-/// The channels that a viewer wants, by what it calls them.
+/// The channels that a viewer wants, by what it calls them; each of them once.
 type Wishes = BTreeMap<u32, Channel>;
 
 /// Takes in what a viewer says until it is silent.
@@ -122,6 +99,10 @@ fn listen(socket: &mut WebSocket<TcpStream>, wishes: &mut Wishes) -> Result<Vec<
             Ok(Request::Subscribe { subscriptions }) => {
                 for wish in subscriptions {
                     let Some(channel) = protocol::channel(wish.channel_id) else { continue };
+                    // As Foxglove's own server does; else a viewer could have the same frames a million times over.
+                    if wishes.values().any(|wanted| *wanted == channel) {
+                        continue;
+                    }
                     wishes.insert(wish.id, channel);
                     new.push(NewWish { channel, subscription: wish.id });
                 }

@@ -9,8 +9,11 @@ use std::time::Duration;
 
 use fingerpost_map::Route;
 use thiserror::Error;
+use tungstenite::WebSocket;
 
 use super::connection;
+use super::handshakes::Handshakes;
+use super::origin::Origin;
 use super::viewer::Viewer;
 use crate::recording::{FrameMessages, RecordingError, route_message};
 
@@ -44,6 +47,8 @@ pub enum LiveError {
 pub(crate) struct Shared {
     pub(crate) name: String,
     pub(crate) port: u16,
+    /// Sites whose pages may connect, beside those that always may.
+    pub(crate) origins: Vec<Origin>,
     pub(crate) route: Option<Vec<u8>>,
     /// Nothing more comes.
     ended: AtomicBool,
@@ -68,17 +73,24 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Begins to serve a drive along `route` on a port of the loopback address; 0 takes any that is free.
+    /// Begins to serve a drive along `route` on a port of the loopback address; 0 takes any that is free. Programs may connect, and pages
+    /// of Foxglove, of this machine and of `origins`.
     ///
     /// # Errors
     /// [`LiveError`] when the port cannot be listened on, or the route has no message.
-    pub fn begin(name: &str, port: u16, route: Option<&Route>) -> Result<Self, LiveError> {
+    pub fn begin(
+        name: &str,
+        port: u16,
+        origins: &[Origin],
+        route: Option<&Route>,
+    ) -> Result<Self, LiveError> {
         let listen = |cause| LiveError::Listen { port, cause };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(listen)?;
         listener.set_nonblocking(true).map_err(listen)?;
         let shared = Arc::new(Shared {
             name: name.to_owned(),
             port: listener.local_addr().map_err(listen)?.port(),
+            origins: origins.to_vec(),
             route: route.map(route_message).transpose()?,
             ended: AtomicBool::new(false),
             viewers: Mutex::default(),
@@ -122,18 +134,24 @@ struct Connection {
 /// Takes viewers in until nothing more comes.
 fn wait_for_viewers(listener: &TcpListener, shared: &Arc<Shared>) {
     let mut connections: Vec<Connection> = Vec::new();
+    let mut handshakes = Handshakes::default();
     while !shared.has_ended() {
         connections.retain(|connection| !connection.thread.is_finished());
-        match listener.accept() {
-            Ok((stream, _)) if connections.len() < MOST_VIEWERS => {
-                let (theirs, kept) = (Arc::clone(shared), stream.try_clone().ok());
-                let thread = thread::spawn(move || serve(stream, &theirs));
-                connections.push(Connection { thread, stream: kept });
+        let accepted = listener.accept();
+        let at_once = accepted.as_ref().is_ok();
+        let new = accepted.ok().and_then(|(stream, _)| handshakes.begin(stream, shared));
+        for socket in new.into_iter().chain(handshakes.agreed()) {
+            if connections.len() == MOST_VIEWERS {
+                connection::turn_away(socket);
+                continue;
             }
-            // One too many is let go.
-            Ok(_) => {}
-            // Nobody, or a connection that broke off before it was taken.
-            Err(_) => thread::sleep(LOOK_EVERY),
+            let (theirs, stream) = (Arc::clone(shared), socket.get_ref().try_clone().ok());
+            let thread = thread::spawn(move || serve(socket, &theirs));
+            connections.push(Connection { thread, stream });
+        }
+        // Nobody, or a connection that broke off before it was taken.
+        if !at_once {
+            thread::sleep(LOOK_EVERY);
         }
     }
     for _ in 0..LOOKS_AT_END {
@@ -150,11 +168,13 @@ fn wait_for_viewers(listener: &TcpListener, shared: &Arc<Shared>) {
 }
 
 /// Serves one viewer for as long as it stays.
-fn serve(stream: TcpStream, shared: &Arc<Shared>) {
-    let Some(socket) = connection::greet(stream, shared) else { return };
+fn serve(mut socket: WebSocket<TcpStream>, shared: &Arc<Shared>) {
+    // Why a viewer left is its own matter.
+    if connection::greet(&mut socket, shared).is_err() {
+        return;
+    }
     let viewer = Arc::new(Viewer::default());
     shared.viewers().push(Arc::clone(&viewer));
-    // Why a viewer left is its own matter.
     let _ = connection::serve(socket, &viewer, shared);
     shared.viewers().retain(|other| !Arc::ptr_eq(other, &viewer));
 }
@@ -165,8 +185,8 @@ mod tests {
 
     #[test]
     fn a_port_that_is_taken_is_named() {
-        let first = LiveView::begin("test", 0, None).unwrap();
-        let error = LiveView::begin("test", first.shared.port, None).unwrap_err().to_string();
+        let first = LiveView::begin("test", 0, &[], None).unwrap();
+        let error = LiveView::begin("test", first.shared.port, &[], None).unwrap_err().to_string();
         assert!(error.contains(&first.shared.port.to_string()) && error.contains("another port"), "{error}");
     }
 }

@@ -8,7 +8,9 @@ use fingerpost::advice::{Advice, Stop};
 use fingerpost::track::State;
 use fingerpost_eval::LoopWatch;
 use fingerpost_format::{JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, TruthRecord};
-use fingerpost_io::{FfmpegPrograms, JsonLinesFile, LOOP_FRAMES_FILE, PLAN_FILE, RunFolder, write_file};
+use fingerpost_io::{
+    FfmpegPrograms, JsonLinesFile, LOOP_FRAMES_FILE, PLAN_FILE, RunFolder, write_private_file,
+};
 use fingerpost_map::{LatLon, write_route};
 use fingerpost_record::FrameTime;
 use fingerpost_report::{PlanView, plan_view_svg};
@@ -164,7 +166,7 @@ impl Run {
         let programs = FfmpegPrograms { stop: Some(setting.interrupt.shared_flag()), ..inputs::ffmpeg() };
         let video = setting.args.video.then_some(VideoWish { fps: plan.fps, programs });
         let title = format!("Fingerpost closed loop: {name}");
-        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None, live_port: None };
+        let wishes = Wishes { title, pictures, video, recording: RecordingWish::None, live: None };
         let driver = Driver::new(run_setting, &wishes, None)?;
         let folder = setting.args.out.join(name);
         let recorder = reports.then(|| {
@@ -194,7 +196,7 @@ impl Run {
         let Self { recorder, folder, truth, frames, .. } = self;
         let Some(recorder) = recorder else { return Ok(()) };
         recorder.finish(RunEnd::Complete, None, None)?;
-        write_file(&folder.join("route.geojson"), write_route(&plan.route)?)?;
+        write_private_file(&folder.join("route.geojson"), write_route(&plan.route)?)?;
         let mut lines = JsonLinesFile::create(&folder.join("truth.jsonl"))?;
         truth.iter().try_for_each(|truth| lines.append(truth))?;
         lines.finish()?;
@@ -205,6 +207,6 @@ impl Run {
         let strips = plan.simulator.road_strips();
         let roads: Vec<_> = strips.iter().map(|strip| (strip.axis, strip.half_width_m)).collect();
         let picture = PlanView { drive, frames: &frames, lane_middle: &middle, roads: &roads };
-        Ok(write_file(&folder.join(PLAN_FILE), plan_view_svg(&picture))?)
+        Ok(write_private_file(&folder.join(PLAN_FILE), plan_view_svg(&picture))?)
     }
 }
