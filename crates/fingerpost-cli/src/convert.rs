@@ -3,6 +3,7 @@
 mod kitti;
 mod messages;
 mod recorded_drive;
+mod recorded_motion;
 
 use anyhow::Result;
 use clap::Subcommand;
