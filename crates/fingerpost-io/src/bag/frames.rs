@@ -145,19 +145,24 @@ mod tests {
         }
     }
 
-    fn turned(frames: &Frames, frame_id: &str, in_sensor: [f64; 3]) -> [f64; 3] {
-        frames.axes(frame_id).in_vehicle(in_sensor).map(|part| (part * 1e9).round() / 1e9)
+    /// Along the vehicle's axes, in billionths.
+    fn turned(frames: &Frames, frame_id: &str, in_sensor: [f64; 3]) -> [i64; 3] {
+        billionths(frames.axes(frame_id).in_vehicle(in_sensor))
+    }
+
+    fn billionths(vector: [f64; 3]) -> [i64; 3] {
+        vector.map(|part| (part * 1e9).round() as i64)
     }
 
     #[test]
     fn optical_frames_are_told_by_their_names() {
         let frames = Frames::default();
         for name in ["camera_imu_optical_frame", "front_optical", "/camera/optical", "Imu_Optical_Frame"] {
-            assert_eq!(turned(&frames, name, [0.1, -0.289, 7.0]), [7.0, -0.1, 0.289], "{name}");
+            assert_eq!(turned(&frames, name, [0.1, -0.289, 7.0]), billionths([7.0, -0.1, 0.289]), "{name}");
             assert_eq!(frames.axes(name).source(), AxesSource::OpticalName);
         }
         for name in ["imu_link", "base_link", "", "opticals"] {
-            assert_eq!(turned(&frames, name, [7.0, 0.1, 0.289]), [7.0, 0.1, 0.289], "{name}");
+            assert_eq!(turned(&frames, name, [7.0, 0.1, 0.289]), billionths([7.0, 0.1, 0.289]), "{name}");
         }
     }
 
@@ -173,9 +178,9 @@ mod tests {
             transform("base_link", "not_optical", Vector3::zeros()),
             transform("other_root", "far_optical", Vector3::zeros()),
         ]);
-        assert_eq!(turned(&frames, "/imu", [1.0, 0.0, -0.3]), [0.0, 1.0, 0.3]);
+        assert_eq!(turned(&frames, "/imu", [1.0, 0.0, -0.3]), billionths([0.0, 1.0, 0.3]));
         assert_eq!(frames.axes("imu").source(), AxesSource::Transforms);
-        assert_eq!(turned(&frames, "not_optical", [7.0, 0.1, 0.3]), [7.0, 0.1, 0.3]);
+        assert_eq!(turned(&frames, "not_optical", [7.0, 0.1, 0.3]), billionths([7.0, 0.1, 0.3]));
         assert_eq!(frames.axes("far_optical").source(), AxesSource::OpticalName);
     }
 
