@@ -50,7 +50,7 @@ const NEIGHBOURS: usize = 3;
 const ONE_OR_TWO: f64 = std::f64::consts::SQRT_2;
 /// Least number of ways that set the camera's own interval, and of how many neighbours one at the least: a single one is an outlier.
 const LEAST_ALIKE: usize = 2;
-const ONE_OF: usize = 4;
+const ONE_OF: usize = 3;
 
 impl Cadence {
     /// Of the ways from each frame to the next; `least_jump` is the change of the way from one frame to the next that no tyre brings
@@ -197,6 +197,10 @@ mod tests {
         let noisy: Vec<SeenWay> =
             (0..200).map(|i| times(1.0 + 0.2 * f64::from(i * 7 % 11 - 5) / 5.0)).collect();
         assert_eq!(Cadence::of(&noisy, 0.098), None);
+        // Two frames whose road was mistaken for something far, alike by chance and in each other's neighbourhood.
+        let mistaken =
+            [times(0.07), times(0.2), MOVED, MOVED, MOVED, MOVED, times(0.07), MOVED, MOVED, MOVED];
+        assert_eq!(Cadence::of(&drive(&mistaken), 0.098), None);
         assert_eq!(Cadence::of(&drive(&[UNSEEN, STILL]), 0.098), None);
         assert_eq!(Cadence::of(&[], 0.098), None);
     }
