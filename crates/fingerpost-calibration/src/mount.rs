@@ -9,18 +9,19 @@
 //! looks rolled, so that a roll is only taken over when it is clearly one.
 
 mod angles;
+mod cadence;
 mod error;
 mod road_plane;
 mod way;
 
-use fingerpost::attitude::{BackCheck, Sighting, Sightings, SparseSetting, angles_of_travel};
-use fingerpost_geometry::{Camera, Mount, View};
+use fingerpost::attitude::{BackCheck, RayPair, Sighting, Sightings, SparseSetting, angles_of_travel};
+use fingerpost_geometry::{Camera, GeometryError, Mount, View};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::Vector3;
 
 use self::angles::{joined, pitch_of_travel, road_angles, yaw_of_travel};
 use self::road_plane::{PlaneFit, RoadPlane};
-use self::way::{typical_way, way};
+use self::way::{Way, typical_way, way};
 
 pub use self::error::CalibrationError;
 
@@ -74,9 +75,26 @@ pub struct MountCalibration {
     pub frames_straight: usize,
     /// Frames in which the road's plane was seen.
     pub frames_with_road: usize,
+    /// Frames that repeat the one before while the vehicle moves.
+    pub frames_repeated: usize,
+    /// Frames that are missing between others.
+    pub frames_missing: usize,
 }
 
 impl MountCalibration {
+    /// The camera on the mount that was found.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NoHeight`] or [`CalibrationError::Mount`] when no camera is mounted so.
+    pub fn camera_on_mount(&self, camera: &Camera) -> Result<Camera, CalibrationError> {
+        camera.with_mount(self.mount).map_err(|cause| match (self.height, cause) {
+            (Some(height), GeometryError::OutOfRange { name: "mount.height_m", expected, .. }) => {
+                CalibrationError::NoHeight { height_m: height.value, expected }
+            }
+            (_, cause) => CalibrationError::Mount(cause),
+        })
+    }
+
     /// The same with the height at which a lane that is `lane_width_m` wide looks as wide as it was `seen`, metres, by
     /// [`LaneWidth`](crate::LaneWidth) through a camera on [`MountCalibration::mount`].
     #[must_use]
@@ -104,6 +122,10 @@ const LEAST_ROAD: usize = 10;
 const MOST_SIGMA_DEG: f64 = 0.3;
 /// Farthest that the direction of travel may be from the camera's axis, degrees.
 const MOST_AWAY_DEG: f64 = 60.0;
+/// A thing that moved by less stayed where it was, radians: a few hundredths of a pixel, as far as corners are followed.
+const STILL_RAD: f64 = 1e-4;
+/// Largest share of the height that repeated and missing frames may leave open: all that is seen on the road is off by as much.
+const MOST_OPEN: f64 = 0.1;
 /// A roll that differs from the configured one by more standard deviations is taken over.
 const ROLL_SIGMAS: f64 = 2.0;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -114,6 +136,8 @@ struct Look {
     t_s: f64,
     sighting: Option<Sighting>,
     plane: Option<RoadPlane>,
+    /// Whether the picture is the one before.
+    is_still: bool,
 }
 
 /// Calibrates a mount, frame by frame.
@@ -153,8 +177,9 @@ impl MountCalibrator {
     /// [`CalibrationError::Frame`] when the frame has not the camera's size.
     pub fn add(&mut self, frame: &RgbImage, t_s: f64) -> Result<(), CalibrationError> {
         let look = match self.sightings.look_at(&self.camera, frame)? {
-            None => Look { t_s, sighting: None, plane: None },
+            None => Look { t_s, sighting: None, plane: None, is_still: false },
             Some((sighting, pairs)) => {
+                let is_still = is_still(pairs);
                 if sighting.moves {
                     self.travel += sighting.motion.travel.into_inner();
                 }
@@ -166,14 +191,14 @@ impl MountCalibrator {
                 let plane = normal
                     .filter(|_| sighting.moves)
                     .and_then(|normal| self.planes.fit(pairs, &sighting.motion, normal, self.mount.height_m));
-                Look { t_s, sighting: Some(sighting), plane }
+                Look { t_s, sighting: Some(sighting), plane, is_still }
             }
         };
         self.looks.push(look);
         Ok(())
     }
 
-    /// The mount that the drive shows.
+    /// The mount that the drive shows; whether a camera can sit so, [`MountCalibration::camera_on_mount`] says.
     ///
     /// # Errors
     /// [`CalibrationError`] when the drive does not show it well enough to be trusted.
@@ -212,19 +237,17 @@ impl MountCalibrator {
         if away_deg > MOST_AWAY_DEG {
             return Err(CalibrationError::NotForward { away_deg });
         }
-        let way = way(&self.looks, &road_normal(&mount));
+        let way = way(&self.looks, &road_normal(&mount), self.mount.height_m);
         let height = match known {
             KnownScale::Nothing => None,
-            _ if way.is_none() => {
-                return Err(CalibrationError::NoRoad { found: roads.len(), needed: LEAST_ROAD });
+            KnownScale::SpeedMps(speed_mps) => {
+                Some(self.height(way, speed_mps * self.duration_s(), Way::open_by_speed)?)
             }
-            KnownScale::SpeedMps(speed_mps) => way.map(|way| way.height(speed_mps * self.duration_s())),
-            KnownScale::DistanceM(distance_m) => way.map(|way| way.height(distance_m)),
+            KnownScale::DistanceM(distance_m) => Some(self.height(way, distance_m, Way::open_by_distance)?),
         };
         if let Some(height) = height {
             mount.height_m = height.value;
         }
-        mount.check()?;
         Ok(MountCalibration {
             mount,
             pitch,
@@ -239,7 +262,31 @@ impl MountCalibrator {
             frames_moving: moving.len(),
             frames_straight: straight.len(),
             frames_with_road: roads.len(),
+            frames_repeated: way.map_or(0, |way| way.repeated),
+            frames_missing: way.map_or(0, |way| way.missing),
         })
+    }
+
+    /// The height by which the way is so long, metres, where the frames leave little of it open.
+    fn height(
+        &self,
+        way: Option<Way>,
+        way_m: f64,
+        open: impl FnOnce(&Way) -> f64,
+    ) -> Result<Estimated, CalibrationError> {
+        let found = self.looks.iter().filter(|look| look.plane.is_some()).count();
+        let way = way.ok_or(CalibrationError::NoRoad { found, needed: LEAST_ROAD })?;
+        let open = open(&way);
+        if open > MOST_OPEN {
+            return Err(CalibrationError::UnevenFrames {
+                frames: self.looks.len(),
+                repeated: way.repeated,
+                missing: way.missing,
+                open,
+                most: MOST_OPEN,
+            });
+        }
+        Ok(way.height(way_m, open))
     }
 
     /// Time from the first frame to the last, seconds.
@@ -247,6 +294,13 @@ impl MountCalibrator {
         let times = self.looks.first().zip(self.looks.last());
         times.map_or(0.0, |(first, last)| last.t_s - first.t_s)
     }
+}
+
+/// Whether a picture shows nothing in another place than the one before: three in four things may not have moved, as those that other
+/// vehicles carry do. Noise alone moves them by more in most pictures.
+fn is_still(pairs: &[RayPair]) -> bool {
+    let still = pairs.iter().filter(|pair| (pair.current - pair.previous).norm() < STILL_RAD).count();
+    !pairs.is_empty() && 4 * still >= 3 * pairs.len()
 }
 
 /// The road's normal in the camera frame, towards the road.

@@ -4,6 +4,7 @@ mod kept_messages;
 mod kitti;
 mod messages;
 mod recorded_drive;
+mod recorded_motion;
 
 use anyhow::Result;
 use clap::Subcommand;

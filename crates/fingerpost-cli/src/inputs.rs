@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost::Config;
-use fingerpost_format::TruthRecord;
+use fingerpost_format::{ReadCamera, TruthRecord};
 use fingerpost_geometry::Camera;
 use fingerpost_io::{FfmpegPrograms, read_camera, read_truth};
 use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
@@ -13,11 +13,17 @@ use log::{Level, log_enabled};
 use crate::arguments::InputLimit;
 use crate::{facts, output};
 
-/// A camera's calibration.
+/// A camera's calibration; what must be known of how it was understood is said.
 pub(crate) fn camera(path: &Path) -> Result<Camera> {
-    let camera = read_camera(path)?;
+    let camera = say_remarks(read_camera(path)?, &path.display().to_string());
     log::info!("{}: {}", path.display(), facts::of_camera(&camera));
     Ok(camera)
+}
+
+/// The camera alone, once its remarks are said of `source`.
+pub(crate) fn say_remarks(ReadCamera { camera, remarks }: ReadCamera, source: &str) -> Camera {
+    remarks.iter().for_each(|remark| output::message(&format!("{source}: {remark}")));
+    camera
 }
 
 /// The data of an OpenStreetMap file that takes no more than the limit.

@@ -7,6 +7,7 @@
 mod advise;
 mod arguments;
 mod calibrate;
+mod camera_size;
 mod campaign;
 mod can;
 mod can_signals;

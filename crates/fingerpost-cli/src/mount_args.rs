@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use clap::{ArgGroup, Args};
-use fingerpost_format::mount_from_toml;
-use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::read_text;
+use fingerpost_format::{PictureKind, mount_from_toml};
+use fingerpost_geometry::{Camera, Distortion, Mount, View};
+use fingerpost_io::{bag::is_rectified, read_text};
 
 use crate::arguments::number;
-use crate::inputs;
+use crate::{inputs, output};
 
 /// The camera's mount, or the whole camera.
 #[derive(Debug, Args)]
@@ -21,9 +21,55 @@ pub(crate) struct MountArgs {
     /// The camera's mount: a file with the table "mount" of a camera.toml.
     #[arg(long, value_name = "FILE")]
     mount: Option<PathBuf>,
-    /// The camera, in place of the recorded calibration: camera.toml, or the YAML of ROS camera_info or OpenCV.
+    /// The camera, in place of the recorded calibration: camera.toml, or the YAML of ROS camera_info, OpenCV or Kalibr.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
+}
+
+/// Whether the lens is still in the pictures.
+#[derive(Debug, Args)]
+pub(crate) struct PictureKindArgs {
+    /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens. This is taken for given of a topic
+    /// whose name says so, as image_rect does.
+    #[arg(long, conflicts_with = "camera")]
+    rectified: bool,
+    /// The pictures are as the lens made them, whatever the topic's name says.
+    #[arg(long, conflicts_with_all = ["camera", "rectified"])]
+    as_taken: bool,
+}
+
+impl PictureKindArgs {
+    /// What the pictures of a topic are; what its name decides is said.
+    pub(crate) fn of_topic(&self, topic: &str) -> PictureKind {
+        if self.rectified {
+            return PictureKind::Rectified;
+        }
+        if self.as_taken || !is_rectified(topic) {
+            return PictureKind::AsTaken;
+        }
+        output::message(&format!(
+            "{topic}: rectified pictures by their name; the calibration's projection matrix holds, and there is no lens (--as-taken if there \
+             is)"
+        ));
+        PictureKind::Rectified
+    }
+}
+
+/// Says where a camera that is given has a lens and the topic's name says that its pictures have none any more.
+pub(crate) fn check_lens_against_topic(camera: &Camera, topic: &str) {
+    let has_lens = matches!(
+        camera.view(),
+        View::Calibrated {
+            distortion: Distortion::BrownConrady { .. } | Distortion::KannalaBrandt { .. },
+            ..
+        }
+    );
+    if has_lens && is_rectified(topic) {
+        output::message(&format!(
+            "{topic}: rectified pictures by their name, and the camera that is given has a lens, which is taken out once more; leave \
+             --camera out, or give the camera of the rectified pictures"
+        ));
+    }
 }
 
 /// What is known of the camera beforehand.

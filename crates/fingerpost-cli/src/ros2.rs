@@ -18,7 +18,7 @@ use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{Driver, RunSetting, Sequence};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
-use crate::mount_args::{KnownCamera, MountArgs};
+use crate::mount_args::{KnownCamera, MountArgs, PictureKindArgs, check_lens_against_topic};
 use crate::overlap::{self, Overlap};
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, Wishes};
 use crate::run::NEAR_SIGMA_M;
@@ -42,9 +42,8 @@ pub(crate) struct Ros2Args {
     topics: TopicArgs,
     #[command(flatten)]
     mount: MountArgs,
-    /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens.
-    #[arg(long, conflicts_with = "camera")]
-    rectified: bool,
+    #[command(flatten)]
+    pictures: PictureKindArgs,
     /// Route, as written by `fingerpost route`.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
@@ -100,8 +99,7 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
         setting.name, inputs.pictures, setting.domain
     ));
     let interrupt = Interrupt::listen()?;
-    let pictures = if args.rectified { PictureKind::Rectified } else { PictureKind::AsTaken };
-    let Some(camera) = wait_for_camera(&mut node, known, pictures, &interrupt)? else {
+    let Some(camera) = wait_for_camera(&mut node, known, args, &interrupt)? else {
         bail!("interrupted before the calibration came; nothing was written");
     };
     let run = RunSetting {
@@ -146,19 +144,24 @@ fn check_outputs(args: &Ros2Args) -> Result<()> {
 fn wait_for_camera(
     node: &mut RosNode,
     known: KnownCamera,
-    pictures: PictureKind,
+    args: &Ros2Args,
     interrupt: &Interrupt,
 ) -> Result<Option<Camera>> {
+    let topic = args.topics.pictures();
     let mount = match known {
-        KnownCamera::Whole(camera) => return Ok(Some(*camera)),
+        KnownCamera::Whole(camera) => {
+            check_lens_against_topic(&camera, topic);
+            return Ok(Some(*camera));
+        }
         KnownCamera::Mount(mount) => mount,
     };
+    let pictures = args.pictures.of_topic(topic);
     while !interrupt.wanted() {
         if let Some(info) = node.calibration() {
-            let camera = info.camera(pictures, mount);
-            return camera.map(Some).context(
+            let read = info.camera(pictures, mount).context(
                 "the calibration that came cannot be that of a camera; calibrate it, or give one with --camera",
-            );
+            )?;
+            return Ok(Some(inputs::say_remarks(read, "the calibration that came")));
         }
         node.look_after().iter().for_each(|text| output::message(text));
         std::thread::sleep(GLANCE);

@@ -30,7 +30,7 @@ use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
 use crate::recorder::{LiveWish, Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
-use crate::{inputs, output, output_path, start_check};
+use crate::{camera_size, inputs, output, output_path, start_check};
 
 /// How well the place that --near gives is known, standard deviation, metres: two in three are within 30 m.
 pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
@@ -194,9 +194,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     limit_instruction_set(args.instruction_set)?;
     let mut config = inputs::config(args.config.as_deref())?;
     let camera = inputs::camera(&args.camera)?;
-    let scaling = args.choice.width().map(|width| PictureScaling::to_width(&camera, width));
-    let scaling = scaling.transpose()?.flatten();
-    let camera = scaling.as_ref().map_or(&camera, PictureScaling::camera).clone();
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     let gps = args.gps.as_deref().map(|name| GpsFeed::open(name, args.limit)).transpose()?;
     let start_m = args.start_m.or_else(|| {
@@ -227,7 +224,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         decoder: args.decoder(),
         programs: programs.clone(),
     };
-    let source = FrameSource::open(&args.input, &options)?;
+    let mut source = FrameSource::open(&args.input, &options)?;
+    let camera = match source.picture_size() {
+        Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
+        None => camera,
+    };
+    let scaling = args.choice.width().map(|width| PictureScaling::to_width(&camera, width));
+    let scaling = scaling.transpose()?.flatten();
+    let camera = scaling.as_ref().map_or(&camera, PictureScaling::camera).clone();
     say_what_is_used(args, &source, &camera);
     let setting = RunSetting {
         config: &config,

@@ -174,7 +174,7 @@ fn the_mount_of_two_streets() {
         let records = frames(&run);
         let faults = records.iter().filter(|record| record.mount.as_ref().is_some_and(|m| m.fault.is_some()));
         assert_eq!(faults.count(), 0, "{drive}");
-        let camera = read_camera(&out).unwrap();
+        let camera = read_camera(&out).unwrap().camera;
         match camera.view() {
             View::Calibrated { mount, .. } => Some(*mount),
             View::RoadPlane(_) => None,
@@ -218,7 +218,8 @@ fn a_motorway_video() {
 
     let first = FrameSource::open(text(&video), &SourceOptions::default()).unwrap().next().unwrap();
     let bins = BackprojectionConfig::default().bins();
-    let view = GroundView::new(&GroundViewConfig::default(), bins, &read_camera(&camera).unwrap()).unwrap();
+    let view =
+        GroundView::new(&GroundViewConfig::default(), bins, &read_camera(&camera).unwrap().camera).unwrap();
     let mut ground = view.black_picture();
     view.render(&first.picture.unwrap(), &mut ground).unwrap();
     let line = yellow_line(&ground.colour, &view);
@@ -301,7 +302,7 @@ fn a_lens_from_chessboards_is_that_of_opencv() {
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(told["pictures_used"], 18, "{told}");
     assert!(told["rms_px"].as_f64().unwrap() <= 1.0, "{told}");
-    let camera = read_camera(&out).unwrap();
+    let camera = read_camera(&out).unwrap().camera;
     let View::Calibrated { intrinsics: k, distortion, .. } = camera.view() else { panic!("{camera:?}") };
     assert!((k.fx / 1157.1 - 1.0).abs() < 0.005 && (k.fy / 1151.3 - 1.0).abs() < 0.005, "{k:?}");
     assert!((k.cx - 670.4).abs() < 4.0 && (k.cy - 387.9).abs() < 4.0, "{k:?}");

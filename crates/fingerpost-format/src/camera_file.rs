@@ -31,6 +31,73 @@ pub enum CameraFileError {
         /// The models that this kind of file may name.
         known: &'static str,
     },
+    /// There are coefficients and no model whose they could be.
+    #[error(
+        "there are {count} coefficients of a lens and no model to which they belong; name it as distortion_model"
+    )]
+    NoModel {
+        /// How many.
+        count: usize,
+    },
+    /// A model is named, and its coefficients are nowhere.
+    #[error(
+        "distortion model {model:?} is named and its coefficients are not there; give them as distortion_coefficients, or \
+         distortion_model: none for pictures that are rectified"
+    )]
+    CoefficientsMissing {
+        /// The model named.
+        model: String,
+    },
+    /// The camera's own model is none that is computed with.
+    #[error(
+        "camera model {model:?} is not known here, only a pinhole with a lens; calibrate it as pinhole-equi or pinhole-radtan"
+    )]
+    UnknownCameraModel {
+        /// The model found.
+        model: String,
+    },
+    /// Keys decide what the camera is and nobody knows how.
+    #[error(
+        "{keys} may describe the lens, and what it means is not known; write it as distortion_model and distortion_coefficients, \
+         or delete it if it has nothing to say"
+    )]
+    NotUnderstood {
+        /// The keys.
+        keys: String,
+    },
+    /// Two keys that mean the same say different things.
+    #[error("`{first}` and `{second}` mean the same and differ; delete the one that is wrong")]
+    Contradiction {
+        /// The one key.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// Rows and columns of the camera's pixels are not at right angles.
+    #[error(
+        "the camera matrix has a skew of {skew_px} pixels, which is not computed with; calibrate again with the skew fixed at zero"
+    )]
+    Skew {
+        /// Element (0, 1) of the matrix, pixels.
+        skew_px: f64,
+    },
+    /// A matrix that is no camera's.
+    #[error(
+        "the camera matrix {matrix:?} is not [fx, 0, cx, 0, fy, cy, 0, 0, 1] by rows; write it so, in pixels"
+    )]
+    Matrix {
+        /// Its elements by rows.
+        matrix: [f64; 9],
+    },
+    /// It is that of another picture than the camera's whole one.
+    #[error(
+        "the calibration is that of a picture that was binned or cut to a region (`{key}`); give the calibration of the pictures \
+         as they are"
+    )]
+    PartOfPicture {
+        /// The key that says so.
+        key: &'static str,
+    },
     /// A YAML calibration comes without the camera's place on the vehicle.
     #[error(
         "the calibration does not say where the camera sits on the vehicle; add a mapping `mount:` with height_m and, \

@@ -20,6 +20,7 @@ mod lanes;
 mod location;
 mod marks;
 mod motion_log;
+mod read_camera;
 mod summary;
 mod times;
 mod track_files;
@@ -56,6 +57,7 @@ pub use marks::{
 pub use motion_log::{
     MotionLog, MotionLogRow, PoseLogRow, motion_log_text, parse_motion_log, parse_pose_log, pose_log_text,
 };
+pub use read_camera::{CameraRemark, ReadCamera};
 // For `json_records`.
 #[doc(hidden)]
 pub use serde_json;

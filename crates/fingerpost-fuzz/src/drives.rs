@@ -58,7 +58,7 @@ pub(crate) fn mount_toml_seeds() -> Vec<Vec<u8>> {
 pub(crate) fn camera_yaml(bytes: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(bytes) else { return false };
     let cameras = [None, Some(Mount::level(1.5))].map(|mount| camera_from_yaml(text, mount));
-    cameras.iter().flatten().for_each(check_camera);
+    cameras.iter().flatten().for_each(|read| check_camera(&read.camera));
     cameras.iter().any(Result::is_ok)
 }
 

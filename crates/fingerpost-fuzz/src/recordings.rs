@@ -73,7 +73,18 @@ pub(crate) fn message_seeds() -> Vec<Vec<u8>> {
     seeds.extend(
         packed.map(|i| vec![i as u8, 0x12, 4, 0xFF, 0xD8, 0xFF, 0xD9, 0x1A, 4, b'j', b'p', b'e', b'g']),
     );
+    seeds.extend(
+        ros().filter_map(|(index, schema)| Some([vec![index as u8], in_zstd(&plain(schema))?].concat())),
+    );
     seeds
+}
+
+/// A message as rosbag2 packs one by itself: a frame of Zstandard with one stored block. None of those that are too long for it.
+fn in_zstd(message: &[u8]) -> Option<Vec<u8>> {
+    let length = u8::try_from(message.len()).ok()?;
+    // One segment, whose length takes a byte; the last block, stored, with its length.
+    let [low, middle, high, _] = (u32::from(length) << 3 | 1).to_le_bytes();
+    Some([&[0x28, 0xB5, 0x2F, 0xFD, 0x20, length, low, middle, high], message].concat())
 }
 
 pub(crate) fn bag_seeds() -> Vec<Vec<u8>> {

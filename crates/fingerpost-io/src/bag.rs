@@ -11,9 +11,10 @@
 //! | `sensor_msgs/msg/CameraInfo`, `foxglove.CameraCalibration` | CDR, protobuf | calibration without a mount |
 //! | `sensor_msgs/msg/NavSatFix`, `foxglove.LocationFix` | CDR, protobuf | GPS position |
 //! | `geometry_msgs/msg/Twist`, `TwistStamped`, `TwistWithCovarianceStamped`, `nav_msgs/msg/Odometry` | CDR | speed and yaw rate |
-//! | `sensor_msgs/msg/Imu` | CDR | yaw rate |
+//! | `sensor_msgs/msg/Imu` | CDR | turn and acceleration along its axes |
+//! | `tf2_msgs/msg/TFMessage` on `/tf_static` | CDR | how frames are turned on each other |
 //!
-//! Speed is along x and the yaw rate about z, in the axes of REP 103 (x forward, z up).
+//! [`Frames`] says along which axes twists and inertial units measure. Messages that rosbag2 packed one by one are unpacked.
 //!
 //! Limits: video streams (`CompressedVideo`), Bayer and YUV pictures, SQLite bags and ROS 1 messages are not read; every one of
 //! them is named where it is met.
@@ -21,7 +22,9 @@
 mod cdr;
 mod choice;
 mod foxglove_messages;
+mod frames;
 mod message;
+mod packed_message;
 mod picture;
 mod record_fields;
 mod records;
@@ -32,8 +35,11 @@ mod topics;
 mod zstd_chunks;
 
 pub use cdr::CdrError;
-pub use choice::{Choice, ChoiceError, Wanted};
-pub use message::{Content, GpsPosition, Message, MessageError, Twist, decode};
+pub use choice::{Choice, ChoiceError, Wanted, is_rectified};
+pub use frames::{Axes, AxesSource, Frames, StaticTransform};
+pub use message::{
+    Content, GpsPosition, Inertial, Message, MessageError, Twist, TwistError, VehicleMotion, decode,
+};
 pub use picture::{Picture, PictureError};
 pub use records::{Record, Records, RecordsError};
 pub use schema::{Role, Schema};

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use fingerpost_format::{CameraFileError, camera_from_toml, camera_from_yaml, mount_from_toml};
-use fingerpost_geometry::Camera;
+use fingerpost_format::{CameraFileError, ReadCamera, camera_from_toml, camera_from_yaml, mount_from_toml};
 use thiserror::Error;
 
 use crate::file::{FileError, read_text};
@@ -43,21 +42,25 @@ pub enum CameraReadError {
     },
 }
 
-/// Reads a camera from `camera.toml`, a ROS `camera_info` YAML or an OpenCV calibration YAML.
+/// Reads a camera from `camera.toml`, or a YAML of ROS `camera_info`, OpenCV or Kalibr, with what must be known of how it was
+/// understood.
 ///
-/// The two YAML kinds have no mount of their own. It is read from a table `[mount]`, written as in `camera.toml`, in the
+/// The YAML kinds have no mount of their own. It is read from a table `[mount]`, written as in `camera.toml`, in the
 /// file `NAME.mount.toml` beside `NAME.yaml`, else in `mount.toml` beside it, else from a mapping `mount:` in the YAML.
 ///
 /// # Errors
 /// [`CameraReadError`] when a file cannot be read, is of no known kind, or its numbers cannot be right.
-pub fn read_camera(path: &Path) -> Result<Camera, CameraReadError> {
+pub fn read_camera(path: &Path) -> Result<ReadCamera, CameraReadError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let contents = |path: &Path| {
         let path = path.to_owned();
         move |cause| CameraReadError::Contents { path, cause }
     };
     match ending.as_deref() {
-        Some("toml") => camera_from_toml(&read_text(path)?).map_err(contents(path)),
+        Some("toml") => {
+            let camera = camera_from_toml(&read_text(path)?).map_err(contents(path))?;
+            Ok(ReadCamera { camera, remarks: Vec::new() })
+        }
         Some("yaml" | "yml") => {
             let text = read_text(path)?;
             let own_mount_path = path.with_extension("mount.toml");

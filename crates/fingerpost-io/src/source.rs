@@ -1,6 +1,7 @@
 //! The frames of a drive, one after the other, wherever they come from.
 
 use std::{
+    collections::VecDeque,
     num::NonZeroUsize,
     path::{Path, PathBuf},
     time::Duration,
@@ -100,6 +101,10 @@ pub struct FrameSource {
     input: Input,
     fps: f64,
     sampling: Sampling,
+    /// Whether the input is under way.
+    is_live: bool,
+    /// Frames that were looked at before anybody took them.
+    ahead: VecDeque<Frame>,
 }
 
 /// What decodes the frames of an input.
@@ -162,17 +167,37 @@ impl FrameSource {
             let fps = mean_fps.or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
             let threads = options.threads.unwrap_or_else(threads_of_machine);
             let input = Input::Pictures(PictureFrames::new(folder, fps, sampling, threads));
-            Ok(Self { input, fps, sampling })
+            Ok(Self { input, fps, sampling, is_live: false, ahead: VecDeque::new() })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
             let video = Video::open(input, &options.programs, options.threads, pace, options.decoder)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
             // What comes of a live input has been chosen already.
             let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
-            Ok(Self { input: Input::Video { video, next_index: 0, sampler }, fps, sampling })
+            let is_live = pace != Pace::Waits;
+            let input = Input::Video { video, next_index: 0, sampler };
+            Ok(Self { input, fps, sampling, is_live, ahead: VecDeque::new() })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }
+    }
+
+    /// Width and height of the first picture that can be read, pixels, before any frame is taken. None where none can, and of
+    /// inputs that are under way, whose first picture would be old by the time it is used.
+    pub fn picture_size(&mut self) -> Option<(usize, usize)> {
+        let size_of = |frame: &Frame| frame.picture.as_ref().ok().map(RgbImage::size);
+        if let Some(size) = self.ahead.iter().find_map(size_of) {
+            return Some(size);
+        }
+        while !self.is_live {
+            let frame = self.next_of_input()?;
+            let (size, ends) = (size_of(&frame), matches!(frame.picture, Err(FrameError::Video(_))));
+            self.ahead.push_back(frame);
+            if size.is_some() || ends {
+                return size;
+            }
+        }
+        None
     }
 
     /// Number of frames that are used; none for live inputs and videos that do not say. A video may turn out to hold fewer.
@@ -266,6 +291,13 @@ impl Iterator for FrameSource {
     type Item = Frame;
 
     fn next(&mut self) -> Option<Frame> {
+        self.ahead.pop_front().or_else(|| self.next_of_input())
+    }
+}
+
+impl FrameSource {
+    /// The next frame that was not looked at yet.
+    fn next_of_input(&mut self) -> Option<Frame> {
         let fps = self.fps;
         match &mut self.input {
             Input::Pictures(frames) => {

@@ -250,7 +250,7 @@ fn a_broken_truth_file_names_its_line() {
 const YAML: &str = "image_width: 640\nimage_height: 480\nK: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n";
 
 fn mount_of(path: &Path) -> Mount {
-    match read_camera(path).unwrap().view() {
+    match read_camera(path).unwrap().camera.view() {
         View::Calibrated { mount, .. } => *mount,
         View::RoadPlane(_) => panic!("a calibrated camera was expected"),
     }

@@ -1,13 +1,14 @@
 //! Whole recordings: written with the MCAP writer, read back, cut short and spoilt.
 
 // Functions shared by tests fail their test by panicking.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use fingerpost_io::bag::{
-    Choice, Content, Picture, Records, RecordsError, Role, Schema, Wanted, decode, survey,
+    Choice, Content, Frames, Inertial, Picture, Records, RecordsError, Role, Schema, Twist, Wanted, decode,
+    survey,
 };
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
@@ -31,6 +32,100 @@ fn image(seconds: i32) -> Vec<u8> {
     cdr.extend(6_u32.to_le_bytes());
     cdr.extend([1, 2, 3, 4, 5, seconds as u8]);
     cdr
+}
+
+/// A message of CDR: texts and numbers in their order, each at a multiple of its size.
+struct Cdr(Vec<u8>);
+
+impl Cdr {
+    fn new() -> Self {
+        Self(vec![0, 1, 0, 0])
+    }
+
+    fn number<const N: usize>(mut self, bytes: [u8; N]) -> Self {
+        self.0.resize(4 + (self.0.len() - 4).next_multiple_of(N), 0);
+        self.0.extend(bytes);
+        self
+    }
+
+    fn text(self, text: &str) -> Self {
+        let mut with_length = self.number((text.len() as u32 + 1).to_le_bytes());
+        with_length.0.extend(text.bytes().chain([0]));
+        with_length
+    }
+
+    fn doubles(self, values: &[f64]) -> Self {
+        values.iter().fold(self, |cdr, value| cdr.number(value.to_le_bytes()))
+    }
+
+    fn header(self, frame_id: &str) -> Self {
+        self.number(5_i32.to_le_bytes()).number(0_u32.to_le_bytes()).text(frame_id)
+    }
+}
+
+#[test]
+fn messages_that_were_packed_one_by_one_are_unpacked() {
+    use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+    let message = image(3);
+    let packed = compress_to_vec(message.as_slice(), CompressionLevel::Fastest);
+    assert_eq!(decode(Schema::RosImage, &packed), decode(Schema::RosImage, &message));
+    for cut in 0..packed.len() {
+        assert!(decode(Schema::RosImage, &packed[..cut]).is_err(), "{cut}");
+    }
+    let cause = decode(Schema::RosImage, &packed[..8]).unwrap_err().to_string();
+    assert!(cause.contains("Zstandard") && cause.contains("ros2 bag convert"), "{cause}");
+    // A few thousand bytes that stand for more than any record has.
+    let much = compress_to_vec(vec![0_u8; (128 << 20) + 1].as_slice(), CompressionLevel::Fastest);
+    let cause = decode(Schema::RosImage, &much).unwrap_err().to_string();
+    assert!(cause.contains("more than"), "{cause}");
+}
+
+#[test]
+fn motion_is_read_with_its_frame() {
+    let unit = |turn_known: f64, acceleration_known: f64| {
+        let [turn, acceleration] = [turn_known, acceleration_known].map(|first| {
+            let mut covariance = [0.0; 9];
+            covariance[0] = first;
+            covariance
+        });
+        let cdr =
+            Cdr::new().header("imu_optical").doubles(&[0.0; 13]).doubles(&[0.1, -0.2, 0.3]).doubles(&turn);
+        let cdr = cdr.doubles(&[1.0, -9.8, 2.0]).doubles(&acceleration);
+        decode(Schema::RosImu, &cdr.0).unwrap().content
+    };
+    let measured = |acceleration_mps2| {
+        let frame_id = "imu_optical".to_owned();
+        Content::Inertial(Some(Inertial { frame_id, angular_rps: [0.1, -0.2, 0.3], acceleration_mps2 }))
+    };
+    assert_eq!(unit(0.0, 0.01), measured(Some([1.0, -9.8, 2.0])));
+    assert_eq!(unit(0.0, -1.0), measured(None));
+    assert_eq!(unit(-1.0, 0.0), Content::Inertial(None));
+
+    let moves = [8.0, 0.1, 0.2, 0.3, 0.4, 0.5];
+    let twist = Cdr::new().header("base_link").doubles(&moves);
+    let odometry = Cdr::new().header("odom").text("base_link").doubles(&[0.0; 43]).doubles(&moves);
+    for (schema, cdr) in [(Schema::RosTwistStamped, twist), (Schema::RosOdometry, odometry)] {
+        let (frame_id, linear_mps) = ("base_link".to_owned(), [8.0, 0.1, 0.2]);
+        let expected = Content::Twist(Twist { frame_id, linear_mps, angular_rps: [0.3, 0.4, 0.5] });
+        assert_eq!(decode(schema, &cdr.0).unwrap().content, expected, "{schema:?}");
+    }
+}
+
+#[test]
+fn static_transforms_turn_what_a_sensor_measures() {
+    // The unit stands on its left side: its z points to the vehicle's right, its y up.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let cdr = Cdr::new().number(1_u32.to_le_bytes()).header("base_link").text("imu");
+    let cdr = cdr.doubles(&[1.0, 2.0, 3.0]).doubles(&[half, 0.0, 0.0, half]);
+    let Content::Transforms(transforms) = decode(Schema::RosTransforms, &cdr.0).unwrap().content else {
+        panic!("transforms were expected")
+    };
+    let mut frames = Frames::default();
+    frames.add(transforms);
+    let [forward, left, up] = frames.axes("imu").in_vehicle([0.0, 0.3, 0.1]);
+    assert!(forward.abs() < 1e-12 && (left + 0.1).abs() < 1e-12 && (up - 0.3).abs() < 1e-12);
+    // A count beyond the message's end asks for no memory.
+    assert!(decode(Schema::RosTransforms, &Cdr::new().number(u32::MAX.to_le_bytes()).0).is_err());
 }
 
 fn bag(compression: Option<Compression>) -> Vec<u8> {

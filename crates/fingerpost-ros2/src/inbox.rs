@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use fingerpost_format::CameraInfo;
-use fingerpost_io::bag::{Content, GpsPosition, Message, Picture, Twist};
+use fingerpost_io::bag::{Content, Frames, GpsPosition, Message, Picture, VehicleMotion};
 
 use crate::health::{Input, TopicCount};
 
@@ -24,7 +24,7 @@ pub struct Arrival {
     /// The newest GPS position of the second before it, once.
     pub gps: Option<GpsPosition>,
     /// The newest twist of the second before it.
-    pub twist: Option<Twist>,
+    pub twist: Option<VehicleMotion>,
     /// When it came.
     pub came: Instant,
 }
@@ -46,7 +46,7 @@ struct State {
     dropped: u64,
     calibration: Option<CameraInfo>,
     gps: VecDeque<(u64, GpsPosition)>,
-    twist: VecDeque<(u64, Twist)>,
+    twist: VecDeque<(u64, VehicleMotion)>,
     counts: [TopicCount; Input::ALL.len()],
 }
 
@@ -149,12 +149,10 @@ impl State {
             Content::Calibration(calibration) => self.calibration = Some(calibration),
             Content::Gps(Some(position)) => keep(&mut self.gps, stamp("position")?, position),
             Content::Twist(twist) => {
-                if !twist.speed_mps.is_finite() || !twist.yaw_rate_rps.is_finite() {
-                    return Err("a speed or yaw rate is no number; its sender is at fault".to_owned());
-                }
-                keep(&mut self.twist, stamp("twist")?, twist);
+                let motion = twist.of_vehicle(&Frames::default()).map_err(|cause| cause.to_string())?;
+                keep(&mut self.twist, stamp("twist")?, motion);
             }
-            Content::Gps(None) | Content::Picture(_) | Content::YawRate(_) => {}
+            Content::Gps(None) | Content::Picture(_) | Content::Inertial(_) | Content::Transforms(_) => {}
         }
         Ok(())
     }
@@ -179,6 +177,8 @@ fn newest<T>(waiting: &mut VecDeque<(u64, T)>, until_ns: u64) -> Option<T> {
 
 #[cfg(test)]
 mod tests {
+    use fingerpost_io::bag::Twist;
+
     use super::*;
 
     const MS: u64 = 1_000_000;
@@ -189,7 +189,11 @@ mod tests {
     }
 
     fn twist(stamp_ns: u64, speed_mps: f64) -> Result<Message, String> {
-        let content = Content::Twist(Twist { speed_mps, yaw_rate_rps: 0.0 });
+        let content = Content::Twist(Twist {
+            frame_id: "base_link".to_owned(),
+            linear_mps: [speed_mps, 0.0, 0.0],
+            angular_rps: [0.0; 3],
+        });
         Ok(Message { stamp_ns: Some(stamp_ns), content })
     }
 

@@ -100,6 +100,22 @@ pub enum ChessboardError {
     Smoothing(#[from] SmoothingError),
 }
 
+impl ChessboardError {
+    /// Inner corners along and across another board than the expected one that is seen as a whole; none where no such is seen.
+    #[must_use]
+    pub const fn other_board(&self) -> Option<(usize, usize)> {
+        match *self {
+            Self::CutOff { found, columns, rows, .. } | Self::Incomplete { found, columns, rows, .. }
+                if found == columns * rows =>
+            {
+                Some((columns, rows))
+            }
+            Self::Larger { columns, rows } => Some((columns, rows)),
+            _ => None,
+        }
+    }
+}
+
 impl BoardSize {
     /// A board of `columns` x `rows` inner corners.
     ///

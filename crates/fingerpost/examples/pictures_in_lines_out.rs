@@ -15,7 +15,7 @@ use fingerpost_io::{picture_paths, read_camera, read_picture, read_text};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("give the folder of a drive")?);
-    let camera = read_camera(&folder.join("camera.toml"))?;
+    let camera = read_camera(&folder.join("camera.toml"))?.camera;
     let route = read_route(&read_text(&folder.join("route.geojson"))?)?;
     let mut pipeline = Pipeline::new(&Config::default(), &camera, Some(&route), None)?;
     for (index, path) in picture_paths(&folder.join("frames"))?.iter().enumerate() {

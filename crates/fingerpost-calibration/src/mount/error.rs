@@ -60,9 +60,41 @@ pub enum CalibrationError {
         /// Frames needed.
         needed: usize,
     },
-    /// The resulting mount cannot be right.
-    #[error("the drive gives a mount that cannot be right: {0}")]
-    Mount(#[from] GeometryError),
+    /// Frames repeat others or are missing, so that nobody knows how long the drive took, or how far it went.
+    #[error(
+        "{repeated} of {frames} frames repeat the one before and {missing} are missing between others, as the way from each to the next \
+         shows; that leaves {:.0} % of the height open, and {:.0} % are trusted at the most; give the width of the lane, or the distance \
+         driven in place of the speed, or the recording as the camera made it, with the time of each frame",
+        100.0 * .open, 100.0 * .most
+    )]
+    UnevenFrames {
+        /// Frames looked at.
+        frames: usize,
+        /// Frames that repeat the one before.
+        repeated: usize,
+        /// Frames that are missing.
+        missing: usize,
+        /// Share of the height that is open.
+        open: f64,
+        /// The largest that is trusted.
+        most: f64,
+    },
+    /// No camera is so high or low.
+    #[error(
+        "the drive gives a camera {height_m:.3} m above the road, and {expected} is possible; check the speed or distance that was given, \
+         and how long the drive took: the number of its frames, their rate or their times"
+    )]
+    NoHeight {
+        /// The height found, metres.
+        height_m: f64,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// The angles found are none that a camera is mounted at.
+    #[error(
+        "the drive gives no mount that can be ({0}); give a longer drive of this camera, straight ahead on an even road"
+    )]
+    Mount(GeometryError),
     /// A frame has another size than the calibration says.
     #[error(transparent)]
     Frame(#[from] PictureError),

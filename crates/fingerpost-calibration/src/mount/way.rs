@@ -2,49 +2,87 @@
 
 use nalgebra::Vector3;
 
+use super::cadence::{Cadence, SeenWay};
 use super::road_plane::RoadPlane;
 use super::{Estimated, LEAST_ROAD, Look};
 
 /// Share of a measured length that texture and waves of the road leave uncertain.
 const LENGTH_FLOOR: f64 = 0.01;
 
+/// What a tyre holds at the most, m/s²: as much as gravity presses on it.
+const MOST_ACCELERATION_MPS2: f64 = 9.806_65;
+
 /// A way in heights of the camera.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
     pub(super) heights: f64,
     sigma_share: f64,
+    /// By how much it may be another as frames are missing where it is not seen, as a share of it.
+    unseen_share: f64,
+    /// Frames that repeat the one before, and those that are missing between others.
+    pub(super) repeated: usize,
+    pub(super) missing: usize,
+    /// By how much the time that passed may be another than the frames say, as a share of it.
+    time_share: f64,
 }
 
 impl Way {
-    pub(super) fn height(&self, way_m: f64) -> Estimated {
+    /// What repeated and missing frames leave open of a height by a known distance, as a share of it.
+    pub(super) const fn open_by_distance(&self) -> f64 {
+        self.unseen_share
+    }
+
+    /// The same of a height by a known speed, to which the time belongs.
+    pub(super) fn open_by_speed(&self) -> f64 {
+        libm::hypot(self.unseen_share, self.time_share)
+    }
+
+    /// The height at which the way is so long, of which frames leave the share `open`.
+    pub(super) fn height(&self, way_m: f64, open: f64) -> Estimated {
         let value = way_m / self.heights;
-        Estimated { value, sigma: value * self.sigma_share }
+        Estimated { value, sigma: value * libm::hypot(self.sigma_share, open) }
     }
 }
 
-/// The way of the whole drive in heights of the camera, when the road's normal is `normal`: as each frame shows it, and
-/// where one does not, as its neighbours do.
-pub(super) fn way(looks: &[Look], normal: &Vector3<f64>) -> Option<Way> {
-    let seen: Vec<Option<f64>> = looks
-        .iter()
-        .map(|look| match (&look.plane, &look.sighting) {
-            (Some(plane), _) => Some(plane.way_with_normal(normal)),
-            // A vehicle that stands makes no way.
-            (None, Some(sighting)) if !sighting.moves => Some(0.0),
-            _ => None,
-        })
-        .collect();
-    let count = seen.iter().flatten().filter(|way| **way > 0.0).count();
-    if count < LEAST_ROAD {
+/// The way of the whole drive in heights of the camera, which is roughly `height_m` metres, when the road's normal is `normal`: as
+/// each frame shows it, and where one does not, as its neighbours do.
+pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Option<Way> {
+    let (first, last) = looks.first().zip(looks.last())?;
+    let mean_s = (last.t_s - first.t_s) / (looks.len() - 1).max(1) as f64;
+    // How long each frame but the first took, in mean ones.
+    let lengths: Vec<f64> =
+        looks.windows(2).map(|pair| ((pair[1].t_s - pair[0].t_s) / mean_s).max(0.0)).collect();
+    let seen: Vec<SeenWay> =
+        looks.iter().skip(1).zip(&lengths).map(|(look, length)| seen(look, *length, normal)).collect();
+    let ways: Vec<Option<f64>> = seen.iter().map(|seen| seen.way).collect();
+    if ways.iter().flatten().filter(|way| **way > 0.0).count() < LEAST_ROAD {
         return None;
     }
-    let steps: Vec<f64> = (1..seen.len()).map(|frame| middle_of_neighbours(&seen, frame)).collect();
-    let heights: f64 = steps.iter().sum();
+    let cadence = Cadence::of(&seen, MOST_ACCELERATION_MPS2 * mean_s * mean_s / height_m);
+    let (repeated, missing) = cadence.as_ref().map_or((0, 0), |cadence| (cadence.repeated, cadence.missing));
+    let time_share = cadence.as_ref().map_or(0.0, |cadence| (1.0 - cadence.intervals_per_frame).abs());
+    let unseen_share = cadence.as_ref().map_or(0.0, |cadence| cadence.unseen_share);
+    let steps = match cadence {
+        Some(cadence) => cadence.ways,
+        None => (0..ways.len()).map(|frame| middle_of_neighbours(&ways, frame)).collect(),
+    };
+    let heights: f64 = steps.iter().zip(&lengths).map(|(step, length)| step * length).sum();
     // Differences of neighbours show the noise of a frame.
     let noise: f64 =
-        seen.iter().skip(1).zip(&steps).filter_map(|(seen, step)| Some((*seen)? - step)).map(|d| d * d).sum();
-    let sigma = libm::hypot(noise.sqrt() / heights, LENGTH_FLOOR);
-    Some(Way { heights, sigma_share: sigma })
+        ways.iter().zip(&steps).filter_map(|(seen, step)| Some((*seen)? - step)).map(|d| d * d).sum();
+    let sigma_share = libm::hypot(noise.sqrt() / heights, LENGTH_FLOOR);
+    Some(Way { heights, sigma_share, unseen_share, repeated, missing, time_share })
+}
+
+/// What a frame that took so many mean ones shows.
+fn seen(look: &Look, length: f64, normal: &Vector3<f64>) -> SeenWay {
+    let way = match (&look.plane, &look.sighting) {
+        (Some(plane), _) => Some(plane.way_with_normal(normal) / length),
+        // A vehicle that stands makes no way.
+        (None, Some(sighting)) if !sighting.moves => Some(0.0),
+        _ => None,
+    };
+    SeenWay { way: way.filter(|way| way.is_finite()), is_still: look.is_still }
 }
 
 /// Median of what a frame and its two neighbours to either side show; of the nearest that show something where they do not.

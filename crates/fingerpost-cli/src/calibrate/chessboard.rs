@@ -14,7 +14,7 @@ use fingerpost_geometry::Mount;
 use fingerpost_io::write_file;
 use fingerpost_vision::chessboard::BoardSize;
 
-use self::pictures::{Looked, look_at_all, paths_of};
+use self::pictures::{Looked, check_board, look_at_all, paths_of};
 use self::report::Report;
 use crate::arguments::number;
 use crate::examples::examples;
@@ -82,6 +82,7 @@ pub(crate) fn chessboard(args: &ChessboardArgs) -> Result<()> {
     output_path::check_kept_file(&args.out, paths.iter().map(PathBuf::as_path))?;
     let looked = look_at_all(&paths, args.corners.0);
     report::say_dropped(&looked);
+    check_board(&looked, args.corners.0).context(NOTHING_WRITTEN)?;
     let sizes: Vec<_> =
         looked.iter().filter_map(|looked| Some((looked.name.as_str(), looked.size?))).collect();
     let (width, height) = common_size(&sizes).context(NOTHING_WRITTEN)?;

@@ -15,7 +15,7 @@ use crate::arguments::number;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::output_path::FileKind;
-use crate::{inputs, output, output_path};
+use crate::{camera_size, inputs, output, output_path};
 
 /// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
 ///
@@ -84,6 +84,9 @@ struct Report {
     frames_moving: usize,
     frames_straight: usize,
     frames_with_road: usize,
+    /// Frames that repeat the one before while the vehicle moves, and frames that are missing between others.
+    frames_repeated: usize,
+    frames_missing: usize,
     /// The mount as written.
     mount: WrittenMount,
 }
@@ -108,15 +111,21 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     output_path::check_file(&args.out, FileKind::Camera, [Path::new(&args.input), &args.camera])?;
     let known = known_scale(args)?;
     let camera = inputs::camera(&args.camera)?;
-    let mut calibrator = MountCalibrator::new(&camera)?;
     let interrupt = Interrupt::listen()?;
-    for_each_frame(args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
+    let mut source = open(args, &interrupt)?;
+    let camera = match source.picture_size() {
+        Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
+        None => camera,
+    };
+    let mut calibrator = MountCalibrator::new(&camera)?;
+    for_each_frame(source, args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
     let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
     if let Some(lane_width_m) = args.lane_width_m {
-        let seen = width_of_lane(args, &interrupt, &camera.with_mount(calibration.mount)?)?;
+        let seen =
+            width_of_lane(args, &interrupt, &calibration.camera_on_mount(&camera).context(NOTHING_WRITTEN)?)?;
         calibration = calibration.with_lane_width(seen, lane_width_m);
     }
-    let calibrated = camera.with_mount(calibration.mount).context(NOTHING_WRITTEN)?;
+    let calibrated = calibration.camera_on_mount(&camera).context(NOTHING_WRITTEN)?;
     write_file(&args.out, camera_to_toml(&calibrated)?)?;
     say(&calibration, args);
     if args.json { output::print_json(&report(&calibration)) } else { Ok(()) }
@@ -141,15 +150,19 @@ fn known_scale(args: &MountArgs) -> Result<KnownScale> {
     })
 }
 
+fn open(args: &MountArgs, interrupt: &Interrupt) -> Result<FrameSource> {
+    let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
+    let options = SourceOptions { fps: args.fps, programs, ..SourceOptions::default() };
+    Ok(FrameSource::open(&args.input, &options)?)
+}
+
 /// Hands every picture of the input on; broken ones are passed over.
 fn for_each_frame(
+    mut source: FrameSource,
     args: &MountArgs,
     interrupt: &Interrupt,
     mut take: impl FnMut(&RgbImage, f64) -> Result<()>,
 ) -> Result<()> {
-    let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
-    let options = SourceOptions { fps: args.fps, programs, ..SourceOptions::default() };
-    let mut source = FrameSource::open(&args.input, &options)?;
     let most = args.frames.unwrap_or(u64::MAX);
     let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
     let mut left = most;
@@ -178,7 +191,7 @@ fn for_each_frame(
 /// How wide the lane looks through a camera of that height.
 fn width_of_lane(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Estimated> {
     let mut lane = LaneWidth::new(camera)?;
-    for_each_frame(args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
+    for_each_frame(open(args, interrupt)?, args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
     lane.width().context(
         "the drive shows no lane with markings on both sides for long enough, so that its width does not give the height; give \
          --speed-mps or --distance-m instead; nothing was written",
@@ -212,6 +225,12 @@ fn say(calibration: &MountCalibration, args: &MountArgs) {
             mount.height_m
         )),
     }
+    let (repeated, missing) = (calibration.frames_repeated, calibration.frames_missing);
+    if repeated + missing > 0 {
+        output::message(&format!(
+            "{repeated} frames repeat the one before and {missing} are missing between others, as the way from each to the next shows"
+        ));
+    }
     output::message(&format!(
         "{} frames: {} moving, {} of them straight, {} with the road's surface; mount in {}",
         calibration.frames,
@@ -238,6 +257,8 @@ fn report(calibration: &MountCalibration) -> Report {
         frames_moving: calibration.frames_moving,
         frames_straight: calibration.frames_straight,
         frames_with_road: calibration.frames_with_road,
+        frames_repeated: calibration.frames_repeated,
+        frames_missing: calibration.frames_missing,
         mount: WrittenMount {
             height_m,
             pitch_deg: pitch_rad.to_degrees(),

@@ -123,8 +123,8 @@ pub(crate) fn kitti(args: &KittiArgs) -> Result<()> {
     let (width, height) = read_picture(first)?.size();
     let info = CameraInfo { width, height, projection, ..CameraInfo::default() };
     let mount = Mount { x_m: AHEAD_M, ..Mount::level(args.height_m) };
-    let camera =
-        info.camera(PictureKind::Rectified, mount).with_context(|| calibration.display().to_string())?;
+    let camera = info.camera(PictureKind::Rectified, mount);
+    let camera = camera.with_context(|| calibration.display().to_string())?.camera;
     let (logs, passed_over) = match oxts.zip(since) {
         Some((oxts, since)) => read_oxts(&oxts, since, times_s.last().copied().unwrap_or_default())?,
         None => (ConvertedLogs::default(), 0),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use fingerpost_format::{CameraInfo, PictureKind};
+use fingerpost_format::CameraInfo;
 use fingerpost_io::bag::{Choice, Content, Records, RecordsError, Role, Survey, Wanted, decode, survey};
 use fingerpost_io::{FolderKind, bag_files, open_bag};
 
@@ -13,8 +13,8 @@ use super::recorded_drive::RecordedDrive;
 use crate::arguments::InputLimit;
 use crate::examples::examples;
 use crate::interrupt::{Interrupt, Preparation};
-use crate::mount_args::{KnownCamera, MountArgs};
-use crate::{output, output_path};
+use crate::mount_args::{KnownCamera, MountArgs, PictureKindArgs, check_lens_against_topic};
+use crate::{inputs, output, output_path};
 
 /// From an MCAP recording: Foxglove's messages in protobuf, as run.mcap holds them, or ROS 2's in CDR. Topics of pictures
 /// (raw, JPEG or PNG), calibration, GPS, twist or odometry, and an inertial unit; the only one of its kind is taken. A recording that
@@ -60,15 +60,15 @@ struct RecordingArgs {
     /// Topic of GPS positions, where there are several.
     #[arg(long, value_name = "TOPIC")]
     gps_topic: Option<String>,
-    /// Topic of the vehicle's twist or odometry, where there are several; speed along x, yaw rate about z (REP 103).
+    /// Topic of the vehicle's twist or odometry, where there are several; its axes are those of its frame (REP 103).
     #[arg(long, value_name = "TOPIC")]
     twist_topic: Option<String>,
-    /// Topic of the inertial unit, where there are several; its yaw rate goes before the twist's.
+    /// Topic of the inertial unit, where there are several; its yaw rate goes before the twist's. Its axes are those of its frame, by
+    /// /tf_static or by its name.
     #[arg(long, value_name = "TOPIC")]
     imu_topic: Option<String>,
-    /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens.
-    #[arg(long, conflicts_with = "camera")]
-    rectified: bool,
+    #[command(flatten)]
+    pictures: PictureKindArgs,
     #[command(flatten)]
     limit: InputLimit,
     /// Folder to write: a new or empty one, or one of an earlier `convert`, which is replaced.
@@ -109,16 +109,20 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
     }
     let choice = choice?;
     kept_messages::check(&topics, &choice, args.limit).with_context(of_input)?;
-    let camera = match known {
-        KnownCamera::Whole(camera) => *camera,
+    let image_topic = choice.topic(Role::Pictures).unwrap_or_default();
+    let (camera, source) = match known {
+        KnownCamera::Whole(camera) => {
+            check_lens_against_topic(&camera, image_topic);
+            (*camera, "--camera".to_owned())
+        }
         KnownCamera::Mount(mount) => {
-            let pictures = if args.rectified { PictureKind::Rectified } else { PictureKind::AsTaken };
-            let info = calibration(files, &choice).with_context(of_input)?;
-            info.camera(pictures, mount).with_context(of_input)?
+            let (topic, info) = calibration(files, &choice).with_context(of_input)?;
+            let read = info.camera(args.pictures.of_topic(image_topic), mount).with_context(of_input)?;
+            (inputs::say_remarks(read, &topic), topic)
         }
     };
     let interrupt = preparation.work_begins();
-    let drive = read(files, &choice, RecordedDrive::new(&args.out, camera), &interrupt)?;
+    let drive = read(files, &choice, RecordedDrive::new(&args.out, camera, source), &interrupt)?;
     let converted = drive.finish(input)?;
     if let Some(cause) = &cut_short {
         output::message(&format!("{cause}; what came before is converted"));
@@ -137,6 +141,7 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
         (Role::Pictures, format!("{} frames", converted.frames)),
         (Role::Gps, format!("{} GPS positions", converted.gps_positions)),
         (Role::Twist, format!("{} rows of motion", converted.motion_rows)),
+        (Role::Imu, "inertial measurements".to_owned()),
     ];
     let said: Vec<String> = what
         .into_iter()
@@ -156,8 +161,8 @@ fn wanted(args: &RecordingArgs) -> Wanted {
     }
 }
 
-/// The first calibration of the topic that gives it.
-fn calibration(files: &[PathBuf], choice: &Choice) -> Result<CameraInfo> {
+/// The topic that gives the calibration, and its first one.
+fn calibration(files: &[PathBuf], choice: &Choice) -> Result<(String, CameraInfo)> {
     let Some(topic) = choice.topic(Role::Calibration) else {
         bail!(
             "it has no calibration of the camera (sensor_msgs/msg/CameraInfo or foxglove.CameraCalibration); give one with --camera"
@@ -170,7 +175,7 @@ fn calibration(files: &[PathBuf], choice: &Choice) -> Result<CameraInfo> {
             if let Content::Calibration(info) =
                 decode(schema, &record.data).with_context(|| topic.to_owned())?.content
             {
-                return Ok(info);
+                return Ok((topic.to_owned(), info));
             }
         }
     }
@@ -204,8 +209,9 @@ fn read(
                 Content::Picture(picture) => drive.add_picture(at_ns, &picture)?,
                 Content::Gps(Some(position)) => drive.add_gps(at_ns, position),
                 Content::Twist(twist) => drive.add_twist(at_ns, twist),
-                Content::YawRate(Some(yaw_rate_rps)) => drive.add_yaw_rate(at_ns, yaw_rate_rps),
-                Content::Calibration(_) | Content::Gps(None) | Content::YawRate(None) => {}
+                Content::Inertial(Some(inertial)) => drive.add_inertial(at_ns, inertial),
+                Content::Transforms(transforms) => drive.add_transforms(transforms),
+                Content::Calibration(_) | Content::Gps(None) | Content::Inertial(None) => {}
             }
         }
     }

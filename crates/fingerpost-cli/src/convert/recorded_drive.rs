@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use fingerpost_format::{MotionLogRow, camera_to_toml};
 use fingerpost_geometry::Camera;
-use fingerpost_io::bag::{GpsPosition, Picture, Twist};
+use fingerpost_io::bag::{Frames, GpsPosition, Inertial, Picture, StaticTransform, Twist, VehicleMotion};
 use fingerpost_io::{ConvertedDrive, ConvertedLogs, PictureEnding, PictureFileError, decode_picture};
 use fingerpost_map::LatLon;
 use serde::Serialize;
 
-use crate::output;
+use super::recorded_motion::{self, RecordedMotion};
+use crate::{camera_size, output};
 
 /// What was converted, on standard output.
 #[derive(Debug, Serialize)]
@@ -30,28 +31,33 @@ pub(super) struct Converted {
 pub(super) struct RecordedDrive {
     out: PathBuf,
     camera: Camera,
+    /// Whence the camera is.
+    camera_source: String,
     folder: Option<ConvertedDrive>,
     first_ns: u64,
     last_ns: u64,
     gps: Vec<(u64, GpsPosition)>,
     twists: Vec<(u64, Twist)>,
-    yaw_rates: Vec<(u64, f64)>,
+    inertial: Vec<(u64, Inertial)>,
+    frames: Frames,
     /// What could not be used, and the first reason.
     passed_over: u64,
     first_reason: Option<String>,
 }
 
 impl RecordedDrive {
-    pub(super) fn new(out: &Path, camera: Camera) -> Self {
+    pub(super) fn new(out: &Path, camera: Camera, camera_source: String) -> Self {
         Self {
             out: out.to_owned(),
             camera,
+            camera_source,
             folder: None,
             first_ns: 0,
             last_ns: 0,
             gps: Vec::new(),
             twists: Vec::new(),
-            yaw_rates: Vec::new(),
+            inertial: Vec::new(),
+            frames: Frames::default(),
             passed_over: 0,
             first_reason: None,
         }
@@ -67,7 +73,10 @@ impl RecordedDrive {
             Some(folder) => folder,
             None => {
                 match size(picture) {
-                    Ok(size) => check_size(&self.camera, size)?,
+                    Ok(size) => {
+                        self.camera =
+                            camera_size::of_pictures(self.camera.clone(), size, &self.camera_source)?;
+                    }
                     Err(cause) => {
                         self.pass_over(cause.to_string());
                         return Ok(());
@@ -95,19 +104,19 @@ impl RecordedDrive {
     }
 
     pub(super) fn add_twist(&mut self, at_ns: u64, twist: Twist) {
-        if twist.speed_mps.is_finite() && twist.yaw_rate_rps.is_finite() {
-            self.twists.push((at_ns, twist));
+        self.twists.push((at_ns, twist));
+    }
+
+    pub(super) fn add_inertial(&mut self, at_ns: u64, inertial: Inertial) {
+        if inertial.angular_rps.iter().all(|rate| rate.is_finite()) {
+            self.inertial.push((at_ns, inertial));
         } else {
-            self.pass_over("a speed or yaw rate is no number".to_owned());
+            self.pass_over("a turn is no number".to_owned());
         }
     }
 
-    pub(super) fn add_yaw_rate(&mut self, at_ns: u64, yaw_rate_rps: f64) {
-        if yaw_rate_rps.is_finite() {
-            self.yaw_rates.push((at_ns, yaw_rate_rps));
-        } else {
-            self.pass_over("a yaw rate is no number".to_owned());
-        }
+    pub(super) fn add_transforms(&mut self, transforms: Vec<StaticTransform>) {
+        self.frames.add(transforms);
     }
 
     pub(super) fn pass_over(&mut self, reason: String) {
@@ -136,11 +145,6 @@ impl RecordedDrive {
                 "no speed was recorded between the first picture and the last; there is no motion.csv",
             );
         }
-        if !self.yaw_rates.is_empty() && self.twists.is_empty() {
-            output::message(
-                "an inertial unit without a speed gives no motion.csv; record the vehicle's twist or odometry too",
-            );
-        }
         if let Some(reason) = self.first_reason {
             output::message(&format!(
                 "{} of {} messages are passed over; the first: {reason}",
@@ -156,24 +160,21 @@ impl RecordedDrive {
         let (first_ns, last_ns) = (self.first_ns, self.last_ns);
         let during = move |at_ns: u64| (first_ns..=last_ns).contains(&at_ns);
         self.gps.sort_by_key(|(at_ns, _)| *at_ns);
-        self.twists.sort_by_key(|(at_ns, _)| *at_ns);
-        self.yaw_rates.sort_by_key(|(at_ns, _)| *at_ns);
         let gps = self.gps.iter().filter(|(at_ns, _)| during(*at_ns));
         let gps = gps.map(|(at_ns, at)| (seconds(*at_ns, first_ns), [at.lat_deg, at.lon_deg])).collect();
-        let mut motion: Vec<MotionLogRow> = Vec::new();
-        let mut last_row_ns = None;
-        for (at_ns, twist) in self.twists.iter().filter(|(at_ns, _)| during(*at_ns)) {
-            // A log's times grow; of two messages at once the first is taken.
-            if last_row_ns.replace(*at_ns) == Some(*at_ns) {
-                continue;
-            }
-            // An inertial unit measures the turn itself, where a twist may come from wheels.
-            let newest = self.yaw_rates.partition_point(|(unit_ns, _)| unit_ns <= at_ns).checked_sub(1);
-            let yaw_rate_rps = newest.map_or(twist.yaw_rate_rps, |index| self.yaw_rates[index].1);
-            let t_s = seconds(*at_ns, first_ns);
-            motion.push(MotionLogRow { t_s, speed_mps: twist.speed_mps, yaw_rate_rps });
+        let RecordedMotion { rows, said, passed_over } =
+            recorded_motion::motion(&mut self.twists, &mut self.inertial, &self.frames);
+        said.iter().for_each(|text| output::message(text));
+        for reason in passed_over {
+            self.pass_over(reason);
         }
-        ConvertedLogs { gps, motion, poses: Vec::new() }
+        let rows = rows.into_iter().filter(|(at_ns, _)| during(*at_ns));
+        let motion = rows.map(|(at_ns, VehicleMotion { speed_mps, yaw_rate_rps })| MotionLogRow {
+            t_s: seconds(at_ns, first_ns),
+            speed_mps,
+            yaw_rate_rps,
+        });
+        ConvertedLogs { gps, motion: motion.collect(), poses: Vec::new() }
     }
 }
 
@@ -185,22 +186,6 @@ fn size(picture: &Picture) -> Result<(usize, usize), PictureFileError> {
             Ok(decode_picture(bytes, Path::new("the first picture"))?.size())
         }
     }
-}
-
-/// Refuses pictures of another size than the camera's.
-fn check_size(camera: &Camera, size: (usize, usize)) -> Result<()> {
-    let wanted = (camera.width(), camera.height());
-    if size != wanted {
-        bail!(
-            "the pictures are {} x {} pixels and the calibration is for {} x {}; choose the calibration that belongs to the pictures \
-             (--camera-info-topic), or give it in a file (--camera)",
-            size.0,
-            size.1,
-            wanted.0,
-            wanted.1
-        );
-    }
-    Ok(())
 }
 
 fn seconds(at_ns: u64, since_ns: u64) -> f64 {

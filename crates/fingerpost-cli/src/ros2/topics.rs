@@ -93,6 +93,11 @@ enum TwistMessage {
 }
 
 impl TopicArgs {
+    /// Topic of the camera's pictures.
+    pub(super) fn pictures(&self) -> &str {
+        &self.image_topic
+    }
+
     /// What is listened to; a calibration where the camera is not known.
     pub(super) fn inputs(&self, known: &KnownCamera) -> InputTopics {
         let is_packed = self.image_topic.ends_with(PACKED_ENDING);

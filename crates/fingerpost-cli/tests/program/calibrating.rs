@@ -8,7 +8,7 @@ use fingerpost_io::read_truth;
 use tempfile::TempDir;
 
 use crate::drive::Drive;
-use crate::program::call_line;
+use crate::program::{call_line, frames};
 
 /// Mount of the drives, degrees.
 const PITCH_DEG: f64 = 6.5;
@@ -70,12 +70,74 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
+    // Every third frame twice: nobody knows whether time passes meanwhile, but the way is known.
+    let frames = folder.path().join("drive/frames");
+    let mut names: Vec<_> = fs::read_dir(&frames).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    fs::create_dir(path("filled")).unwrap();
+    let filled = names.iter().enumerate().flat_map(|(i, name)| vec![name; if i % 3 == 0 { 2 } else { 1 }]);
+    for (i, name) in filled.enumerate() {
+        fs::copy(name, folder.path().join(format!("filled/{i:06}.jpg"))).unwrap();
+    }
+    let filled = line.replace(&path("drive"), &path("filled"));
+    let uneven = call_line(&format!("{filled} --speed-mps {speed_mps}"));
+    uneven.refused(1, &["15 of 60 frames repeat the one before", "distance", "nothing was written"]);
+    let by_distance = call_line(&format!("{filled} --distance-m {distance_m}")).done();
+    assert!(by_distance.stderr.contains("15 frames repeat"), "{}", by_distance.stderr);
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+
+    // What is out of range is the estimate's, and the file is not blamed for it.
+    let far_off = call_line(&format!("{line} --distance-m 100000"));
+    far_off.refused(1, &["the drive gives a camera", "metres above the road", "check the speed or distance"]);
+    assert!(!far_off.stderr.contains("correct it in the calibration"), "{}", far_off.stderr);
+
     fs::remove_file(path("out.toml")).unwrap();
     call_line(&format!("{line} --frames 12"))
         .refused(1, &["nothing was written", "straight", "give a longer drive"]);
     call_line(&format!("{line} --speed-mps 8 --distance-m 40")).refused(2, &["--distance-m"]);
     call_line(&format!("{line} --speed-mps 0")).refused(2, &["--speed-mps", "give 0.1 to 100"]);
     assert!(!folder.path().join("out.toml").exists());
+}
+
+/// A calibration for pictures of twice the size is scaled, one for pictures of another shape refused, by every command that looks
+/// through it, and nothing is written then.
+#[test]
+fn a_calibration_of_another_size_is_scaled_where_the_shape_is_the_same() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let (text, drive_path) = (fs::read_to_string(drive.camera()).unwrap(), drive.path());
+    let camera = camera_from_toml(&text).unwrap();
+    let doubled = camera.scaled_to(2 * camera.width(), 2 * camera.height()).unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("doubled.toml"), fingerpost_format::camera_to_toml(&doubled).unwrap()).unwrap();
+    fs::write(path("flat.toml"), text.replace("height = 240", "height = 180")).unwrap();
+    let run = |camera: &std::path::Path, out: &str| {
+        call_line(&format!(
+            "run {} --camera {} --frames 5 --no-recording --out {}",
+            drive_path.display(),
+            camera.display(),
+            path(out).display()
+        ))
+    };
+    run(&drive.camera(), "as_is").done();
+    let scaled = run(&path("doubled.toml"), "scaled").done();
+    assert!(scaled.stderr.contains("the pictures have 320 x 240; it is scaled"), "{}", scaled.stderr);
+    let motion = |out: &str| -> Vec<f64> {
+        frames(&path(out)).iter().filter_map(|frame| Some(frame.motion.as_ref()?.forward_m)).collect()
+    };
+    let (as_is, scaled) = (motion("as_is"), motion("scaled"));
+    assert!(as_is.len() == 4 && scaled.len() == 4, "{as_is:?} {scaled:?}");
+    assert!(as_is.iter().zip(&scaled).all(|(a, b)| (a - b).abs() < 1e-6), "{as_is:?} {scaled:?}");
+    run(&path("flat.toml"), "flat").refused(1, &["320 x 180", "320 x 240", "give the calibration"]);
+    assert!(!path("flat").exists());
+    let mount = format!(
+        "calibrate mount {} --camera {} --out {}",
+        drive_path.display(),
+        path("flat.toml").display(),
+        path("out.toml").display()
+    );
+    call_line(&mount).refused(1, &["320 x 180", "320 x 240"]);
+    assert!(!path("out.toml").exists());
 }
 
 /// Pictures of a vehicle that stands.

@@ -195,9 +195,13 @@ fn pictures_that_do_not_fix_a_lens_are_refused() {
     fs::write(broken.path().join("a.png"), "no picture").unwrap();
     refused(broken.path(), &["a.png", "no picture can be read"]);
 
-    // Another number of corners: no picture shows such a board.
-    let wrong = call_line(&line(folder_of(0..4).path(), &out).replace("7x5", "9x6"));
-    wrong.refused(1, &["35 of 54 corners", "check the number of inner corners", "0 usable pictures"]);
+    // Another number of corners: no picture shows such a board, and the one that they show is named.
+    for corners in ["9x6", "8x5", "5x4", "6x9"] {
+        let wrong = call_line(&line(folder_of(0..4).path(), &out).replace("7x5", corners));
+        let named =
+            format!("no picture shows a board of {corners} inner corners; one of 7x5 is seen in 4 of 4");
+        wrong.refused(1, &[&named, "--corners 7x5", "nothing was written"]);
+    }
     assert!(!out.exists());
 }
 

@@ -19,7 +19,9 @@ pub enum CdrError {
         wanted: usize,
     },
     /// It is encoded in another manner.
-    #[error("its first bytes {head:02x?} are not those of plain CDR (00 00 or 00 01)")]
+    #[error(
+        "its first bytes {head:02x?} are not those of plain CDR (00 00 or 00 01); convert the bag with `ros2 bag convert`, uncompressed"
+    )]
     Representation {
         /// The two bytes.
         head: [u8; 2],

@@ -102,6 +102,14 @@ impl Choice {
             }
             used.push((role, topic.name.clone(), schema));
         }
+        // `/tf` moves; what stays as it is has a topic of its own.
+        let is_static = |topic: &&Topic| topic.name == STATIC_TRANSFORMS && topic.encoding == "cdr";
+        if let Some((topic, schema)) =
+            topics.iter().find(is_static).and_then(|t| Some((t, t.known_schema()?)))
+            && schema.role() == Role::Transforms
+        {
+            used.push((Role::Transforms, topic.name.clone(), schema));
+        }
         Ok(Self { used })
     }
 
@@ -114,6 +122,14 @@ impl Choice {
     pub fn topic(&self, role: Role) -> Option<&str> {
         self.used.iter().find(|(of, ..)| *of == role).map(|(_, name, _)| name.as_str())
     }
+}
+
+/// Topic of transforms that hold for good (ROS `tf2_ros`).
+const STATIC_TRANSFORMS: &str = "/tf_static";
+
+/// Whether a topic of pictures says that they are rectified: `image_rect`, `image_rect_color`, `rectified` (ROS `image_proc`).
+pub fn is_rectified(topic: &str) -> bool {
+    topic.split(['/', '_']).any(|part| part == "rect" || part == "rectified")
 }
 
 fn topic_of<'a>(
@@ -159,6 +175,7 @@ const fn what(role: Role) -> &'static str {
         Role::Gps => "GPS positions",
         Role::Twist => "speed and yaw rate",
         Role::Imu => "inertial units",
+        Role::Transforms => "transforms",
     }
 }
 
@@ -168,7 +185,7 @@ const fn option(role: Role) -> &'static str {
         Role::Calibration => "--camera-info-topic",
         Role::Gps => "--gps-topic",
         Role::Twist => "--twist-topic",
-        Role::Imu => "--imu-topic",
+        Role::Imu | Role::Transforms => "--imu-topic",
     }
 }
 
@@ -210,6 +227,30 @@ mod tests {
         let wanted = Wanted { image: Some("/left".to_owned()), ..Wanted::default() };
         let error = Choice::of(&both, &wanted).unwrap_err().to_string();
         assert!(error.contains("\"/left\"") && error.contains("/rear/compressed"), "{error}");
+    }
+
+    #[test]
+    fn static_transforms_are_taken_beside_those_that_move() {
+        let transforms = ["/tf", "/tf_static"].map(|name| topic(name, "tf2_msgs/msg/TFMessage"));
+        let all = [topic("/image", "sensor_msgs/msg/Image"), transforms[0].clone(), transforms[1].clone()];
+        let choice = Choice::of(&all, &Wanted::default()).expect("pictures");
+        assert_eq!(choice.topic(Role::Transforms), Some("/tf_static"));
+        assert_eq!(choice.schema_of("/tf"), None);
+    }
+
+    #[test]
+    fn topics_of_rectified_pictures_are_told_by_their_names() {
+        for name in [
+            "/camera/image_rect/compressed",
+            "/left/image_rect_color",
+            "/front/rectified/image",
+            "image_rect",
+        ] {
+            assert!(is_rectified(name), "{name}");
+        }
+        for name in ["/camera/image_raw", "/direct/image", "/rectangle/image", "/front/rectifier_input"] {
+            assert!(!is_rectified(name), "{name}");
+        }
     }
 
     #[test]

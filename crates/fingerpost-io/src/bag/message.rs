@@ -4,9 +4,10 @@ use fingerpost_format::CameraInfo;
 use thiserror::Error;
 
 use super::cdr::CdrError;
+use super::frames::{self, Frames, StaticTransform};
 use super::picture::{Picture, PictureError};
 use super::schema::Schema;
-use super::{foxglove_messages, ros_messages};
+use super::{foxglove_messages, packed_message, ros_messages};
 
 /// A message's values and time.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,10 +27,12 @@ pub enum Content {
     Calibration(CameraInfo),
     /// A position; none where the receiver has none.
     Gps(Option<GpsPosition>),
-    /// Speed and yaw rate.
+    /// Speed and turn.
     Twist(Twist),
-    /// Yaw rate of an inertial unit, rad/s, positive to the left; none where it measures none.
-    YawRate(Option<f64>),
+    /// Turn of an inertial unit; none where it measures none.
+    Inertial(Option<Inertial>),
+    /// How frames sit on each other.
+    Transforms(Vec<StaticTransform>),
 }
 
 /// Where a GPS receiver is.
@@ -41,13 +44,71 @@ pub struct GpsPosition {
     pub lon_deg: f64,
 }
 
-/// How a vehicle moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How a vehicle moves, along the axes of a frame.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Twist {
+    /// Name of the frame; empty where the message names none.
+    pub frame_id: String,
+    /// Speed along its axes, m/s.
+    pub linear_mps: [f64; 3],
+    /// Turn about its axes, rad/s.
+    pub angular_rps: [f64; 3],
+}
+
+/// How a vehicle moves, in its own frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VehicleMotion {
     /// Speed forward, m/s.
     pub speed_mps: f64,
     /// Yaw rate, rad/s, positive to the left.
     pub yaw_rate_rps: f64,
+}
+
+/// A twist that does not say how the vehicle moves.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum TwistError {
+    /// Its axes are not the vehicle's.
+    #[error(
+        "a twist is along the axes of {frame_id:?}, which is on the ground; record the vehicle's odometry, or its twist in base_link"
+    )]
+    OnGround {
+        /// The frame.
+        frame_id: String,
+    },
+    /// It holds what is no number.
+    #[error("a speed or yaw rate is no number; its sender is at fault")]
+    NoNumber,
+}
+
+impl Twist {
+    /// How the vehicle moves, where `frames` describes the twist's frame or its name does.
+    ///
+    /// # Errors
+    /// [`TwistError`] when the frame is on the ground, or what it says is no number.
+    pub fn of_vehicle(&self, frames: &Frames) -> Result<VehicleMotion, TwistError> {
+        if frames::is_on_ground(&self.frame_id) {
+            return Err(TwistError::OnGround { frame_id: self.frame_id.clone() });
+        }
+        let axes = frames.axes(&self.frame_id);
+        let ([speed_mps, ..], [.., yaw_rate_rps]) =
+            (axes.in_vehicle(self.linear_mps), axes.in_vehicle(self.angular_rps));
+        if speed_mps.is_finite() && yaw_rate_rps.is_finite() {
+            Ok(VehicleMotion { speed_mps, yaw_rate_rps })
+        } else {
+            Err(TwistError::NoNumber)
+        }
+    }
+}
+
+/// What an inertial unit measures, along the axes of its frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inertial {
+    /// Name of the frame.
+    pub frame_id: String,
+    /// Turn about its axes, rad/s.
+    pub angular_rps: [f64; 3],
+    /// Acceleration against free fall along its axes, m/s²: upwards by gravity where it stands. None where it measures none.
+    pub acceleration_mps2: Option<[f64; 3]>,
 }
 
 /// A message that cannot be used.
@@ -66,6 +127,14 @@ pub enum MessageError {
     Protobuf {
         /// The schema's name.
         name: &'static str,
+        /// What the decoder says.
+        cause: String,
+    },
+    /// It is packed by itself, and cannot be unpacked.
+    #[error(
+        "a message is packed with Zstandard and cannot be unpacked ({cause}); unpack the bag with `ros2 bag convert`"
+    )]
+    Packed {
         /// What the decoder says.
         cause: String,
     },
@@ -90,6 +159,6 @@ pub enum MessageError {
 pub fn decode(schema: Schema, data: &[u8]) -> Result<Message, MessageError> {
     match schema.encoding() {
         "protobuf" => foxglove_messages::decode(schema, data),
-        _ => ros_messages::decode(schema, data),
+        _ => ros_messages::decode(schema, &packed_message::unpacked(data)?),
     }
 }

@@ -13,7 +13,7 @@ use super::topics::{Channel, MOST_NAMES_BYTES, Topics};
 use super::zstd_chunks::ZstdChunks;
 
 /// Bytes of the largest record, and of the largest chunk that is checked, packed and unpacked: a bare picture of 44 million pixels.
-const MOST_RECORD_BYTES: usize = 128 << 20;
+pub(super) const MOST_RECORD_BYTES: usize = 128 << 20;
 /// Bytes that are asked for at once, whatever a length in the stream says.
 const READ_BYTES: usize = 1 << 20;
 

@@ -3,7 +3,8 @@
 use fingerpost_format::CameraInfo;
 
 use super::cdr::{Cdr, CdrError};
-use super::message::{Content, GpsPosition, Message, MessageError, Twist};
+use super::frames::StaticTransform;
+use super::message::{Content, GpsPosition, Inertial, Message, MessageError, Twist};
 use super::picture::{Picture, PixelLayout};
 use super::schema::Schema;
 
@@ -14,9 +15,9 @@ const SECOND_NS: u64 = 1_000_000_000;
 pub(crate) fn decode(schema: Schema, data: &[u8]) -> Result<Message, MessageError> {
     let of_schema = |cause| MessageError::Cdr { name: schema.name(), cause };
     let mut cdr = Cdr::new(data).map_err(of_schema)?;
-    // Twist alone has no header.
-    let stamp_ns = match schema {
-        Schema::RosTwist => None,
+    // These have no header of their own.
+    let Header { stamp_ns, frame_id } = match schema {
+        Schema::RosTwist | Schema::RosTransforms => Header::default(),
         _ => header(&mut cdr).map_err(of_schema)?,
     };
     let content = match schema {
@@ -28,20 +29,28 @@ pub(crate) fn decode(schema: Schema, data: &[u8]) -> Result<Message, MessageErro
         ),
         Schema::RosCameraInfo => camera_info(&mut cdr, &of_schema)?,
         Schema::RosNavSatFix => nav_sat_fix(&mut cdr).map_err(of_schema)?,
-        Schema::RosImu => imu(&mut cdr).map_err(of_schema)?,
+        Schema::RosImu => imu(&mut cdr, frame_id).map_err(of_schema)?,
         Schema::RosOdometry => odometry(&mut cdr).map_err(of_schema)?,
-        _ => twist(&mut cdr).map_err(of_schema)?,
+        Schema::RosTransforms => transforms(&mut cdr).map_err(of_schema)?,
+        _ => twist(&mut cdr, frame_id).map_err(of_schema)?,
     };
     Ok(Message { stamp_ns, content })
 }
 
-/// `std_msgs/Header`: stamp and frame. A stamp of zero is none.
-fn header(cdr: &mut Cdr<'_>) -> Result<Option<u64>, CdrError> {
+/// `std_msgs/Header`.
+#[derive(Debug, Default)]
+struct Header<'a> {
+    /// None for a stamp of zero.
+    stamp_ns: Option<u64>,
+    frame_id: &'a str,
+}
+
+fn header<'a>(cdr: &mut Cdr<'a>) -> Result<Header<'a>, CdrError> {
     let (seconds, nanoseconds) = (cdr.i32()?, cdr.u32()?);
-    cdr.text()?;
+    let frame_id = cdr.text()?;
     let seconds = u64::try_from(seconds).unwrap_or_default();
     let stamp_ns = seconds.saturating_mul(SECOND_NS).saturating_add(u64::from(nanoseconds));
-    Ok((stamp_ns > 0).then_some(stamp_ns))
+    Ok(Header { stamp_ns: (stamp_ns > 0).then_some(stamp_ns), frame_id })
 }
 
 fn image(cdr: &mut Cdr<'_>, of_schema: &impl Fn(CdrError) -> MessageError) -> Result<Content, MessageError> {
@@ -97,25 +106,43 @@ fn nav_sat_fix(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
     Ok(Content::Gps((status >= 0).then_some(GpsPosition { lat_deg, lon_deg })))
 }
 
-fn imu(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
+fn imu(cdr: &mut Cdr<'_>, frame_id: &str) -> Result<Content, CdrError> {
     let _orientation: [f64; 4] = cdr.array()?;
     let _orientation_covariance: [f64; 9] = cdr.array()?;
-    let [_, _, yaw_rate_rps] = cdr.array()?;
-    let [first_covariance, ..]: [f64; 9] = cdr.array()?;
+    let angular_rps = cdr.array()?;
+    let turn_covariance: [f64; 9] = cdr.array()?;
+    let acceleration_mps2 = cdr.array()?;
+    let acceleration_covariance: [f64; 9] = cdr.array()?;
     // A first element of -1 says that there is no such measurement.
-    Ok(Content::YawRate((first_covariance >= 0.0).then_some(yaw_rate_rps)))
+    let is_measured = |[first, ..]: [f64; 9]| first >= 0.0;
+    let acceleration_mps2 = is_measured(acceleration_covariance).then_some(acceleration_mps2);
+    let inertial = Inertial { frame_id: frame_id.to_owned(), angular_rps, acceleration_mps2 };
+    Ok(Content::Inertial(is_measured(turn_covariance).then_some(inertial)))
 }
 
 /// `geometry_msgs/Twist`: linear, angular. What may follow is its covariance.
-fn twist(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
-    let [speed_mps, _, _, _, _, yaw_rate_rps] = cdr.array()?;
-    Ok(Content::Twist(Twist { speed_mps, yaw_rate_rps }))
+fn twist(cdr: &mut Cdr<'_>, frame_id: &str) -> Result<Content, CdrError> {
+    let (linear_mps, angular_rps) = (cdr.array()?, cdr.array()?);
+    Ok(Content::Twist(Twist { frame_id: frame_id.to_owned(), linear_mps, angular_rps }))
 }
 
 /// `nav_msgs/Odometry`: the child frame, in which the twist is, and the pose with its covariance come before it.
 fn odometry(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
-    cdr.text()?;
+    let child_frame_id = cdr.text()?;
     let _pose: [f64; 7] = cdr.array()?;
     let _covariance: [f64; 36] = cdr.array()?;
-    twist(cdr)
+    twist(cdr, child_frame_id)
+}
+
+/// `tf2_msgs/TFMessage`: as many `geometry_msgs/TransformStamped` as stands before them.
+fn transforms(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
+    let count = cdr.u32()?;
+    let mut transforms = Vec::new();
+    for _ in 0..count {
+        let parent = header(cdr)?.frame_id.to_owned();
+        let child = cdr.text()?.to_owned();
+        let _translation: [f64; 3] = cdr.array()?;
+        transforms.push(StaticTransform { parent, child, parent_from_child: cdr.array()? });
+    }
+    Ok(Content::Transforms(transforms))
 }

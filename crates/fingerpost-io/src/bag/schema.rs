@@ -21,6 +21,8 @@ pub enum Schema {
     RosTwistWithCovarianceStamped,
     /// `nav_msgs/msg/Odometry`
     RosOdometry,
+    /// `tf2_msgs/msg/TFMessage`
+    RosTransforms,
     /// `foxglove.RawImage`
     FoxgloveRawImage,
     /// `foxglove.CompressedImage`
@@ -44,11 +46,13 @@ pub enum Role {
     Twist,
     /// Yaw rate of an inertial unit.
     Imu,
+    /// How frames sit on each other.
+    Transforms,
 }
 
 impl Schema {
     /// Every message that is read.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::RosImage,
         Self::RosCompressedImage,
         Self::RosCameraInfo,
@@ -58,6 +62,7 @@ impl Schema {
         Self::RosTwistStamped,
         Self::RosTwistWithCovarianceStamped,
         Self::RosOdometry,
+        Self::RosTransforms,
         Self::FoxgloveRawImage,
         Self::FoxgloveCompressedImage,
         Self::FoxgloveCameraCalibration,
@@ -81,6 +86,7 @@ impl Schema {
             Self::RosTwistStamped => "geometry_msgs/msg/TwistStamped",
             Self::RosTwistWithCovarianceStamped => "geometry_msgs/msg/TwistWithCovarianceStamped",
             Self::RosOdometry => "nav_msgs/msg/Odometry",
+            Self::RosTransforms => "tf2_msgs/msg/TFMessage",
             Self::FoxgloveRawImage => "foxglove.RawImage",
             Self::FoxgloveCompressedImage => "foxglove.CompressedImage",
             Self::FoxgloveCameraCalibration => "foxglove.CameraCalibration",
@@ -113,6 +119,7 @@ impl Schema {
             | Self::RosTwistWithCovarianceStamped
             | Self::RosOdometry => Role::Twist,
             Self::RosImu => Role::Imu,
+            Self::RosTransforms => Role::Transforms,
         }
     }
 }

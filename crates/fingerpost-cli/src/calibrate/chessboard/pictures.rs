@@ -1,11 +1,11 @@
 //! The pictures of a board: which there are, their size, and the corners in each.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use fingerpost_io::{picture_paths, read_picture};
-use fingerpost_vision::chessboard::{BoardSize, find_chessboard};
+use fingerpost_vision::chessboard::{BoardSize, ChessboardError, find_chessboard};
 use fingerpost_vision::colour;
 use fingerpost_vision::picture::Plane;
 use rayon::prelude::*;
@@ -20,6 +20,29 @@ pub(super) struct Looked {
     pub(super) size: Option<(usize, usize)>,
     /// The board's corners, or why there are none.
     pub(super) corners: Result<Vec<[f64; 2]>, String>,
+    /// Inner corners along and across another board that is seen in the place of the one that is looked for.
+    pub(super) other_board: Option<(usize, usize)>,
+}
+
+/// Refuses pictures none of which shows the board, and some of which show another.
+pub(super) fn check_board(looked: &[Looked], board: BoardSize) -> Result<()> {
+    if looked.iter().any(|looked| looked.corners.is_ok()) {
+        return Ok(());
+    }
+    let mut counts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for other in looked.iter().filter_map(|looked| looked.other_board) {
+        *counts.entry(other).or_default() += 1;
+    }
+    let Some(((columns, rows), count)) = counts.into_iter().max_by_key(|(_, count)| *count) else {
+        return Ok(());
+    };
+    bail!(
+        "no picture shows a board of {}x{} inner corners; one of {columns}x{rows} is seen in {count} of {}; give --corners \
+         {columns}x{rows} if that is the board",
+        board.columns(),
+        board.rows(),
+        looked.len()
+    )
 }
 
 /// The pictures that are meant, folders replaced by what they hold, each file once: twice it would count as two views.
@@ -62,12 +85,17 @@ fn look_at(path: &Path, board: BoardSize) -> Looked {
     let name = path.display().to_string();
     let picture = match read_picture(path) {
         Ok(picture) => picture,
-        Err(cause) => return Looked { name, size: None, corners: Err(cause.to_string()) },
+        Err(cause) => return Looked { name, size: None, corners: Err(cause.to_string()), other_board: None },
     };
     let (width, height) = picture.size();
     let mut grey = Plane::new(width, height, 0);
-    let corners = colour::grey(&picture, &mut grey).map_err(|cause| cause.to_string());
-    let corners =
-        corners.and_then(|()| find_chessboard(grey.view(), board).map_err(|cause| cause.to_string()));
-    Looked { name, size: Some((width, height)), corners }
+    let grey = colour::grey(&picture, &mut grey).map_err(ChessboardError::from).map(|()| grey);
+    let corners = grey.and_then(|grey| find_chessboard(grey.view(), board));
+    let other_board = corners.as_ref().err().and_then(ChessboardError::other_board);
+    Looked {
+        name,
+        size: Some((width, height)),
+        corners: corners.map_err(|cause| cause.to_string()),
+        other_board,
+    }
 }
