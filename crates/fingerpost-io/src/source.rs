@@ -43,9 +43,7 @@ pub struct SourceOptions {
 #[derive(Debug, Error)]
 pub enum SourceError {
     /// There is nothing of that name.
-    #[error(
-        "there is no {input}; give a folder of pictures, a video file, an address (rtsp://...) or a camera (/dev/video0)"
-    )]
+    #[error("there is no {input}; {}", hint(.input))]
     NotFound {
         /// The input as it was given.
         input: String,
@@ -291,6 +289,21 @@ impl Iterator for FrameSource {
             }
         }
     }
+}
+
+/// What was meant, as far as the name of an input that is not there shows it.
+fn hint(input: &str) -> String {
+    if !input.is_empty() && input.bytes().all(|byte| byte.is_ascii_digit()) {
+        return format!("a camera is given by its device: /dev/video{input}");
+    }
+    if input.starts_with("/dev/") {
+        return "see with `ls /dev/video*` which cameras there are, and that this one is plugged in"
+            .to_owned();
+    }
+    if input.contains(['*', '?', '[', '%']) {
+        return "an input is one name, and patterns of names are not filled in: give the folder that holds the pictures".to_owned();
+    }
+    "give a folder of pictures, a video file, an address (rtsp://...) or a camera (/dev/video0)".to_owned()
 }
 
 /// Mean rate of a list of times that begins at zero; none where no time passes.
