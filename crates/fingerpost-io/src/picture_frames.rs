@@ -21,6 +21,9 @@ pub(crate) struct PictureFrames {
     times_s: Vec<f64>,
 }
 
+/// What became of a picture file.
+type DecodedFile = Decoded<Result<RgbImage, PictureFileError>>;
+
 /// Some of the pictures of a folder.
 #[derive(Debug)]
 struct PictureFiles(std::vec::IntoIter<PathBuf>);
@@ -63,7 +66,7 @@ impl PictureFrames {
     }
 
     /// The next picture that is used, with its index and time.
-    pub(crate) fn next(&mut self) -> Option<(u64, f64, Decoded<Result<RgbImage, PictureFileError>>)> {
+    pub(crate) fn next(&mut self) -> Option<(u64, f64, DecodedFile)> {
         let decoded = self.pictures.next()?;
         let index = *self.used.get(self.taken)?;
         self.taken += 1;
