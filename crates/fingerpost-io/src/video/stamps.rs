@@ -114,6 +114,7 @@ impl StampClock {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "times of a constant rate are to be those of its index")]
 mod tests {
     use super::*;
 
