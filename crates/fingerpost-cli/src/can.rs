@@ -8,7 +8,7 @@ use clap::Args;
 use fingerpost_io::{SignalLog, SignalSample, write_file};
 use serde::Serialize;
 
-use crate::can_signals::{CanSignals, Meaning};
+use crate::can_signals::{CanSignals, Meaning, say_what_is_missing};
 use crate::examples::examples;
 use crate::output_path::FileKind;
 use crate::{inputs, output, output_path};
@@ -79,6 +79,7 @@ pub(crate) fn can(args: &CanArgs) -> Result<()> {
             "{quantity} ({signal}): {samples} samples, {samples_per_s:.1} a second, {range}"
         ));
     }
+    say_what_is_missing(&args.log, &signals.layouts, &log);
     if let Some(out) = &args.out {
         write_csv(out, &signals, &log, config.time_offset_s)?;
     }

@@ -6,11 +6,16 @@ use anyhow::{Context, Result, bail};
 use fingerpost::vehicle_signals::{CanConfig, Sample, SignalValue, TurnSignal, VehicleSamples};
 use fingerpost_io::{CanDatabase, SignalLayout, SignalLog, SignalSample};
 
+use crate::output;
+
 /// What stands before the name of an interface in place of a log.
 const BUS: &str = "socketcan:";
 
 /// How far a value may be from the one that a turn signal is configured to have: values are whole numbers times a factor.
 const SAME_VALUE: f64 = 1e-6;
+
+/// Identifiers that a message lists.
+const MOST_NAMED: usize = 12;
 
 /// What a signal says of the vehicle.
 #[derive(Debug, Clone, Copy)]
@@ -174,6 +179,40 @@ impl CanFeed {
     }
 }
 
+/// The identifiers and interfaces of a log, for who looks for others.
+fn what_came(log: &SignalLog, layouts: &[SignalLayout]) -> String {
+    let mut wanted: Vec<String> = layouts.iter().map(|layout| layout.message.to_string()).collect();
+    wanted.dedup();
+    let ids: Vec<String> = log.came.iter().take(MOST_NAMED).map(ToString::to_string).collect();
+    let more = log.came.len().saturating_sub(MOST_NAMED);
+    let more = if more > 0 { format!(" and {more} others") } else { String::new() };
+    let interfaces = log.interfaces.iter().cloned().collect::<Vec<_>>().join(", ");
+    let came = if ids.is_empty() { "none".to_owned() } else { ids.join(", ") };
+    format!(
+        "identifiers {} never came with it; these did: {came}{more}, of the interfaces {interfaces}",
+        wanted.join(", ")
+    )
+}
+
+/// Says which signals of a log never came, and which several senders say.
+pub(crate) fn say_what_is_missing(path: &Path, layouts: &[SignalLayout], log: &SignalLog) {
+    for ((layout, samples), senders) in layouts.iter().zip(&log.samples).zip(&log.senders) {
+        if samples.is_empty() {
+            let what = what_came(log, std::slice::from_ref(layout));
+            output::message(&format!("{}: no frame has {}; {what}", path.display(), layout.name));
+        }
+        if senders.len() > 1 {
+            let senders: Vec<String> = senders.iter().take(MOST_NAMED).map(ToString::to_string).collect();
+            output::message(&format!(
+                "{}: {} comes from several senders, {}, and is taken from all of them",
+                path.display(),
+                layout.name,
+                senders.join(", ")
+            ));
+        }
+    }
+}
+
 /// The signals of a log.
 #[derive(Debug)]
 pub(crate) struct LogFeed {
@@ -191,11 +230,13 @@ impl LogFeed {
         if log.samples.iter().all(Vec::is_empty) {
             let names: Vec<&str> = signals.layouts.iter().map(|layout| layout.name.as_str()).collect();
             bail!(
-                "{} has no frame with {}; see can.interface of the configuration and whether the DBC file is this vehicle's",
+                "{} has no frame with {}; {}; see can.interface of the configuration and whether the DBC file is this vehicle's",
                 path.display(),
-                names.join(", ")
+                names.join(", "),
+                what_came(&log, &signals.layouts)
             );
         }
+        say_what_is_missing(path, &signals.layouts, &log);
         for (layout, samples) in signals.layouts.iter().zip(&log.samples) {
             log::info!("{}: {} samples of {}", path.display(), samples.len(), layout.name);
         }

@@ -48,6 +48,19 @@ impl GpsFeed {
         }
     }
 
+    /// That none of a track's positions belonged to a frame, where that is so: a sentence.
+    pub(crate) fn unused(&self) -> Option<String> {
+        let Self::Track(GpsTrack { is_used: false, positions, .. }) = self else { return None };
+        let (first, last) = positions.first().zip(positions.last())?;
+        Some(format!(
+            "none of the {} GPS positions was used: they were taken {:.0} to {:.0} s after the first frame, and none within a second of \
+             a frame; give the track of this drive",
+            positions.len(),
+            first.0,
+            last.0
+        ))
+    }
+
     /// All positions that are known beforehand.
     pub(crate) fn positions(&self) -> impl Iterator<Item = LatLon> {
         let track = if let Self::Track(track) = self { Some(track) } else { None };
@@ -68,7 +81,11 @@ impl GpsFeed {
 pub(crate) struct GpsTrack {
     clock: Clock,
     positions: Vec<(f64, LatLon)>,
+    /// Positions that were passed over because another place has their time.
+    at_one_time: usize,
     next: usize,
+    /// Whether one of them has been given to a frame.
+    is_used: bool,
 }
 
 impl GpsTrack {
@@ -83,6 +100,29 @@ impl GpsTrack {
                 "{} has no times, which say to which frames its positions belong; export it with times",
                 path.display()
             );
+        }
+        let at_one_time = track.at_one_time;
+        if at_one_time > 0 && track.positions.len() == 1 {
+            bail!(
+                "{} has no times that tell its positions apart: all {} of them are of one moment; export it with the time of each, or \
+                 leave --gps out",
+                path.display(),
+                at_one_time + 1
+            );
+        }
+        if at_one_time > 0 {
+            output::message(&format!(
+                "{}: {at_one_time} positions are passed over, which have the time of another place before them",
+                path.display()
+            ));
+        }
+        let first_timed = points.iter().position(|point| point.time_s.is_some()).unwrap_or_default();
+        if first_timed > 0 && track.clock == Clock::Own {
+            output::message(&format!(
+                "{}: its first {first_timed} positions have no time; position {} is taken to belong to the first frame",
+                path.display(),
+                first_timed + 1
+            ));
         }
         if let Some((first, count)) = passed_over {
             output::message(&format!(
@@ -111,7 +151,14 @@ impl GpsTrack {
         let first_s = positions.first().filter(|_| clock == Clock::Own).map_or(0.0, |(t_s, _)| *t_s);
         positions.iter_mut().for_each(|(t_s, _)| *t_s -= first_s);
         positions.sort_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s));
-        (Self { clock, positions, next: 0 }, first_other.map(|first| (first, others)))
+        let mut at_one_time = 0;
+        positions.dedup_by(|(later_s, later), (earlier_s, earlier)| {
+            let same_time = later_s == earlier_s;
+            at_one_time += usize::from(same_time && later != earlier);
+            same_time
+        });
+        let track = Self { clock, positions, at_one_time, ..Self::default() };
+        (track, first_other.map(|first| (first, others)))
     }
 
     /// All positions, in the order of their times.
@@ -135,8 +182,10 @@ impl GpsTrack {
         let near = off_s(nearest).is_some_and(|off_s| off_s <= NEAR_S);
         // A position that is still to come may lie nearer to the next frame; it is used as soon as it has been passed.
         let taken = self.positions.get(nearest).filter(|(time_s, _)| near && *time_s <= t_s)?;
+        let at = taken.1;
         self.next = nearest + 1;
-        Some(taken.1)
+        self.is_used = true;
+        Some(at)
     }
 }
 
@@ -188,6 +237,28 @@ mod tests {
         };
         assert_eq!(times_s(0.0), [7.0, 17.0, 27.0]);
         assert_eq!(times_s(1.7e9), [0.0, 10.0, 20.0]);
+    }
+
+    #[test]
+    fn of_several_places_at_one_time_the_first_counts() {
+        let place = |north: f64| LatLon::new(48.0 + north, 8.0).unwrap();
+        let (stuck, _) = GpsTrack::of((0..60).map(|i| (1.7e9, place(0.001 * f64::from(i)))).collect());
+        assert_eq!((stuck.positions.len(), stuck.at_one_time), (1, 59));
+        let (still, _) = GpsTrack::of(vec![(1.7e9, place(0.0)); 60]);
+        assert_eq!((still.positions.len(), still.at_one_time), (1, 0), "one place said several times");
+        let timed =
+            [(0.0, 0.0), (1.0, 0.1), (1.0, 0.2), (2.0, 0.3)].map(|(t_s, north)| (1.7e9 + t_s, place(north)));
+        let (track, _) = GpsTrack::of(timed.to_vec());
+        assert_eq!(track.positions.iter().map(|(_, at)| *at).collect::<Vec<_>>(), [0.0, 0.1, 0.3].map(place));
+    }
+
+    #[test]
+    fn a_track_of_another_time_is_named() {
+        let mut feed = GpsFeed::Track(track(&[7200.0, 7201.0]));
+        assert!((0..50).all(|i| feed.at(0.1 * f64::from(i)).is_none()));
+        assert!(feed.unused().is_some_and(|said| said.contains("7200 to 7201 s after the first frame")));
+        let mut feed = GpsFeed::Track(track(&[0.0, 1.0]));
+        assert!(feed.at(0.0).is_some() && feed.unused().is_none());
     }
 
     #[test]

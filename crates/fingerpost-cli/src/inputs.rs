@@ -6,12 +6,43 @@ use anyhow::{Context, Result};
 use fingerpost::Config;
 use fingerpost_format::{ReadCamera, TruthRecord};
 use fingerpost_geometry::Camera;
-use fingerpost_io::{FfmpegPrograms, read_camera, read_truth};
+use fingerpost_io::{
+    FfmpegPrograms, FrameClock, FrameSource, SourceOptions, StampFaults, read_camera, read_truth,
+};
 use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
 use log::{Level, log_enabled};
 
 use crate::arguments::InputLimit;
 use crate::{facts, output};
+
+/// The frames of an input; what their times are guessed from is said.
+pub(crate) fn frames(input: &str, options: &SourceOptions) -> Result<FrameSource> {
+    let source = FrameSource::open(input, options)?;
+    let fps = source.unsampled_fps();
+    match source.clock() {
+        FrameClock::Guessed => output::message(&format!(
+            "{input} does not say when its frames were taken, nor at which rate: {fps} a second is a guess, and speeds go wrong with it; \
+             give the rate (--fps)"
+        )),
+        FrameClock::Names => output::message(&format!(
+            "{input}: the pictures are named by numbers that are taken as times, {fps:.3} a second; give the rate (--fps) or a times.txt \
+             where they are not"
+        )),
+        FrameClock::Own | FrameClock::Given | FrameClock::Stated => {}
+    }
+    Ok(source)
+}
+
+/// Says which stamps of a video are no times.
+pub(crate) fn say_stamp_faults(input: &str, faults: StampFaults) {
+    let StampFaults { back, repeated, missing, first } = faults;
+    if let Some(first) = first {
+        output::message(&format!(
+            "{input}: {back} of its frames are stamped before the frame before them, {repeated} with the same time, and {missing} not at \
+             all, frame {first} first; their times are made to go on; give the rate (--fps) where it is constant"
+        ));
+    }
+}
 
 /// A camera's calibration; what must be known of how it was understood is said.
 pub(crate) fn camera(path: &Path) -> Result<Camera> {
@@ -52,11 +83,18 @@ pub(crate) fn roads_of(osm: &OsmData, path: &Path) -> Result<RoadGraph> {
 pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>> {
     let bytes = fingerpost_io::read_bytes_within(path, limit.bytes() as u64)?;
     let log = parse_gps_log_within(&bytes, limit.bytes()).with_context(|| path.display().to_string())?;
-    if log.damaged > 0 {
+    if let Some(first) = &log.damaged.first {
         output::message(&format!(
-            "{}: {} of its reports of position are damaged and passed over",
+            "{}: {} of its reports of position or time cannot be read and are passed over, {first}",
             path.display(),
-            log.damaged
+            log.damaged.count
+        ));
+    }
+    if log.unchecked > 0 {
+        output::message(&format!(
+            "{}: {} of its sentences are believed without a checksum, which would show that they are damaged",
+            path.display(),
+            log.unchecked
         ));
     }
     log::info!("{}: {} GPS positions", path.display(), log.points.len());

@@ -52,6 +52,7 @@ mod start_check;
 #[cfg(unix)]
 mod tether;
 mod tune;
+mod usage_hints;
 mod verbosity;
 mod version;
 
@@ -125,9 +126,22 @@ impl Command {
     }
 }
 
+/// Says why arguments are refused, or what was asked for: help and version are errors of the parser too.
+fn refuse(refused: &clap::Error) -> ExitCode {
+    // Nobody may be left who reads it.
+    let _ = refused.print();
+    if let Some(hint) = usage_hints::hint(refused, std::env::args().skip(1)) {
+        output::line(hint);
+    }
+    ExitCode::from(u8::try_from(refused.exit_code()).unwrap_or(u8::MAX))
+}
+
 fn main() -> ExitCode {
     let started = Instant::now();
-    let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = Cli::parse();
+    let Cli { timeout_s: WaitingTime(longest_wait), verbosity, command } = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(refused) => return refuse(&refused),
+    };
     // A filter that cannot be used would be taken for a complaint of that program.
     let filter = if command.is_tether() { None } else { verbosity::of_environment() };
     verbosity.begin(filter.as_deref());

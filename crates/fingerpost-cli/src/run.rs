@@ -98,7 +98,8 @@ pub(crate) struct RunArgs {
     /// Stop after so many frames that are used.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate; 0.01 to 1000.
+    /// Frames a second, 0.01 to 1000: of pictures without times.txt (else the times in their names, or 10 as a guess), and of a video in
+    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it.
     #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// The pictures have nothing to do with each other: each is taken as a drive's first frame.
@@ -224,7 +225,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         decoder: args.decoder(),
         programs: programs.clone(),
     };
-    let mut source = FrameSource::open(&args.input, &options)?;
+    let mut source = inputs::frames(&args.input, &options)?;
     let camera = match source.picture_size() {
         Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
         None => camera,
@@ -407,6 +408,10 @@ impl RecordedDrive {
             output::error(&format!("the results are incomplete: {}", output::cause_chain(error)));
         }
         say_what_was_dropped(&args.input, dropped);
+        inputs::say_stamp_faults(&args.input, self.source.stamp_faults());
+        if let Some(unused) = self.gps.as_ref().and_then(GpsFeed::unused).filter(|_| frames > 0) {
+            output::message(&unused);
+        }
         if let Some(failure) = failure {
             return Err(failure.context(format!(
                 "the run ended after {frames} frames; results so far are in {}",

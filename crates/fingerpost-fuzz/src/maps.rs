@@ -99,7 +99,7 @@ fn tiny_block() -> Vec<u8> {
 /// A track's times are finite.
 pub(crate) fn gpx(bytes: &[u8]) -> bool {
     if let Ok(text) = str::from_utf8(bytes)
-        && let Ok(points) = parse_gpx(text)
+        && let Ok(points) = parse_gpx(text).map(|track| track.points)
     {
         assert!(!points.is_empty());
         assert!(points.iter().filter_map(|point| point.time_s).all(f64::is_finite));

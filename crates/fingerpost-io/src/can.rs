@@ -8,6 +8,7 @@ mod bits;
 mod candump;
 mod database;
 mod frame;
+mod j1939;
 mod layout;
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 mod listener;

@@ -4,6 +4,7 @@ use std::{
     fs::{self, File},
     io::{self, ErrorKind, Read},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use thiserror::Error;
@@ -160,6 +161,11 @@ impl InputFile {
         }
         let file = options.read(true).open(path).map_err(FileError::reading(path))?;
         Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
+    }
+
+    /// How long it may give nothing, where it is a pipe or a device.
+    pub(crate) fn longest_wait(&self) -> Option<Duration> {
+        self.patience.as_ref().map(Patience::longest)
     }
 
     /// The program's standard input.

@@ -18,16 +18,19 @@ mod ffmpeg;
 mod file;
 mod folder_kind;
 mod folder_lock;
+mod frame_clock;
 mod input_digest;
 mod json_lines;
 mod kept_inputs;
 mod latest;
 mod line_listener;
 mod lockstep;
+mod numbered_names;
 mod output_folder;
 mod periodic_sync;
 mod picture_file;
 mod picture_folder;
+mod picture_frames;
 mod private;
 mod run_folder;
 mod sampling;
@@ -60,6 +63,7 @@ pub use folder_kind::{
     PLAN_FILE,
 };
 pub use folder_lock::FolderLockError;
+pub use frame_clock::FrameClock;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
@@ -84,7 +88,7 @@ pub use tether::TETHER_ARGUMENT;
 #[cfg(unix)]
 pub use tether::become_tethered;
 pub use tuning_folder::{TuningFolder, TuningFolderError};
-pub use video::{Liveness, VideoDecoder};
+pub use video::{Liveness, StampFaults, VideoDecoder};
 pub use video_writer::VideoWriter;
 pub use waiting::{DEFAULT_LONGEST_WAIT, set_longest_wait};
 pub use whole_file::{remove_abandoned, write_file, write_private_file};

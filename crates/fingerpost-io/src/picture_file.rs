@@ -1,8 +1,9 @@
 //! Pictures in files: PNG, JPEG and binary portable pixmaps (PPM) in and out.
 //!
 //! Everything becomes 8-bit red, green and blue: grey is repeated, 16 bits are reduced to their upper 8, palettes are
-//! looked up, transparency is left out.
+//! looked up, transparency is left out. A picture whose Exif data say that it lies on its side or its head is turned upright.
 
+mod orientation;
 mod pixmap;
 
 use std::{
@@ -20,6 +21,7 @@ use zune_jpeg::{
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
 };
 
+use self::orientation::Orientation;
 use crate::{
     file::{FileError, read_bytes},
     whole_file::write_private_file,
@@ -78,7 +80,7 @@ pub enum PictureFileError {
     },
 }
 
-/// Reads a PNG, JPEG or binary PPM file; its first bytes, not its name, decide which it is.
+/// Reads a PNG, JPEG or binary PPM file, upright; its first bytes, not its name, decide which it is.
 ///
 /// # Errors
 /// [`PictureFileError`] when the file cannot be read, is of another kind, truncated or damaged.
@@ -264,6 +266,10 @@ fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     buffer.clear();
     buffer.resize(width * height * colour.samples(), 0);
     reader.next_frame(&mut buffer).map_err(|cause| cause.to_string())?;
+    // Exif data may stand behind the pixels, where faults cost none of them.
+    let _ = reader.finish();
+    let orientation =
+        reader.info().exif_metadata.as_deref().map_or(Orientation::TopLeft, Orientation::of_exif);
     let rgb = match colour {
         png::ColorType::Rgb => buffer,
         png::ColorType::Rgba => drop_last_channel(&buffer),
@@ -273,7 +279,8 @@ fn decode_png(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
         }
         png::ColorType::Indexed => return Err("its palette cannot be looked up".to_owned()),
     };
-    RgbImage::from_vec(width, height, rgb).map_err(|cause| cause.to_string())
+    let stored = RgbImage::from_vec(width, height, rgb).map_err(|cause| cause.to_string())?;
+    Ok(orientation.upright(stored))
 }
 
 fn drop_last_channel(rgba: &[u8]) -> Vec<u8> {
@@ -295,5 +302,7 @@ fn decode_jpeg(bytes: &[u8], mut buffer: Vec<u8>) -> Result<RgbImage, String> {
     buffer.clear();
     buffer.resize(width * height * RgbImage::CHANNELS, 0);
     decoder.decode_into(&mut buffer).map_err(|cause| cause.to_string())?;
-    RgbImage::from_vec(width, height, buffer).map_err(|cause| cause.to_string())
+    let orientation = decoder.exif().map_or(Orientation::TopLeft, |exif| Orientation::of_exif(exif));
+    let stored = RgbImage::from_vec(width, height, buffer).map_err(|cause| cause.to_string())?;
+    Ok(orientation.upright(stored))
 }

@@ -10,6 +10,7 @@ use fingerpost_format::{TimesError, parse_times};
 use thiserror::Error;
 
 use crate::file::{FileError, read_text};
+use crate::numbered_names::NumberedNames;
 
 /// Name of the file of times.
 pub(crate) const TIMES_FILE: &str = "times.txt";
@@ -56,10 +57,21 @@ pub enum PictureFolderError {
 /// The pictures of a drive in their order, with their times.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PictureFolder {
-    /// Picture files in natural order of their names.
+    /// Picture files in the order of their names.
     pub(crate) paths: Vec<PathBuf>,
-    /// Seconds since the first picture, one for each; none where there is no file of times.
-    pub(crate) times_s: Option<Vec<f64>>,
+    /// When they were taken.
+    pub(crate) times: PictureTimes,
+}
+
+/// Times of a folder's pictures, seconds since the first, one for each.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum PictureTimes {
+    /// Those of a file of times.
+    File(Vec<f64>),
+    /// Those that the pictures are named by.
+    Names(Vec<f64>),
+    /// Nothing says them.
+    None,
 }
 
 impl PictureFolder {
@@ -80,12 +92,16 @@ impl PictureFolder {
             return Err(PictureFolderError::NoPictures { path: folder.to_owned() });
         }
         let times_file = times_files.into_iter().find(|path| path.exists());
-        let times_s = times_file.map(|path| read_times(&path, paths.len())).transpose()?;
-        Ok(Self { paths, times_s })
+        let times = match times_file {
+            Some(path) => PictureTimes::File(read_times(&path, paths.len())?),
+            None => times_in_names(&paths).map_or(PictureTimes::None, PictureTimes::Names),
+        };
+        Ok(Self { paths, times })
     }
 }
 
-/// The picture files of a folder (.png, .jpg, .jpeg, .ppm), or of the folder `frames` in it, in natural order of their names.
+/// The picture files of a folder (.png, .jpg, .jpeg, .ppm), or of the folder `frames` in it, in the order of their names: decimal
+/// numbers by their values, all else in natural order.
 ///
 /// # Errors
 /// [`PictureFolderError`] when the folder or its times cannot be read, or it holds no picture.
@@ -93,7 +109,7 @@ pub fn picture_paths(folder: &Path) -> Result<Vec<PathBuf>, PictureFolderError> 
     Ok(PictureFolder::open(folder)?.paths)
 }
 
-/// The picture files of one folder, in natural order of their names.
+/// The picture files of one folder, in the order of their names.
 pub(crate) fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     files_ending_in(folder, &PICTURE_ENDINGS)
 }
@@ -120,7 +136,21 @@ fn files_ending_in(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, File
         }
     }
     named.sort_by(|(a, _), (b, _)| natural_order(a, b));
-    Ok(named.into_iter().map(|(_, path)| path).collect())
+    let paths: Vec<PathBuf> = named.into_iter().map(|(_, path)| path).collect();
+    let Some(NumberedNames(numbers)) = numbers_in_names(&paths) else { return Ok(paths) };
+    let mut numbered: Vec<(i128, PathBuf)> = numbers.into_iter().zip(paths).collect();
+    numbered.sort_by_key(|(number, _)| *number);
+    Ok(numbered.into_iter().map(|(_, path)| path).collect())
+}
+
+fn numbers_in_names(paths: &[PathBuf]) -> Option<NumberedNames> {
+    let stems: Option<Vec<&str>> = paths.iter().map(|path| path.file_stem()?.to_str()).collect();
+    NumberedNames::of(&stems?)
+}
+
+/// The times that pictures are named by, where they are.
+fn times_in_names(paths: &[PathBuf]) -> Option<Vec<f64>> {
+    numbers_in_names(paths)?.times_s()
 }
 
 fn read_times(path: &Path, pictures: usize) -> Result<Vec<f64>, PictureFolderError> {

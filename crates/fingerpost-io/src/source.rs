@@ -1,22 +1,19 @@
 //! The frames of a drive, one after the other, wherever they come from.
 
-use std::{
-    collections::VecDeque,
-    num::NonZeroUsize,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{collections::VecDeque, num::NonZeroUsize, path::Path, time::Duration};
 
 use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
 
 use crate::{
-    decoders::{Decode, Decoded, Decoders, threads_of_machine},
+    decoders::{Decoded, threads_of_machine},
     ffmpeg::{FfmpegPrograms, VideoError},
-    picture_file::{PictureFileError, read_picture_into},
-    picture_folder::{PictureFolder, PictureFolderError},
+    frame_clock::{FrameClock, VideoClock},
+    picture_file::PictureFileError,
+    picture_folder::{PictureFolder, PictureFolderError, PictureTimes},
+    picture_frames::PictureFrames,
     sampling::{Sampler, Sampling},
-    video::{Liveness, Pace, Video, VideoDecoder, VideoPicture},
+    video::{Liveness, Pace, StampClock, StampFaults, Timing, Video, VideoDecoder, VideoPicture},
 };
 
 /// Frame rate of a folder of pictures without times, where none is given: that of many recorded drives.
@@ -25,7 +22,8 @@ pub const DEFAULT_PICTURE_FPS: f64 = 10.0;
 /// How to read an input.
 #[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
-    /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`] or the video's own rate; a `times.txt` goes before it.
+    /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`], times in the names of pictures, or a video's own times; a `times.txt` goes
+    /// before it.
     pub fps: Option<f64>,
     /// Which frames are used. Pictures of a folder that are not are never opened.
     pub sampling: Sampling,
@@ -45,9 +43,7 @@ pub struct SourceOptions {
 #[derive(Debug, Error)]
 pub enum SourceError {
     /// There is nothing of that name.
-    #[error(
-        "there is no {input}; give a folder of pictures, a video file, an address (rtsp://...) or a camera (/dev/video0)"
-    )]
+    #[error("there is no {input}; {}", hint(.input))]
     NotFound {
         /// The input as it was given.
         input: String,
@@ -100,6 +96,7 @@ pub struct Frame {
 pub struct FrameSource {
     input: Input,
     fps: f64,
+    clock: FrameClock,
     sampling: Sampling,
     /// Whether the input is under way.
     is_live: bool,
@@ -121,29 +118,7 @@ pub enum FrameDecoder {
 #[derive(Debug)]
 enum Input {
     Pictures(PictureFrames),
-    Video { video: Video, next_index: u64, sampler: Sampler },
-}
-
-/// The pictures of a folder.
-#[derive(Debug)]
-struct PictureFrames {
-    pictures: Decoders<PictureFiles>,
-    /// Indices of those that are used, and how many of them have been taken.
-    used: Vec<u64>,
-    taken: usize,
-    times_s: Option<Vec<f64>>,
-}
-
-/// Some of the pictures of a folder.
-#[derive(Debug)]
-struct PictureFiles(std::vec::IntoIter<PathBuf>);
-
-impl Decode for PictureFiles {
-    type Picture = Result<RgbImage, PictureFileError>;
-
-    fn decode(&mut self, buffer: Vec<u8>) -> Option<Self::Picture> {
-        self.0.next().map(|path| read_picture_into(&path, buffer))
-    }
+    Video { video: Video, next_index: u64, sampler: Sampler, clock: VideoClock },
 }
 
 impl FrameSource {
@@ -162,12 +137,20 @@ impl FrameSource {
         }
         let path = Path::new(input);
         if path.is_dir() {
-            let folder = PictureFolder::open(path)?;
-            let mean_fps = folder.times_s.as_deref().and_then(mean_rate);
+            let PictureFolder { paths, times } = PictureFolder::open(path)?;
+            let (clock, times_s) = match (times, options.fps) {
+                (PictureTimes::File(times_s), _) => (FrameClock::Own, Some(times_s)),
+                (_, Some(_)) => (FrameClock::Given, None),
+                (PictureTimes::Names(times_s), None) => (FrameClock::Names, Some(times_s)),
+                (PictureTimes::None, None) => (FrameClock::Guessed, None),
+            };
+            let mean_fps = times_s.as_deref().and_then(mean_rate);
             let fps = mean_fps.or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
+            let times_s =
+                times_s.unwrap_or_else(|| (0..paths.len()).map(|index| index as f64 / fps).collect());
             let threads = options.threads.unwrap_or_else(threads_of_machine);
-            let input = Input::Pictures(PictureFrames::new(folder, fps, sampling, threads));
-            Ok(Self { input, fps, sampling, is_live: false, ahead: VecDeque::new() })
+            let input = Input::Pictures(PictureFrames::new(paths, times_s, sampling, threads));
+            Ok(Self { input, fps, clock, sampling, is_live: false, ahead: VecDeque::new() })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
             let video = Video::open(input, &options.programs, options.threads, pace, options.decoder)?;
@@ -175,8 +158,19 @@ impl FrameSource {
             // What comes of a live input has been chosen already.
             let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
             let is_live = pace != Pace::Waits;
-            let input = Input::Video { video, next_index: 0, sampler };
-            Ok(Self { input, fps, sampling, is_live, ahead: VecDeque::new() })
+            let (clock, video_clock) = match (video.timing(), options.fps) {
+                (timing, None) if !is_live => match timing {
+                    Timing::Stamps { tick_s } => {
+                        (FrameClock::Own, VideoClock::Stamps(StampClock::new(fps, tick_s)))
+                    }
+                    Timing::StatedRate => (FrameClock::Stated, VideoClock::Rate(fps)),
+                    Timing::GuessedRate => (FrameClock::Guessed, VideoClock::Rate(fps)),
+                },
+                (_, Some(_)) if !is_live => (FrameClock::Given, VideoClock::Rate(fps)),
+                _ => (FrameClock::Own, VideoClock::Rate(fps)),
+            };
+            let input = Input::Video { video, next_index: 0, sampler, clock: video_clock };
+            Ok(Self { input, fps, clock, sampling, is_live, ahead: VecDeque::new() })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }
@@ -203,7 +197,7 @@ impl FrameSource {
     /// Number of frames that are used; none for live inputs and videos that do not say. A video may turn out to hold fewer.
     pub fn length(&self) -> Option<u64> {
         match &self.input {
-            Input::Pictures(frames) => Some(frames.used.len() as u64),
+            Input::Pictures(frames) => Some(frames.used()),
             Input::Video { video, .. } => Some(self.sampling.count(video.length()?, self.fps)),
         }
     }
@@ -212,7 +206,7 @@ impl FrameSource {
     /// states where they are fewer or nothing else is known.
     pub fn expected_length(&self) -> Option<u64> {
         match &self.input {
-            Input::Pictures(frames) => Some(frames.used.len() as u64),
+            Input::Pictures(frames) => Some(frames.used()),
             Input::Video { video, .. } => Some(self.sampling.count(video.expected_length()?, self.fps)),
         }
     }
@@ -246,44 +240,38 @@ impl FrameSource {
         self.sampling.rate(self.fps)
     }
 
-    /// Time of the frame with that index, seconds since the first.
-    pub fn time_s(&self, index: u64) -> f64 {
-        let listed = match &self.input {
-            Input::Pictures(frames) => frames.listed_time_s(index),
+    /// Frames a second that come, used or not; the mean where every frame has its own time.
+    pub fn unsampled_fps(&self) -> f64 {
+        self.fps
+    }
+
+    /// What the times of frames are from.
+    pub fn clock(&self) -> FrameClock {
+        self.clock
+    }
+
+    /// What was wrong so far with the stamps that times are from.
+    pub fn stamp_faults(&self) -> StampFaults {
+        match &self.input {
+            Input::Video { clock: VideoClock::Stamps(clock), .. } => clock.faults(),
+            Input::Video { .. } | Input::Pictures(_) => StampFaults::default(),
+        }
+    }
+
+    /// Times of a folder's pictures, seconds since the first; none of a video, whose frames say theirs as they come.
+    pub fn picture_times_s(&self) -> Option<&[f64]> {
+        match &self.input {
+            Input::Pictures(frames) => Some(frames.times_s()),
             Input::Video { .. } => None,
-        };
-        listed.unwrap_or(index as f64 / self.fps)
+        }
     }
 
     /// Takes back a picture that is no longer needed; its memory serves a later frame.
     pub fn recycle(&mut self, picture: RgbImage) {
         match &mut self.input {
-            Input::Pictures(frames) => frames.pictures.recycle(picture.into_vec()),
+            Input::Pictures(frames) => frames.recycle(picture.into_vec()),
             Input::Video { video, .. } => video.recycle(picture.into_vec()),
         }
-    }
-}
-
-impl PictureFrames {
-    /// Begins to decode the pictures of a folder that are used; `fps` for those that have no times.
-    fn new(folder: PictureFolder, fps: f64, sampling: Sampling, threads: NonZeroUsize) -> Self {
-        let PictureFolder { paths, times_s } = folder;
-        let mut sampler = Sampler::new(sampling);
-        let time_s = |index: usize| {
-            times_s.as_ref().and_then(|times_s| times_s.get(index)).copied().unwrap_or(index as f64 / fps)
-        };
-        let (mut used, mut used_paths) = (Vec::new(), Vec::new());
-        for (index, path) in paths.into_iter().enumerate() {
-            if sampler.wants(index as u64, time_s(index)) {
-                used.push(index as u64);
-                used_paths.push(path);
-            }
-        }
-        Self { pictures: decoders(&used_paths, threads), used, taken: 0, times_s }
-    }
-
-    fn listed_time_s(&self, index: u64) -> Option<f64> {
-        self.times_s.as_ref()?.get(usize::try_from(index).ok()?).copied()
     }
 }
 
@@ -298,13 +286,9 @@ impl Iterator for FrameSource {
 impl FrameSource {
     /// The next frame that was not looked at yet.
     fn next_of_input(&mut self) -> Option<Frame> {
-        let fps = self.fps;
         match &mut self.input {
             Input::Pictures(frames) => {
-                let Decoded { picture, decoding } = frames.pictures.next()?;
-                let index = *frames.used.get(frames.taken)?;
-                frames.taken += 1;
-                let t_s = frames.listed_time_s(index).unwrap_or(index as f64 / fps);
+                let (index, t_s, Decoded { picture, decoding }) = frames.next()?;
                 Some(Frame {
                     index,
                     t_s,
@@ -313,14 +297,13 @@ impl FrameSource {
                     picture: picture.map_err(FrameError::from),
                 })
             }
-            Input::Video { video, next_index, sampler } => {
+            Input::Video { video, next_index, sampler, clock } => {
                 let mut all_decoding = Duration::ZERO;
                 loop {
                     let Decoded { picture, decoding } = video.next_picture()?;
                     all_decoding += decoding;
                     let index = picture.as_ref().map_or(*next_index, |picture| picture.index);
-                    let taken_s = picture.as_ref().ok().and_then(|picture| picture.taken_s);
-                    let t_s = taken_s.unwrap_or(index as f64 / fps);
+                    let t_s = clock.time_s(index, picture.as_ref().ok());
                     *next_index = index + 1;
                     match picture {
                         Ok(VideoPicture { picture, .. }) if !sampler.wants(index, t_s) => {
@@ -338,15 +321,19 @@ impl FrameSource {
     }
 }
 
-/// Decoders of pictures that may use `threads` threads.
-fn decoders(paths: &[PathBuf], threads: NonZeroUsize) -> Decoders<PictureFiles> {
-    let count = threads.get().min(paths.len()).max(1);
-    let every_nth = |first| paths.iter().skip(first).step_by(count).cloned().collect::<Vec<_>>();
-    let mut files = (0..count).map(|first| PictureFiles(every_nth(first).into_iter()));
-    match files.next() {
-        Some(all) if threads == NonZeroUsize::MIN => Decoders::on_demand(all),
-        first => Decoders::ahead(first.into_iter().chain(files)),
+/// What was meant, as far as the name of an input that is not there shows it.
+fn hint(input: &str) -> String {
+    if !input.is_empty() && input.bytes().all(|byte| byte.is_ascii_digit()) {
+        return format!("a camera is given by its device: /dev/video{input}");
     }
+    if input.starts_with("/dev/") {
+        return "see with `ls /dev/video*` which cameras there are, and that this one is plugged in"
+            .to_owned();
+    }
+    if input.contains(['*', '?', '[', '%']) {
+        return "an input is one name, and patterns of names are not filled in: give the folder that holds the pictures".to_owned();
+    }
+    "give a folder of pictures, a video file, an address (rtsp://...) or a camera (/dev/video0)".to_owned()
 }
 
 /// Mean rate of a list of times that begins at zero; none where no time passes.

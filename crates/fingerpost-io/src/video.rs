@@ -12,8 +12,7 @@
 //! Cameras and streams are under way whether anybody takes their pictures or not: the latest one is given, with the time at which
 //! it was taken, and those that came in between are counted.
 //!
-//! Limits: of a recording, a frame's time is its index over the average frame rate. That is right for constant rates; recordings of
-//! varying rate (some telephones) are timed as if theirs were constant.
+//! Of a recording, a frame's time is that of its stamp (`stamps.rs`); bare streams of pictures have none, and are timed by their rate.
 
 mod any;
 mod decode_log;
@@ -23,6 +22,7 @@ mod live;
 mod pipe;
 mod ppm;
 mod probe;
+mod stamps;
 mod y4m;
 
 use std::{
@@ -52,7 +52,8 @@ use crate::{
 };
 
 pub(crate) use self::any::Video;
-pub use self::{any::VideoDecoder, live::Liveness};
+pub(crate) use self::stamps::{StampClock, Timing};
+pub use self::{any::VideoDecoder, live::Liveness, stamps::StampFaults};
 
 /// Bytes that are read ahead of a line: few, because what follows a line is read straight into the picture.
 const LINE_BUFFER_BYTES: usize = 256;
@@ -65,6 +66,7 @@ pub(crate) struct VideoReader {
     ffmpeg: RunningProgram,
     patience: Patience,
     rate: Rate,
+    timing: Timing,
     length: Option<u64>,
     expected: Expected,
     log: DecodeLog,
@@ -111,6 +113,8 @@ pub(crate) struct VideoPicture {
     pub(crate) damaged: bool,
     /// When it was taken, seconds since the first one; known of live inputs.
     pub(crate) taken_s: Option<f64>,
+    /// The stamp that it came with, microseconds since any moment.
+    pub(crate) stamp_us: Option<i64>,
 }
 
 impl Reusable for VideoPicture {
@@ -142,13 +146,13 @@ impl Decode for PictureStream {
                 },
                 Err(cause) => return Some(Err(cause)),
             };
-            let FrameNotes { frame: index, damaged, stamp_s } = notes;
-            let taken_s = self.live.as_mut().map(|live| live.used_at_s(index, stamp_s));
+            let FrameNotes { frame: index, damaged, stamp_us } = notes;
+            let taken_s = self.live.as_mut().map(|live| live.used_at_s(index, stamp_us));
             if taken_s == Some(None) {
                 buffer = picture.into_vec();
                 continue;
             }
-            return Some(Ok(VideoPicture { picture, index, damaged, taken_s: taken_s.flatten() }));
+            return Some(Ok(VideoPicture { picture, index, damaged, taken_s: taken_s.flatten(), stamp_us }));
         }
     }
 }
@@ -164,8 +168,11 @@ impl VideoReader {
         pace: Pace,
     ) -> Result<Self, VideoError> {
         let argument = ffmpeg_argument(input);
-        let stream = Stream::probe(input, &argument, programs)?;
-        let rate = stream.rate();
+        let stream = match pace {
+            Pace::Waits if Path::new(input).is_file() => Stream::probe_recording(input, &argument, programs)?,
+            Pace::Waits | Pace::Live(_) => Stream::probe(input, &argument, programs)?,
+        };
+        let (rate, timing) = (stream.rate(), stream.timing());
         let (length, expected) = match pace {
             Pace::Waits => (stream.length(), stream.expected_length()),
             Pace::Live(_) => (None, Expected::Unknown),
@@ -205,7 +212,7 @@ impl VideoReader {
             }
         };
         let (input, frames, ended) = (input.to_owned(), 0, false);
-        Ok(Self { input, ffmpeg, patience, rate, length, expected, log, frames, ended, pictures })
+        Ok(Self { input, ffmpeg, patience, rate, timing, length, expected, log, frames, ended, pictures })
     }
 
     /// Frames that the container says it holds; none for live inputs and containers that do not say.
@@ -226,6 +233,11 @@ impl VideoReader {
     /// Frames a second.
     pub(crate) fn fps(&self) -> f64 {
         self.rate.fps()
+    }
+
+    /// What the times of its frames are from.
+    pub(crate) fn timing(&self) -> Timing {
+        self.timing
     }
 
     /// The next frame; none behind the last. After an error there is nothing more.
@@ -324,13 +336,14 @@ fn decode_arguments(argument: &str, rate: Rate, threads: Option<NonZeroUsize>, p
         arguments.extend(["-threads".to_owned(), threads.to_string()]);
     }
     arguments.extend(["-i", argument, "-map", "0:v:0"].map(str::to_owned));
-    // Each decoded frame gets the time of its index, so that none is dropped or doubled to make the rate constant; the
-    // option that says so directly has different names in different releases.
-    let indexed = format!("settb=AVTB,setpts=N*{seconds}/{frames}/TB");
+    // The lines tell the times that the frames came with, in microseconds. Each decoded frame then gets the time of its index, so
+    // that none is dropped or doubled to make the rate constant; the option that says so directly has different names in different
+    // releases.
+    let indexed = format!("settb=AVTB,{FRAME_LINES},setpts=N*{seconds}/{frames}/TB");
     let filters = match pace {
-        Pace::Waits => format!("{indexed},{FRAME_LINES}"),
-        // The lines tell the times that the frames came with, in microseconds.
-        Pace::Live(_) => format!("settb=AVTB,{FRAME_LINES},{indexed}"),
+        // Counted in ticks of the container first, times are rounded once, as those that the libraries give.
+        Pace::Waits => format!("setpts=PTS-STARTPTS,{indexed}"),
+        Pace::Live(_) => indexed,
     };
     let constant_rate = ["-vf".to_owned(), filters, "-r".to_owned(), format!("{frames}/{seconds}")];
     arguments.extend(constant_rate);

@@ -48,6 +48,11 @@ impl Patience {
         Self { grace: GRACE, ..self }
     }
 
+    /// How long somebody is waited for at the most.
+    pub(crate) fn longest(&self) -> Duration {
+        self.longest
+    }
+
     /// Whether all waiting is to end.
     pub(crate) fn is_stopped(&self) -> bool {
         self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::SeqCst))

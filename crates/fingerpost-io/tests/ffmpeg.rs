@@ -10,7 +10,10 @@ use std::{
     process::Command,
 };
 
-use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, VideoError, VideoWriter};
+use fingerpost_io::{
+    FfmpegPrograms, FrameClock, FrameError, FrameSource, Sampling, SourceOptions, StampFaults, VideoError,
+    VideoWriter,
+};
 use fingerpost_vision::picture::RgbImage;
 
 /// A picture whose left half is red and whose brightness tells the frame.
@@ -119,10 +122,74 @@ fn a_varying_rate_neither_drops_nor_doubles_frames() {
         [&filter[..], &["-vsync", "0", "-enc_time_base", "1/1000", "-c:v", "libx264"]].concat();
     ffmpeg(&uneven_arguments, &plain, &uneven);
     let expected = (0..12).map(|index| picture(160, 96, index).get(140, 50).unwrap()[0]);
+    let times: Vec<f64> = open(&uneven).map(|frame| frame.t_s).collect();
+    for (index, t_s) in (0_u8..).zip(&times) {
+        let expected_s =
+            f64::from(index) * if index < 6 { 0.02 } else { 0.3 } + if index < 6 { 0.0 } else { 1.0 };
+        // Matroska counts milliseconds, and ffmpeg cuts to them.
+        assert!((t_s - expected_s).abs() < 1.1e-3, "{index}: {t_s}");
+    }
+    let options = SourceOptions { fps: Some(4.0), ..SourceOptions::default() };
+    let source = FrameSource::open(uneven.to_str().unwrap(), &options).unwrap();
+    assert_eq!(source.clock(), FrameClock::Given);
+    assert!(source.map(|frame| frame.t_s).eq((0_u8..12).map(|index| f64::from(index) / 4.0)));
+    let options = SourceOptions { sampling: Sampling::Rate { hz: 1.0 }, ..SourceOptions::default() };
+    let sampled = FrameSource::open(uneven.to_str().unwrap(), &options).unwrap().map(|frame| frame.index);
+    assert_eq!(sampled.collect::<Vec<_>>(), [0, 6, 7, 10], "at 0, 2.8, 3.1 and 4 s");
     let found = open(&uneven).map(|frame| frame.picture.unwrap().get(140, 50).unwrap()[0]);
     let (found, expected): (Vec<u8>, Vec<u8>) = (found.collect(), expected.collect());
     assert_eq!(found.len(), 12, "{found:?}");
     assert!(found.iter().zip(&expected).all(|(a, b)| a.abs_diff(*b) <= 6), "{found:?} {expected:?}");
+}
+
+#[test]
+fn times_are_counted_from_the_first_frame_wherever_stamps_begin() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = folder.path().join("plain.mp4");
+    write(&plain, (160, 96), 10.0, 12);
+    for (name, arguments) in
+        [("later.mkv", &["-c", "copy", "-output_ts_offset", "7"][..]), ("stream.ts", &["-c", "copy"])]
+    {
+        let path = folder.path().join(name);
+        ffmpeg(arguments, &plain, &path);
+        let mut source = open(&path);
+        let times: Vec<f64> = source.by_ref().map(|frame| frame.t_s).collect();
+        assert!(times.len() >= 8, "{name}: {times:?}");
+        for (index, t_s) in (0_u8..).zip(&times) {
+            assert!((t_s - f64::from(index) / 10.0).abs() < 1e-9, "{name}: {times:?}");
+        }
+        assert_eq!(
+            (source.clock(), source.stamp_faults()),
+            (FrameClock::Own, StampFaults::default()),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_bare_stream_without_a_rate_has_a_guess_and_one_with_a_rate_has_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = folder.path().join("plain.mp4");
+    write(&plain, (160, 96), 20.0, 12);
+    for (name, arguments, clock, fps) in [
+        ("a.mjpeg", &["-c:v", "mjpeg", "-pix_fmt", "yuvj420p"][..], FrameClock::Guessed, 25.0),
+        ("a.hevc", &["-c:v", "libx265", "-x265-params", "log-level=0"], FrameClock::Stated, 20.0),
+        ("a.h264", &["-c:v", "libx264"], FrameClock::Stated, 20.0),
+        ("a.m2v", &["-c:v", "mpeg2video", "-r", "25"], FrameClock::Stated, 25.0),
+        ("a.y4m", &[], FrameClock::Own, 20.0),
+    ] {
+        let path = folder.path().join(name);
+        ffmpeg(arguments, &plain, &path);
+        let source = open(&path);
+        assert_eq!((source.clock(), source.unsampled_fps()), (clock, fps), "{name}");
+        let times: Vec<f64> = source.map(|frame| frame.t_s).collect();
+        let (index, last_s) = (times.len() - 1, *times.last().unwrap());
+        assert!((last_s - index as f64 / fps).abs() < 1e-9, "{name}: {times:?}");
+        let options = SourceOptions { fps: Some(20.0), ..SourceOptions::default() };
+        let source = FrameSource::open(path.to_str().unwrap(), &options).unwrap();
+        assert_eq!(source.clock(), FrameClock::Given, "{name}");
+        assert!(source.map(|frame| frame.t_s).nth(11).is_some_and(|t_s| (t_s - 0.55).abs() < 1e-9), "{name}");
+    }
 }
 
 #[test]

@@ -255,3 +255,67 @@ fn palettes_of_every_length_are_looked_up_or_refused() {
         }
     }
 }
+
+/// Exif data with the tag Orientation alone.
+fn exif(number: u8) -> Vec<u8> {
+    [&b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..], &[number, 0, 0, 0, 0, 0, 0, 0]].concat()
+}
+
+/// The corners of a picture of four fields, from the top left clockwise: which of red, green, blue and white each is.
+fn corners(picture: &RgbImage) -> String {
+    let (right, bottom) = (picture.width() - 3, picture.height() - 3);
+    let places = [(2, 2), (right, 2), (right, bottom), (2, bottom)];
+    let name = |(x, y)| match picture.get(x, y).unwrap().map(|value| value > 127) {
+        [true, false, false] => 'r',
+        [false, true, false] => 'g',
+        [false, false, true] => 'b',
+        _ => 'w',
+    };
+    places.map(name).into_iter().collect()
+}
+
+#[test]
+fn pictures_stand_upright_as_their_exif_data_say() {
+    let folder = tempfile::tempdir().unwrap();
+    let (width, height) = (48, 32);
+    let mut picture = RgbImage::new(width, height);
+    for (index, pixel) in picture.as_mut_slice().chunks_exact_mut(3).enumerate() {
+        let (is_right, is_low) = (index % width >= width / 2, index / width >= height / 2);
+        pixel.copy_from_slice(match (is_right, is_low) {
+            (false, false) => &[255, 0, 0],
+            (true, false) => &[0, 255, 0],
+            (true, true) => &[0, 0, 255],
+            (false, true) => &[255, 255, 255],
+        });
+    }
+    let path = folder.path().join("picture.jpg");
+    write_jpeg(&path, &picture, 95, ChromaSampling::Full).unwrap();
+    let jpeg = fs::read(&path).unwrap();
+    let png = encode_png(&picture).unwrap();
+    // How each stored corner comes to stand, from the figure of the standard.
+    let upright = ["rgbw", "grwb", "bwrg", "wbgr", "rwbg", "wrgb", "bgrw", "gbwr"];
+    for (number, expected) in (1..).zip(upright) {
+        let segment = [b"Exif\0\0", exif(number).as_slice()].concat();
+        let length = (segment.len() as u16 + 2).to_be_bytes();
+        let tagged = [&jpeg[..2], b"\xff\xe1", &length, &segment, &jpeg[2..]].concat();
+        let mut chunk = b"eXIf".to_vec();
+        chunk.extend(exif(number));
+        let (length, sum) =
+            ((exif(number).len() as u32).to_be_bytes(), crc32fast::hash(&chunk).to_be_bytes());
+        // Behind the header, and before the end.
+        for at in [33, png.len() - 12] {
+            let tagged = [&png[..at], &length, &chunk, &sum, &png[at..]].concat();
+            let read = decode_picture(&tagged, Path::new("picture.png")).unwrap();
+            assert_eq!(corners(&read), expected, "PNG {number} at {at}");
+        }
+        let read = decode_picture(&tagged, Path::new("picture.jpg")).unwrap();
+        assert_eq!(corners(&read), expected, "JPEG {number}");
+        let size = if number > 4 { (height, width) } else { (width, height) };
+        assert_eq!(read.size(), size, "{number}");
+        // Broken off inside the Exif data, which then say nothing.
+        let short = [b"Exif\0\0", &exif(number)[..12]].concat();
+        let length = (short.len() as u16 + 2).to_be_bytes();
+        let tagged = [&jpeg[..2], b"\xff\xe1", &length, &short, &jpeg[2..]].concat();
+        assert_eq!(decode_picture(&tagged, Path::new("picture.jpg")).unwrap().size(), (width, height));
+    }
+}

@@ -10,8 +10,8 @@ use std::{
 };
 
 use fingerpost_io::{
-    DEFAULT_PICTURE_FPS, FrameError, FrameSource, PictureFolderError, Sampling, SourceError, SourceOptions,
-    write_jpeg, write_png,
+    DEFAULT_PICTURE_FPS, FrameClock, FrameError, FrameSource, PictureFolderError, Sampling, SourceError,
+    SourceOptions, write_jpeg, write_png,
 };
 use fingerpost_vision::{jpeg::ChromaSampling, picture::RgbImage};
 
@@ -157,4 +157,38 @@ fn an_input_that_is_not_there_or_empty_is_named() {
     assert!(message.contains("holds no picture") && message.contains("check the path"), "{message}");
     let message = open(&folder.path().join("gone")).unwrap_err().to_string();
     assert!(message.contains("gone") && message.contains("give a folder"), "{message}");
+}
+
+#[test]
+fn pictures_named_by_times_have_their_order_and_times() {
+    let folder = tempfile::tempdir().unwrap();
+    for (index, name) in (0..).zip(["102.05", "102.1", "102.15", "103", "103.5"]) {
+        write_png(&folder.path().join(format!("{name}.png")), &picture(index)).unwrap();
+    }
+    let input = folder.path().to_str().unwrap();
+    let source = |fps| FrameSource::open(input, &SourceOptions { fps, ..SourceOptions::default() }).unwrap();
+    let read =
+        |fps| source(fps).map(|frame| (frame.t_s, frame.picture.unwrap().as_slice()[0])).collect::<Vec<_>>();
+    assert_eq!(source(None).clock(), FrameClock::Names);
+    assert_eq!(read(None), [(0.0, 0), (0.05, 1), (0.1, 2), (0.95, 3), (1.45, 4)]);
+    assert_eq!(source(Some(2.0)).clock(), FrameClock::Given);
+    assert_eq!(read(Some(2.0)), [(0.0, 0), (0.5, 1), (1.0, 2), (1.5, 3), (2.0, 4)]);
+    fs::write(folder.path().join("times.txt"), "0\n1\n2\n3\n4\n").unwrap();
+    assert_eq!(source(Some(2.0)).clock(), FrameClock::Own);
+    assert_eq!(read(Some(2.0)).last(), Some(&(4.0, 4)));
+}
+
+#[test]
+fn an_input_that_is_not_there_says_what_may_be_meant() {
+    for (input, said) in [
+        ("0", "/dev/video0"),
+        ("12", "/dev/video12"),
+        ("/dev/video77", "ls /dev/video*"),
+        ("pictures/*.png", "patterns"),
+        ("frame_%06d.png", "patterns"),
+        ("gone.mp4", "a video file"),
+    ] {
+        let refused = FrameSource::open(input, &SourceOptions::default()).unwrap_err().to_string();
+        assert!(refused.contains(&format!("no {input}")) && refused.contains(said), "{refused}");
+    }
 }

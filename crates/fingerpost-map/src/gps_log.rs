@@ -3,6 +3,12 @@
 //! Of a log's lines those of one kind are taken, the one that says most: gpsd's reports of position (TPV, as `gpspipe -w` writes
 //! them), else RMC sentences, which have a date, else GGA, which have a time of day alone. What else is in the log, comments,
 //! other sentences, bytes of another protocol, is passed over; sentences and reports that are damaged are counted.
+//!
+//! Checksums may be left out (NMEA 0183): in a log without any its sentences are believed when they have all of their fields, and counted;
+//! in one that has some, a sentence without is damaged.
+
+use std::borrow::Cow;
+use std::str::Lines;
 
 use nmea::ParseResult;
 use nmea::sentences::FixType;
@@ -11,15 +17,20 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use crate::gpx::{DAY_S, POINT_BYTES, parse_time_s};
-use crate::{GpxError, GpxPoint, LatLon, parse_gpx_within};
+use crate::passed_over::{PassedOver, UnreadPlace};
+use crate::text_encoding::text_of;
+use crate::{GpxError, GpxPoint, GpxTrack, LatLon, parse_gpx_within};
 
 /// What a log holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GpsLog {
     /// Its positions, in its order; without those that the receiver itself calls no fix.
     pub points: Vec<GpxPoint>,
-    /// Sentences and reports of position that are damaged: a checksum that does not fit, a line cut short.
-    pub damaged: usize,
+    /// Sentences and reports of position that are damaged: a checksum that does not fit, a line cut short; of a GPX track, points that
+    /// cannot be read, and times, whose points are there without one.
+    pub damaged: PassedOver,
+    /// Sentences that gave a position or said that there is none, and whose damage would not be seen: they have no checksum.
+    pub unchecked: usize,
 }
 
 /// Why a log gives no positions.
@@ -39,14 +50,24 @@ pub enum GpsLogError {
     },
     /// There are sentences or reports, none of them with a position.
     #[error(
-        "the GPS log has no position: {without_fix} reports without a fix, {damaged} damaged; record it again where the receiver \
-         sees the sky"
+        "the GPS log has no position: in {without_fix} reports the receiver has no fix; record it again where the receiver sees the sky"
     )]
     NoFix {
         /// Reports in which the receiver says that it has no fix.
         without_fix: usize,
+    },
+    /// There are sentences or reports, and those that are not without a fix are damaged.
+    #[error(
+        "the GPS log has no position: {damaged} of its reports are damaged, {first}; in {without_fix} the receiver has no fix; record it \
+         again, or copy it again as it is"
+    )]
+    Damaged {
         /// Reports that could not be read.
         damaged: usize,
+        /// The first of them.
+        first: UnreadPlace,
+        /// Reports in which the receiver says that it has no fix.
+        without_fix: usize,
     },
     /// Nothing that is understood.
     #[error(
@@ -65,7 +86,7 @@ const GGA: usize = 2;
 enum Line {
     Position(usize, GpxPoint),
     WithoutFix,
-    Damaged,
+    Damaged(String),
     Other,
 }
 
@@ -74,21 +95,24 @@ enum Line {
 /// # Errors
 /// [`GpsLogError`] when there is no position in it, or too many.
 pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog, GpsLogError> {
-    let start = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-    if start.starts_with(b"<") {
-        let text = str::from_utf8(bytes).map_err(|error| GpxError::Broken {
-            at_byte: error.valid_up_to() as u64,
-            cause: "it is not UTF-8".to_owned(),
-        })?;
-        return Ok(GpsLog { points: parse_gpx_within(text, memory_bytes)?, damaged: 0 });
+    let text = text_of(bytes);
+    if text.trim_start().starts_with('<') {
+        let GpxTrack { points, passed_over } = parse_gpx_within(&text, memory_bytes)?;
+        return Ok(GpsLog { points, damaged: passed_over, unchecked: 0 });
     }
+    let checks = Checks::of(text.lines());
     let mut points: [Vec<GpxPoint>; KINDS] = Default::default();
-    let (mut without_fix, mut damaged) = (0, 0);
-    for line in bytes.split(|byte| *byte == b'\n') {
-        match read_line(line) {
+    let (mut without_fix, mut unchecked, mut damaged) = (0, 0, PassedOver::default());
+    for (number, line) in (1..).zip(text.lines()) {
+        let report = report_in(line);
+        let read = report.map_or(Line::Other, |report| read_report(report, checks));
+        let is_sentence = report.is_some_and(|report| report.starts_with('$'));
+        let is_read = matches!(read, Line::Position(..) | Line::WithoutFix);
+        unchecked += usize::from(checks == Checks::None && is_sentence && is_read);
+        match read {
             Line::Position(kind, point) => points[kind].push(point),
             Line::WithoutFix => without_fix += 1,
-            Line::Damaged => damaged += 1,
+            Line::Damaged(cause) => damaged.add(|| UnreadPlace { line: number, cause }),
             Line::Other => {}
         }
         if points.iter().map(Vec::len).sum::<usize>() > memory_bytes / POINT_BYTES {
@@ -98,17 +122,38 @@ pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog,
     let [_, _, by_clock] = &mut points;
     add_days(by_clock);
     match points.into_iter().find(|points| !points.is_empty()) {
-        Some(points) => Ok(GpsLog { points, damaged }),
-        None if without_fix + damaged > 0 => Err(GpsLogError::NoFix { without_fix, damaged }),
-        None => Err(GpsLogError::NoLog),
+        Some(points) => Ok(GpsLog { points, damaged, unchecked }),
+        None => Err(match (damaged.first, without_fix) {
+            (Some(first), _) => GpsLogError::Damaged { damaged: damaged.count, first, without_fix },
+            (None, 1..) => GpsLogError::NoFix { without_fix },
+            (None, 0) => GpsLogError::NoLog,
+        }),
     }
 }
 
-/// Reads a line; what stands before its report, such as a time, is passed over.
-fn read_line(line: &[u8]) -> Line {
-    let Some(start) = line.iter().position(|byte| matches!(byte, b'$' | b'{')) else { return Line::Other };
-    let line = line[start..].trim_ascii_end();
-    if line.starts_with(b"{") { read_gpsd(line) } else { read_nmea(line) }
+/// Whether the sentences of a log have checksums.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Checks {
+    /// Some have.
+    Some,
+    /// None has.
+    None,
+}
+
+impl Checks {
+    fn of(lines: Lines<'_>) -> Self {
+        let mut sentences = lines.filter_map(report_in).filter(|report| kind_of(report).is_some());
+        if sentences.any(|sentence| sentence.contains('*')) { Self::Some } else { Self::None }
+    }
+}
+
+/// The report in a line; what stands before it, such as a time, is passed over.
+fn report_in(line: &str) -> Option<&str> {
+    Some(line[line.find(['$', '{'])?..].trim_ascii_end())
+}
+
+fn read_report(report: &str, checks: Checks) -> Line {
+    if report.starts_with('{') { read_gpsd(report) } else { read_nmea(report, checks) }
 }
 
 /// The parts of gpsd's reports that are used.
@@ -125,10 +170,11 @@ struct GpsdReport {
 /// gpsd's `mode` of a position: 2 has latitude and longitude, 3 an altitude too; less is no fix.
 const LEAST_MODE: u8 = 2;
 
-fn read_gpsd(line: &[u8]) -> Line {
-    let Ok(report) = serde_json::from_slice::<GpsdReport>(line) else {
-        let has_class = line.windows(5).any(|part| part == b"\"TPV\"");
-        return if has_class { Line::Damaged } else { Line::Other };
+fn read_gpsd(line: &str) -> Line {
+    let report = match serde_json::from_str::<GpsdReport>(line) {
+        Ok(report) => report,
+        Err(cause) if line.contains("\"TPV\"") => return Line::Damaged(cause.to_string()),
+        Err(_) => return Line::Other,
     };
     if report.class != "TPV" {
         return Line::Other;
@@ -140,33 +186,59 @@ fn read_gpsd(line: &[u8]) -> Line {
         Ok(at) => {
             Line::Position(GPSD, GpxPoint { at, time_s: report.time.as_deref().and_then(parse_time_s) })
         }
-        Err(_) => Line::Damaged,
+        Err(cause) => Line::Damaged(cause.to_string()),
     }
 }
 
-fn read_nmea(line: &[u8]) -> Line {
-    // "$", two letters that name the system of satellites, three that name the sentence.
-    let kind = match line.get(3..6) {
-        Some(b"RMC") => RMC,
-        Some(b"GGA") => GGA,
-        _ => return Line::Other,
+/// What a sentence is: "$", two letters that name the system of satellites, three that name the sentence.
+fn kind_of(sentence: &str) -> Option<usize> {
+    match sentence.get(3..6) {
+        Some("RMC") if sentence.starts_with('$') => Some(RMC),
+        Some("GGA") if sentence.starts_with('$') => Some(GGA),
+        _ => None,
+    }
+}
+
+/// Commas of a whole sentence at the least, of RMC up to the magnetic variation and of GGA.
+const LEAST_COMMAS: [usize; KINDS] = [0, 11, 14];
+
+/// The sentence with the checksum that it was written without, if it may be; else as it is.
+fn with_checksum(sentence: &str, kind: usize, checks: Checks) -> Option<Cow<'_, str>> {
+    if sentence.contains('*') {
+        return Some(Cow::Borrowed(sentence));
+    }
+    let is_whole = sentence.bytes().filter(|byte| *byte == b',').count() >= LEAST_COMMAS[kind];
+    let sum = sentence.bytes().skip(1).fold(0, |sum, byte| sum ^ byte);
+    (checks == Checks::None && is_whole).then(|| Cow::Owned(format!("{sentence}*{sum:02X}")))
+}
+
+fn read_nmea(line: &str, checks: Checks) -> Line {
+    let Some(kind) = kind_of(line) else { return Line::Other };
+    let Some(checked) = with_checksum(line, kind, checks) else {
+        return Line::Damaged(match checks {
+            Checks::Some => "a sentence is cut short before its checksum".to_owned(),
+            Checks::None => "a sentence without a checksum lacks some of its fields".to_owned(),
+        });
     };
-    let sentence = str::from_utf8(line).ok().and_then(|text| nmea::parse_str(text).ok());
-    let (at, time_s) = match sentence {
-        Some(ParseResult::RMC(rmc)) => {
+    let (at, time_s) = match nmea::parse_str(&checked) {
+        Ok(ParseResult::RMC(rmc)) => {
             let is_fix = rmc.status_of_fix != RmcStatusOfFix::Invalid;
             let time = rmc.fix_date.zip(rmc.fix_time).map(|(date, time)| date.and_time(time).and_utc());
             let time_s = time.map(|time| time.timestamp_micros() as f64 * 1e-6);
             (rmc.lat.zip(rmc.lon).filter(|_| is_fix), time_s)
         }
-        Some(ParseResult::GGA(gga)) => {
+        Ok(ParseResult::GGA(gga)) => {
             let is_fix = !matches!(gga.fix_type, None | Some(FixType::Invalid));
             (gga.latitude.zip(gga.longitude).filter(|_| is_fix), gga.fix_time.map(seconds_of_day))
         }
-        _ => return Line::Damaged,
+        Ok(_) => return Line::Other,
+        Err(cause) => return Line::Damaged(cause.to_string()),
     };
     let Some((lat, lon)) = at else { return Line::WithoutFix };
-    LatLon::new(lat, lon).map_or(Line::Damaged, |at| Line::Position(kind, GpxPoint { at, time_s }))
+    match LatLon::new(lat, lon) {
+        Ok(at) => Line::Position(kind, GpxPoint { at, time_s }),
+        Err(cause) => Line::Damaged(cause.to_string()),
+    }
 }
 
 fn seconds_of_day(time: impl chrono::Timelike) -> f64 {

@@ -1,12 +1,14 @@
 //! GPX tracks: places, and when they were passed.
 //!
 //! GPX 1.0 and 1.1 (Topografix). A file's track points are taken, of all tracks and segments in their order; where it has
-//! none its route points, else its waypoints. Elevation and everything else is passed over.
+//! none its route points, else its waypoints. Elevation and everything else is passed over. A point without a place costs itself, a time
+//! that cannot be read its own point's; both are counted.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use thiserror::Error;
 
+use crate::passed_over::{PassedOver, UnreadPlace};
 use crate::xml_attributes::{Attributes, MOST_DEPTH};
 use crate::{LatLon, OsmData};
 
@@ -19,10 +21,19 @@ pub struct GpxPoint {
     pub time_s: Option<f64>,
 }
 
+/// What a GPX document holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GpxTrack {
+    /// Its points, in its order.
+    pub points: Vec<GpxPoint>,
+    /// Points that could not be read, and times, whose points are there without one.
+    pub passed_over: PassedOver,
+}
+
 /// Why text is no GPX track.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum GpxError {
-    /// Not well formed, cut short, or a value that cannot be read.
+    /// Not well formed, or cut short.
     #[error("the GPX is broken at byte {at_byte}: {cause}; export the track again")]
     Broken {
         /// Where reading stopped, bytes from the start.
@@ -37,6 +48,14 @@ pub enum GpxError {
     TooLarge {
         /// The memory that it may take, megabytes.
         limit_mb: usize,
+    },
+    /// Points, of which none has a place.
+    #[error("none of the {count} points of the GPX can be read, {first}; export the track again")]
+    NoneReadable {
+        /// How many there are.
+        count: usize,
+        /// The first of them.
+        first: UnreadPlace,
     },
     /// No points.
     #[error("the GPX holds no track, route or waypoints; export the track itself")]
@@ -55,24 +74,28 @@ pub(crate) const POINT_BYTES: usize = 3 * size_of::<GpxPoint>();
 ///
 /// # Errors
 /// As [`parse_gpx_within`].
-pub fn parse_gpx(text: &str) -> Result<Vec<GpxPoint>, GpxError> {
+pub fn parse_gpx(text: &str) -> Result<GpxTrack, GpxError> {
     parse_gpx_within(text, OsmData::MEMORY_BYTES)
 }
 
 /// Reads the points of a GPX document into at most `memory_bytes`; at most 64 elements may stand within each other.
 ///
 /// # Errors
-/// [`GpxError::Broken`], [`GpxError::TooLarge`] and [`GpxError::NoPoints`].
-pub fn parse_gpx_within(text: &str, memory_bytes: usize) -> Result<Vec<GpxPoint>, GpxError> {
+/// [`GpxError`] when it is not well formed, has too many points, or none that can be read.
+pub fn parse_gpx_within(text: &str, memory_bytes: usize) -> Result<GpxTrack, GpxError> {
     let mut reader = Reader::from_str(text);
     let mut document = Document::default();
     let most_points = memory_bytes / POINT_BYTES;
     loop {
         let at_byte = reader.buffer_position();
+        let line = || 1 + text.bytes().take(at_byte as usize).filter(|byte| *byte == b'\n').count();
         let step = match reader.read_event() {
-            Ok(Event::Start(element)) => document.open(&element),
-            Ok(Event::Empty(element)) => document.open(&element).and_then(|()| document.close()),
-            Ok(Event::End(_)) => document.close(),
+            Ok(Event::Start(element)) => document.open(&element, line),
+            Ok(Event::Empty(element)) => document.open(&element, line).map(|()| document.close(line)),
+            Ok(Event::End(_)) => {
+                document.close(line);
+                Ok(())
+            }
             Ok(Event::Text(text)) => {
                 document.add(&text);
                 Ok(())
@@ -98,11 +121,12 @@ struct Document {
     /// The point whose element is open, and its place in [`POINT_ELEMENTS`].
     point: Option<(usize, GpxPoint)>,
     points: [Vec<GpxPoint>; 3],
+    passed_over: PassedOver,
     is_gpx: bool,
 }
 
 impl Document {
-    fn open(&mut self, element: &BytesStart<'_>) -> Result<(), String> {
+    fn open(&mut self, element: &BytesStart<'_>, line: impl Fn() -> usize) -> Result<(), String> {
         let name = element.local_name().as_ref().to_owned();
         if self.open.is_empty() {
             if name != "gpx" {
@@ -114,10 +138,10 @@ impl Document {
             return Err(format!("more than {MOST_DEPTH} elements stand within each other"));
         }
         if let Some(sort) = POINT_ELEMENTS.iter().position(|point| *point == name) {
-            let attributes = Attributes::of(element)?;
-            let at = LatLon::new(attributes.number("lat")?, attributes.number("lon")?);
-            let at = at.map_err(|error| error.to_string())?;
-            self.point = Some((sort, GpxPoint { at, time_s: None }));
+            match place(element) {
+                Ok(at) => self.point = Some((sort, GpxPoint { at, time_s: None })),
+                Err(cause) => self.passed_over.add(|| UnreadPlace { line: line(), cause }),
+            }
         }
         self.open.push(name);
         self.text.clear();
@@ -130,7 +154,7 @@ impl Document {
         self.text.extend(text.chars().take(most));
     }
 
-    fn close(&mut self) -> Result<(), String> {
+    fn close(&mut self, line: impl Fn() -> usize) {
         let name = self.open.pop();
         let is_point = |name: &str| POINT_ELEMENTS.contains(&name);
         match name.as_deref() {
@@ -141,27 +165,48 @@ impl Document {
             }
             // Extensions may hold times of their own.
             Some("time") if self.open.last().is_some_and(|parent| is_point(parent)) => {
-                let time_s = parse_time_s(&self.text)
-                    .ok_or_else(|| format!("time \"{}\" is not ISO 8601", self.text.trim()))?;
                 if let Some((_, point)) = &mut self.point {
-                    point.time_s = Some(time_s);
+                    point.time_s = parse_time_s(&self.text);
+                    if point.time_s.is_none() {
+                        let cause = format!("time {:?} is not ISO 8601", shortened(self.text.trim()));
+                        self.passed_over.add(|| UnreadPlace { line: line(), cause });
+                    }
                 }
             }
             _ => {}
         }
         self.text.clear();
-        Ok(())
     }
 
-    fn finish(self) -> Result<Result<Vec<GpxPoint>, GpxError>, String> {
+    fn finish(self) -> Result<Result<GpxTrack, GpxError>, String> {
         if !self.is_gpx {
             return Err("there is no <gpx> element".to_owned());
         }
         if !self.open.is_empty() {
             return Err("the document ends in the middle; it is cut short".to_owned());
         }
-        Ok(self.points.into_iter().find(|points| !points.is_empty()).ok_or(GpxError::NoPoints))
+        let passed_over = self.passed_over;
+        Ok(match self.points.into_iter().find(|points| !points.is_empty()) {
+            Some(points) => Ok(GpxTrack { points, passed_over }),
+            None => Err(match passed_over.first {
+                Some(first) => GpxError::NoneReadable { count: passed_over.count, first },
+                None => GpxError::NoPoints,
+            }),
+        })
     }
+}
+
+/// Letters of a value that a message repeats.
+const REPEATED_LETTERS: usize = 40;
+
+fn shortened(value: &str) -> String {
+    value.chars().take(REPEATED_LETTERS).collect()
+}
+
+fn place(point: &BytesStart<'_>) -> Result<LatLon, String> {
+    let attributes = Attributes::of(point)?;
+    let at = LatLon::new(attributes.number("lat")?, attributes.number("lon")?);
+    at.map_err(|error| error.to_string())
 }
 
 /// Seconds in a day.
@@ -174,15 +219,15 @@ const MOST_ZONE_HOURS: i64 = 14;
 /// of them is kept, and in zones of half an hour they end other ones in local time. `None` for
 /// anything else: days that the calendar does not have, 24:00, zones beyond 14 hours.
 pub(crate) fn parse_time_s(text: &str) -> Option<f64> {
-    let (date, clock) = text.trim().split_once(['T', ' '])?;
+    let (date, clock) = text.trim().split_once(['T', 't', ' '])?;
     let [year, month, day] = numbers::<3>(date, '-')?;
-    let zone_at = clock.find(['Z', '+', '-']).unwrap_or(clock.len());
+    let zone_at = clock.find(['Z', 'z', '+', '-']).unwrap_or(clock.len());
     let (clock, zone) = clock.split_at(zone_at);
     let (clock, second) = clock.rsplit_once(':')?;
     let [hour, minute] = numbers::<2>(clock, ':')?;
-    // Digits with at most one point: what else reads as a number is none on a clock.
-    let is_plain = second.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    let second: f64 = second.parse().ok().filter(|_| is_plain)?;
+    // Digits with at most one decimal sign: what else reads as a number is none on a clock.
+    let is_plain = second.bytes().all(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b','));
+    let second: f64 = second.replace(',', ".").parse().ok().filter(|_| is_plain)?;
     let seconds_of_minute = if minute == 59 { 61.0 } else { 60.0 };
     let in_range = (1..=9999).contains(&year)
         && (1..=12).contains(&month)
@@ -194,9 +239,19 @@ pub(crate) fn parse_time_s(text: &str) -> Option<f64> {
         return None;
     }
     let zone_s = match zone {
-        "" | "Z" => 0,
+        "" | "Z" | "z" => 0,
         _ => {
-            let [hours, minutes] = numbers::<2>(&zone[1..], ':')?;
+            // "+02:00", "+0200" and "+02".
+            let [hours, minutes] = match zone[1..].trim().split_at_checked(2)? {
+                (hours, "") => [numbers::<1>(hours, ':')?[0], 0],
+                (hours, minutes) => {
+                    let minutes = minutes.strip_prefix(':').unwrap_or(minutes);
+                    [
+                        numbers::<1>(hours, ':')?[0],
+                        numbers::<1>(minutes, ':').filter(|_| minutes.len() == 2)?[0],
+                    ]
+                }
+            };
             if hours > MOST_ZONE_HOURS || minutes > 59 {
                 return None;
             }
@@ -247,6 +302,9 @@ mod tests {
             ("2011-10-03T12:55:34Z", 1_317_646_534.0),
             ("2011-10-03T14:55:34.25+02:00", 1_317_646_534.25),
             ("2011-10-03T07:25:34-05:30", 1_317_646_534.0),
+            ("2011-10-03T14:55:34+0200", 1_317_646_534.0),
+            ("2011-10-03t14:55:34+02", 1_317_646_534.0),
+            ("2011-10-03 12:55:34,5z", 1_317_646_534.5),
             ("2000-02-29T23:59:59", 951_868_799.0),
             ("2024-03-01T00:00:00Z", 1_709_251_200.0),
         ] {
@@ -281,6 +339,11 @@ mod tests {
             "2011-10-03T12:00:NaNZ",
             "2011-10-03T12:00:00+15:00",
             "2011-10-03T12:00:00+02:60",
+            "2011-10-03T12:00:00+2",
+            "2011-10-03T12:00:00+02:0",
+            "2011-10-03T12:00:00+02:000",
+            "2011-10-03T12:00:00+\u{e9}\u{e9}",
+            "2011-10-03T12:00:0,0.0Z",
             "99999999999999-10-03T12:00:00Z",
             "2011-10-9223372036854775807T12:00:00Z",
             "-2011-10-03T12:00:00Z",

@@ -52,15 +52,58 @@ fn what_has_no_fix_is_none_and_what_is_damaged_is_counted() {
     let log =
         format!("# a comment\n{no_fix}{cut}\n{wrong}1317646534.1 {good}$GPGSV,1,1,00*79\n\u{fffd}binary\n");
     let read = parse_gps_log_within(log.as_bytes(), MEMORY).unwrap();
-    assert_eq!((read.points.len(), read.damaged), (1, 2));
+    assert_eq!((read.points.len(), read.damaged.count, read.unchecked), (1, 2, 0));
+    assert_eq!(read.damaged.first.unwrap().line, 3);
     assert!((read.points[0].at.lat_deg - 48.5).abs() < 1e-9);
 
     let error = parse_gps_log_within((no_fix + &wrong).as_bytes(), MEMORY).unwrap_err();
-    assert_eq!(error, GpsLogError::NoFix { without_fix: 1, damaged: 1 });
+    assert!(matches!(error, GpsLogError::Damaged { damaged: 1, without_fix: 1, .. }), "{error}");
+    let unlit = rmc("125533.00", 'V', "4830.00000", "031011");
+    let error = parse_gps_log_within(unlit.as_bytes(), MEMORY);
+    assert_eq!(error, Err(GpsLogError::NoFix { without_fix: 1 }));
     assert_eq!(parse_gps_log_within(b"nothing of the kind", MEMORY), Err(GpsLogError::NoLog));
     assert!(matches!(parse_gps_log_within(b"<kml/>", MEMORY), Err(GpsLogError::Gpx(_))));
     let many = rmc("125534.00", 'A', "4830.00000", "031011").repeat(100);
     assert!(matches!(parse_gps_log_within(many.as_bytes(), 1000), Err(GpsLogError::TooLarge { .. })));
+}
+
+/// Expected: sentences without checksums are those with, as long as they are whole and the log has no others.
+#[test]
+fn a_log_without_checksums_is_read_and_counted() {
+    let bare = |sentence: String| sentence.split('*').next().unwrap_or_default().to_owned() + "\r\n";
+    let rmc = |clock: &str| rmc(clock, 'A', "4830.00000", "031011");
+    let gga = sentence("GPGGA,125534.00,4830.0,N,00815.0,E,1,8,1.0,400.0,M,48.0,M,,");
+    let checked = parse_gps_log_within((rmc("125534.00") + &rmc("125535.00")).as_bytes(), MEMORY).unwrap();
+    let unchecked = bare(rmc("125534.00")) + &bare(rmc("125535.00"));
+    let read = parse_gps_log_within(unchecked.as_bytes(), MEMORY).unwrap();
+    assert_eq!((read.points, read.damaged.count, read.unchecked), (checked.points, 0, 2));
+    assert_eq!(parse_gps_log_within(bare(gga).as_bytes(), MEMORY).unwrap().points.len(), 1);
+    let mixed = parse_gps_log_within((unchecked.clone() + &rmc("125536.00")).as_bytes(), MEMORY).unwrap();
+    assert_eq!((mixed.points.len(), mixed.damaged.count, mixed.unchecked), (1, 2, 0));
+    for end in [40, 30, 20] {
+        let cut = parse_gps_log_within(&unchecked.as_bytes()[..end], MEMORY);
+        assert!(matches!(cut, Err(GpsLogError::Damaged { .. })), "{end}: {cut:?}");
+    }
+}
+
+#[test]
+fn every_encoding_gives_the_same_positions() {
+    let track = "<?xml version=\"1.0\" encoding=\"UTF-16\"?>\n<gpx><name>B\u{e4}r</name><trkpt lat=\"48.5\" lon=\"8.25\"/></gpx>";
+    let sentences = rmc("125534.00", 'A', "4830.00000", "031011");
+    for text in [track, sentences.as_str()] {
+        let plain = parse_gps_log_within(text.as_bytes(), MEMORY).unwrap();
+        let units = || std::iter::once(0xFEFF).chain(text.encode_utf16());
+        let latin_1: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+        for bytes in [
+            units().flat_map(u16::to_le_bytes).collect(),
+            units().flat_map(u16::to_be_bytes).collect(),
+            units().skip(1).flat_map(u16::to_le_bytes).collect(),
+            ["\u{feff}", text].concat().into_bytes(),
+            latin_1,
+        ] {
+            assert_eq!(parse_gps_log_within(&bytes, MEMORY).as_ref(), Ok(&plain));
+        }
+    }
 }
 
 #[test]
@@ -74,7 +117,7 @@ fn reports_of_gpsd_go_before_sentences() {
     ];
     let log = rmc("125534.00", 'A', "4700.00000", "031011") + &log.join("\n");
     let read = parse_gps_log_within(log.as_bytes(), MEMORY).unwrap();
-    assert_eq!((read.points.len(), read.damaged), (1, 1));
+    assert_eq!((read.points.len(), read.damaged.count), (1, 1));
     assert_eq!(read.points[0].time_s, Some(1_317_646_534.5));
     assert!((read.points[0].at.lon_deg - 8.25).abs() < 1e-12);
 }
@@ -86,7 +129,7 @@ fn logs_of_receivers_are_read_whole() {
         parse_gps_log_within(&std::fs::read(path).unwrap(), MEMORY).unwrap()
     };
     let trimble = real("nmea-rtk.log");
-    assert_eq!(trimble.damaged, 0);
+    assert_eq!((trimble.damaged.count, trimble.unchecked), (0, 0));
     let first = trimble.points[0];
     // Its first sentence has 4134.49795459 N, 09345.03431408 W on 18 March 2020, 13:28:19.60.
     assert!((first.at.lat_deg - 41.574_965_909_8).abs() < 1e-9);

@@ -14,7 +14,7 @@ const TRACK: &str = r#"<?xml version="1.0"?>
 
 #[test]
 fn track_points_of_all_segments_in_their_order() {
-    let points = parse_gpx(TRACK).unwrap();
+    let points = parse_gpx(TRACK).unwrap().points;
     let places: Vec<(f64, f64)> = points.iter().map(|point| (point.at.lat_deg, point.at.lon_deg)).collect();
     assert_eq!(places, [(48.5, 8.25), (-48.75, -8.5), (3.0, 4.0)]);
     assert_eq!(points[0].time_s, Some(1_317_646_534.0));
@@ -24,9 +24,9 @@ fn track_points_of_all_segments_in_their_order() {
 #[test]
 fn route_points_then_waypoints_where_there_is_no_track() {
     let routed = r#"<gpx><wpt lat="1" lon="2"/><rte><rtept lat="5" lon="6"/></rte></gpx>"#;
-    assert!((parse_gpx(routed).unwrap()[0].at.lat_deg - 5.0).abs() < 1e-12);
+    assert!((parse_gpx(routed).unwrap().points[0].at.lat_deg - 5.0).abs() < 1e-12);
     let marked = r#"<gpx><wpt lat="1" lon="2"/><wpt lat="1" lon="3"/></gpx>"#;
-    assert_eq!(parse_gpx(marked).unwrap().len(), 2);
+    assert_eq!(parse_gpx(marked).unwrap().points.len(), 2);
 }
 
 #[test]
@@ -38,11 +38,28 @@ fn broken_tracks_say_what_and_what_next() {
     assert!(message("<gpx><trkpt lat=\"1\"/></gpx>").contains("lacks the attribute lon"));
     assert!(message("<gpx><trkpt lat=\"north\" lon=\"1\"/></gpx>").contains("no number"));
     assert!(message("<gpx><trkpt lat=\"91\" lon=\"1\"/></gpx>").contains("no place"));
-    assert!(
-        message("<gpx><trkpt lat=\"1\" lon=\"1\"><time>noon</time></trkpt></gpx>").contains("not ISO 8601")
-    );
     for length in [30, 120, 300, TRACK.len() - 8] {
         assert!(message(&TRACK[..length]).contains("broken at byte"), "{length}");
+    }
+}
+
+#[test]
+fn a_bad_point_or_time_costs_itself() {
+    let good = "<trkpt lat=\"1\" lon=\"1\"><time>2011-10-03T12:55:34Z</time></trkpt>";
+    for (bad, is_point, said) in [
+        ("<trkpt lat=\"1\" lon=\"1\"><time>noon</time></trkpt>", true, "\"noon\" is not ISO 8601"),
+        ("<trkpt lat=\"1\" lon=\"1\"><time></time></trkpt>", true, "\"\" is not ISO 8601"),
+        ("<trkpt lat=\"1\" lon=\"1\"><time/></trkpt>", true, "\"\" is not ISO 8601"),
+        ("<trkpt lat=\"91\" lon=\"1\"><time>2011-10-03T12:55:34Z</time></trkpt>", false, "no place"),
+        ("<trkpt lat=\"\" lon=\"1\"/>", false, "is no number"),
+        ("<trkpt lon=\"1\"/>", false, "lacks the attribute lat"),
+    ] {
+        let track = parse_gpx(&format!("<gpx>\n{good}\n{good}\n{bad}\n{good}\n{bad}\n</gpx>")).unwrap();
+        assert_eq!(track.points.len(), if is_point { 5 } else { 3 }, "{bad}");
+        assert_eq!(track.points.iter().filter(|point| point.time_s.is_some()).count(), 3, "{bad}");
+        let first = track.passed_over.first.unwrap();
+        assert_eq!((track.passed_over.count, first.line), (2, 4), "{bad}");
+        assert!(first.cause.contains(said), "{bad}: {first}");
     }
 }
 
@@ -59,7 +76,7 @@ fn elements_within_each_other_and_points_have_a_bound() {
         for memory_bytes in [0, 50, 1000, 100_000, 10_000_000] {
             let mut read = Ok(0);
             let taken = allocation_counter::measure(|| {
-                read = parse_gpx_within(&text, memory_bytes).map(|points| points.len());
+                read = parse_gpx_within(&text, memory_bytes).map(|track| track.points.len());
             });
             assert!(
                 read == Ok(points) || matches!(read, Err(GpxError::TooLarge { .. })),

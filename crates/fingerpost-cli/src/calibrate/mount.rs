@@ -7,7 +7,9 @@ use clap::Args;
 use fingerpost_calibration::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{FfmpegPrograms, FrameError, FrameSource, SourceOptions, write_file};
+use fingerpost_io::{
+    FfmpegPrograms, FrameClock, FrameError, FrameSource, SourceOptions, StampFaults, write_file,
+};
 use fingerpost_vision::picture::RgbImage;
 use serde::Serialize;
 
@@ -47,7 +49,8 @@ pub(crate) struct MountArgs {
     /// Stop after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Frames a second of pictures without times.txt (else 10), or in place of the video's own rate; 0.01 to 1000.
+    /// Frames a second, 0.01 to 1000: of pictures without times.txt (else the times in their names, or 10 as a guess), and of a video in
+    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it.
     #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// Calibration to write, camera.toml.
@@ -112,13 +115,21 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     let known = known_scale(args)?;
     let camera = inputs::camera(&args.camera)?;
     let interrupt = Interrupt::listen()?;
-    let mut source = open(args, &interrupt)?;
+    let mut source = inputs::frames(&args.input, &source_options(args, &interrupt))?;
+    if source.clock() == FrameClock::Guessed && matches!(known, KnownScale::SpeedMps(_)) {
+        bail!(
+            "the height from --speed-mps is as wrong as the frame rate is, and that of {} is a guess; give the rate (--fps), or \
+             --distance-m in place of the speed; nothing was written",
+            args.input
+        );
+    }
     let camera = match source.picture_size() {
         Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
         None => camera,
     };
     let mut calibrator = MountCalibrator::new(&camera)?;
-    for_each_frame(source, args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
+    let faults = for_each_frame(source, args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
+    inputs::say_stamp_faults(&args.input, faults);
     let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
     if let Some(lane_width_m) = args.lane_width_m {
         let seen =
@@ -150,19 +161,18 @@ fn known_scale(args: &MountArgs) -> Result<KnownScale> {
     })
 }
 
-fn open(args: &MountArgs, interrupt: &Interrupt) -> Result<FrameSource> {
+fn source_options(args: &MountArgs, interrupt: &Interrupt) -> SourceOptions {
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
-    let options = SourceOptions { fps: args.fps, programs, ..SourceOptions::default() };
-    Ok(FrameSource::open(&args.input, &options)?)
+    SourceOptions { fps: args.fps, programs, ..SourceOptions::default() }
 }
 
-/// Hands every picture of the input on; broken ones are passed over.
+/// Hands every picture of the input on, and says what was wrong with their stamps; broken pictures are passed over.
 fn for_each_frame(
     mut source: FrameSource,
     args: &MountArgs,
     interrupt: &Interrupt,
     mut take: impl FnMut(&RgbImage, f64) -> Result<()>,
-) -> Result<()> {
+) -> Result<StampFaults> {
     let most = args.frames.unwrap_or(u64::MAX);
     let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
     let mut left = most;
@@ -185,13 +195,15 @@ fn for_each_frame(
     if interrupt.wanted() {
         bail!("interrupted; nothing was written");
     }
-    Ok(())
+    Ok(source.stamp_faults())
 }
 
 /// How wide the lane looks through a camera of that height.
 fn width_of_lane(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Estimated> {
     let mut lane = LaneWidth::new(camera)?;
-    for_each_frame(open(args, interrupt)?, args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
+    // What there is to say of the input has been said.
+    let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
+    for_each_frame(source, args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
     lane.width().context(
         "the drive shows no lane with markings on both sides for long enough, so that its width does not give the height; give \
          --speed-mps or --distance-m instead; nothing was written",

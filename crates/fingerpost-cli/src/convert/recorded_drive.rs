@@ -140,6 +140,18 @@ impl RecordedDrive {
             poses: 0,
         };
         folder.finish(&logs)?;
+        if let (true, Some((first, _)), Some((last, _))) =
+            (logs.gps.is_empty(), self.gps.first(), self.gps.last())
+        {
+            output::message(&format!(
+                "none of the {} GPS positions is used: they are stamped {:.1} to {:.1} s after the first picture, and the last picture is \
+                 {:.1} s after it; their clock is another one",
+                self.gps.len(),
+                signed_seconds(*first, self.first_ns),
+                signed_seconds(*last, self.first_ns),
+                converted.length_s
+            ));
+        }
         if !self.twists.is_empty() && logs.motion.is_empty() {
             output::message(
                 "no speed was recorded between the first picture and the last; there is no motion.csv",
@@ -186,6 +198,11 @@ fn size(picture: &Picture) -> Result<(usize, usize), PictureFileError> {
             Ok(decode_picture(bytes, Path::new("the first picture"))?.size())
         }
     }
+}
+
+/// Negative before.
+fn signed_seconds(at_ns: u64, since_ns: u64) -> f64 {
+    (i128::from(at_ns) - i128::from(since_ns)) as f64 * 1e-9
 }
 
 fn seconds(at_ns: u64, since_ns: u64) -> f64 {

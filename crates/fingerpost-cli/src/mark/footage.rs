@@ -36,23 +36,43 @@ impl Footage {
     }
 
     fn new(input: &str, fps: Option<f64>, folder: Option<&Path>) -> Result<Self> {
-        let mut source = FrameSource::open(
+        let source = inputs::frames(
             input,
             &SourceOptions { fps, programs: inputs::ffmpeg(), ..SourceOptions::default() },
         )?;
         let path = Path::new(input);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let (pictures, picture_px) = if path.is_dir() {
-            let pictures = picture_paths(path)?;
-            let size = pictures.iter().find_map(|path| Some(size(&read_picture(path).ok()?)));
-            (
-                pictures,
-                size.with_context(|| format!("no picture of {input} can be read; give another folder"))?,
-            )
-        } else {
-            video_pictures(&mut source, folder, &name)?
-        };
-        let times_s = (0..pictures.len() as u64).map(|index| source.time_s(index)).collect();
+        let times_s = source.picture_times_s().map(<[f64]>::to_vec);
+        let Some(times_s) = times_s else { return Self::of_video(source, folder, name) };
+        let pictures = picture_paths(path)?;
+        let size = pictures.iter().find_map(|path| Some(size(&read_picture(path).ok()?)));
+        let picture_px =
+            size.with_context(|| format!("no picture of {input} can be read; give another folder"))?;
+        Ok(Self { name, picture_px, pictures, times_s })
+    }
+
+    /// Decodes a video, and writes its pictures into a folder where one is given.
+    fn of_video(mut source: FrameSource, folder: Option<&Path>, name: String) -> Result<Self> {
+        if let Some(folder) = folder {
+            fingerpost_io::create_private_folder(folder)?;
+        }
+        let bar = output::progress(source.length(), "frames");
+        let (mut pictures, mut times_s, mut picture_px) = (Vec::new(), Vec::new(), None);
+        while let Some(frame) = source.next() {
+            let picture = frame.picture?;
+            picture_px.get_or_insert_with(|| size(&picture));
+            let path = folder.unwrap_or(Path::new("")).join(format!("{:06}.jpg", frame.index));
+            if folder.is_some() {
+                write_jpeg(&path, &picture, PICTURE_QUALITY, ChromaSampling::Full)?;
+            }
+            pictures.push(path);
+            times_s.push(frame.t_s);
+            source.recycle(picture);
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        inputs::say_stamp_faults(&name, source.stamp_faults());
+        let Some(picture_px) = picture_px else { bail!("{name} has no frames; give another video") };
         Ok(Self { name, picture_px, pictures, times_s })
     }
 
@@ -91,33 +111,6 @@ impl Pictures for Footage {
         let content_type = if is_png { "image/png" } else { "image/jpeg" };
         Ok(Picture { content_type, bytes: fingerpost_io::read_bytes(path)? })
     }
-}
-
-/// Decodes a video, writes its pictures into a folder where one is given, and gives their paths and size.
-fn video_pictures(
-    source: &mut FrameSource,
-    folder: Option<&Path>,
-    name: &str,
-) -> Result<(Vec<PathBuf>, [u32; 2])> {
-    if let Some(folder) = folder {
-        fingerpost_io::create_private_folder(folder)?;
-    }
-    let bar = output::progress(source.length(), "frames");
-    let (mut pictures, mut picture_px) = (Vec::new(), None);
-    while let Some(frame) = source.next() {
-        let picture = frame.picture?;
-        picture_px.get_or_insert_with(|| size(&picture));
-        let path = folder.unwrap_or(Path::new("")).join(format!("{:06}.jpg", frame.index));
-        if folder.is_some() {
-            write_jpeg(&path, &picture, PICTURE_QUALITY, ChromaSampling::Full)?;
-        }
-        pictures.push(path);
-        source.recycle(picture);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let Some(picture_px) = picture_px else { bail!("{name} has no frames; give another video") };
-    Ok((pictures, picture_px))
 }
 
 fn size(picture: &RgbImage) -> [u32; 2] {

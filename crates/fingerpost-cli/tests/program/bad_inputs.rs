@@ -363,3 +363,33 @@ fn settings_may_come_through_a_pipe() {
     let called = Called::from(std::process::Command::new("sh").args(["-c", &script]).output().unwrap());
     assert_eq!(called.code, Some(0), "{}", called.stderr);
 }
+
+#[test]
+fn arguments_that_are_refused_say_what_may_be_meant() {
+    call_line("run --input 0 --camera camera.toml --out run").refused(2, &["fingerpost run /dev/video0"]);
+    call_line("run drive.mp4 --start-m 5 --camera camera.toml --out run")
+        .refused(2, &["--route", "fingerpost route", "--near"]);
+}
+
+/// A GPX track whose positions have one time says nothing of when; one bad time costs its own position.
+#[test]
+fn times_of_a_gps_track_that_say_nothing_are_not_believed() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let (track, out) = (folder.path().join("track.gpx"), folder.path().join("run"));
+    let point = |east: u32, time: &str| {
+        format!("<trkpt lat=\"47.0\" lon=\"9.5000{east}\"><time>{time}</time></trkpt>\n")
+    };
+    let run = |points: &str| {
+        fs::write(&track, format!("<gpx>{points}</gpx>")).unwrap();
+        let line = drive.run_line(&drive.path(), &out);
+        call_line(&format!("{line} --frames 2 --gps {}", track.display()))
+    };
+    let at = |second: u32| format!("2026-01-01T08:00:0{second}Z");
+    run(&(0..5).map(|east| point(east, &at(0))).collect::<String>())
+        .refused(1, &["no times that tell its positions apart", "all 5"]);
+    let called = run(&(point(0, "") + &point(1, &at(1)) + &point(2, &at(2)))).done();
+    assert!(called.stderr.contains("line 1: time \"\" is not ISO 8601"), "{}", called.stderr);
+    assert!(called.stderr.contains("position 2 is taken to belong to the first frame"), "{}", called.stderr);
+    let called = run(&point(0, "1970-01-01T02:00:00Z")).done();
+    assert!(called.stderr.contains("none of the 1 GPS positions was used"), "{}", called.stderr);
+}

@@ -96,7 +96,7 @@ fn wrong_names_are_answered_with_what_to_do() {
     let run = |can: &str| {
         call_line(&format!("{line} --can {can} --dbc {at}/car.dbc --config {at}/fingerpost.toml"))
     };
-    run(&format!("{at}/drive.log")).refused(1, &["no frame with", "can.interface"]);
+    run(&format!("{at}/drive.log")).refused(1, &["no frame with", "can.interface", "never came", "can0"]);
     run(&format!("{at}/car.dbc")).refused(1, &["no CAN log"]);
     run("socketcan:nosuchbus0")
         .refused(1, &["SocketCAN"].map(|word| if cfg!(feature = "socketcan") { "nosuchbus0" } else { word }));

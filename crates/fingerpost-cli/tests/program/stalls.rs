@@ -189,6 +189,23 @@ fn pipes_that_nobody_writes_are_given_up() {
     }
 }
 
+/// A bus under way, written into a pipe without an end.
+#[test]
+fn a_log_that_does_not_end_is_given_up() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let write = format!("exec > '{}'; while echo '(1.0) can0 123#00'; do sleep 0.05; done", pipe.display());
+    let mut writer = Command::new("sh").args(["-c", &write]).spawn().unwrap();
+    let [config, dbc] = ["can.toml", "car.dbc"].map(|name| drive.path().join(name).display().to_string());
+    let line = format!("can {} --config {config} --dbc {dbc} --timeout-s 0.5", pipe.display());
+    let began = Instant::now();
+    call_line(&line).refused(1, &["has not ended after 0.5 s", "socketcan:can0", "--timeout-s"]);
+    assert!(began.elapsed() < PATIENCE);
+    writer.kill().unwrap();
+    writer.wait().unwrap();
+}
+
 /// A pipe that is written slowly is read like a file.
 #[test]
 fn a_slow_writer_is_waited_for() {

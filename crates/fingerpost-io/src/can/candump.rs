@@ -5,6 +5,7 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use flate2::bufread::MultiGzDecoder;
 use thiserror::Error;
@@ -59,6 +60,20 @@ pub enum CanLogError {
         /// Its time, seconds.
         to_s: f64,
     },
+    /// It goes on as a bus does.
+    #[error(
+        "{} has not ended after {waited_s} s, in which its clock went on by {passed_s:.1} s: it is no log but a bus under way; record it \
+         first (candump -L), give the interface itself (socketcan:can0), or wait longer (--timeout-s)",
+        .path.display()
+    )]
+    Endless {
+        /// The pipe or device.
+        path: PathBuf,
+        /// How long it was read, seconds.
+        waited_s: f64,
+        /// Time from its first frame to its last one, seconds.
+        passed_s: f64,
+    },
     /// It says more than can be held.
     #[error("{} has more than {most} values of the signals that are read; cut out the drive", .path.display())]
     TooManySamples {
@@ -78,8 +93,11 @@ pub struct CanLogFrames {
     pub lines: u64,
     /// Lines so far that are none of a log's, such as one that was cut off.
     pub unreadable_lines: u64,
-    /// The latest time so far, seconds of the log's clock.
+    /// The first and the latest time so far, seconds of the log's clock.
+    first_s: Option<f64>,
     latest_s: f64,
+    /// When it was opened, and how long it is waited for; of pipes and devices, which may have no end.
+    waiting: Option<(Instant, Duration)>,
 }
 
 /// Opens a log.
@@ -87,7 +105,9 @@ pub struct CanLogFrames {
 /// # Errors
 /// [`CanLogError::File`] when it cannot be read.
 pub fn read_can_log(path: &Path) -> Result<CanLogFrames, CanLogError> {
-    let mut file = BufReader::new(InputFile::open(path)?);
+    let file = InputFile::open(path)?;
+    let waiting = file.longest_wait().map(|longest| (Instant::now(), longest));
+    let mut file = BufReader::new(file);
     let compressed = file.fill_buf().map_err(FileError::reading(path))?.starts_with(&GZIP);
     let reader: Box<dyn BufRead> =
         if compressed { Box::new(BufReader::new(MultiGzDecoder::new(file))) } else { Box::new(file) };
@@ -97,7 +117,9 @@ pub fn read_can_log(path: &Path) -> Result<CanLogFrames, CanLogError> {
         line: Vec::new(),
         lines: 0,
         unreadable_lines: 0,
+        first_s: None,
         latest_s: f64::NEG_INFINITY,
+        waiting,
     })
 }
 
@@ -105,8 +127,8 @@ impl CanLogFrames {
     /// The next data frame; none at the log's end.
     ///
     /// # Errors
-    /// [`CanLogError`] when the file cannot be read on, its clock steps back by more than a second, or it has ended and no line of
-    /// it was one of a log.
+    /// [`CanLogError`] when the file cannot be read on, its clock steps back by more than a second, it has ended and no line of
+    /// it was one of a log, or it is a pipe that has been read for the longest wait and is no faster than what it records.
     pub fn next_frame(&mut self) -> Result<Option<LogFrame<'_>>, CanLogError> {
         loop {
             self.line.clear();
@@ -120,6 +142,7 @@ impl CanLogFrames {
                 };
             }
             self.lines += 1;
+            self.check_end()?;
             match str::from_utf8(&self.line).ok().and_then(parse_candump_line) {
                 Some(Some(frame)) => {
                     let (from_s, to_s) = (self.latest_s, frame.t_s);
@@ -127,6 +150,7 @@ impl CanLogFrames {
                         let (path, line) = (self.path.clone(), self.lines);
                         return Err(CanLogError::Backwards { path, line, from_s, to_s });
                     }
+                    self.first_s.get_or_insert(to_s);
                     self.latest_s = from_s.max(to_s);
                     break;
                 }
@@ -136,6 +160,19 @@ impl CanLogFrames {
         }
         // Read once more, because a frame that lends the line's text cannot leave a loop that fills the line again.
         Ok(str::from_utf8(&self.line).ok().and_then(parse_candump_line).flatten())
+    }
+}
+
+impl CanLogFrames {
+    /// Refuses a pipe that is a bus under way: a log is read faster than it was recorded.
+    fn check_end(&self) -> Result<(), CanLogError> {
+        let Some((began, longest)) = self.waiting else { return Ok(()) };
+        let passed_s = self.first_s.map_or(0.0, |first_s| self.latest_s - first_s);
+        if began.elapsed() < longest || passed_s > began.elapsed().as_secs_f64() {
+            return Ok(());
+        }
+        let (path, waited_s) = (self.path.clone(), longest.as_secs_f64());
+        Err(CanLogError::Endless { path, waited_s, passed_s })
     }
 }
 

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::bits::{BitField, ByteOrder};
 use super::frame::CanId;
+use super::j1939::{group_bits, is_j1939};
 use super::layout::{Condition, Reading, SignalLayout};
 use crate::file::{FileError, read_bytes};
 
@@ -141,6 +142,10 @@ impl CanDatabase {
         Ok(SignalLayout {
             name: name.to_owned(),
             message: can_id(message.id),
+            id_bits: match message.id {
+                MessageId::Extended(id) if is_j1939(&self.dbc, message) => group_bits(id),
+                _ => u32::MAX,
+            },
             unit: signal.unit.clone(),
             value_names: values.iter().map(|value| (value.id, value.description.clone())).collect(),
             bits,

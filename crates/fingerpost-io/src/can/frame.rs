@@ -1,5 +1,7 @@
 //! A frame of the bus.
 
+use std::fmt;
+
 /// Most bytes in a frame: CAN FD's.
 const MAX_LENGTH: usize = 64;
 
@@ -18,6 +20,16 @@ impl CanId {
         match self {
             Self::Standard(id) => id < 1 << 11,
             Self::Extended(id) => id < 1 << 29,
+        }
+    }
+}
+
+impl fmt::Display for CanId {
+    /// As candump writes it: three or eight hexadecimal digits.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Standard(id) => write!(f, "{id:03X}"),
+            Self::Extended(id) => write!(f, "{id:08X}"),
         }
     }
 }

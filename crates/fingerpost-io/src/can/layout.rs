@@ -43,8 +43,10 @@ pub(super) struct Condition {
 pub struct SignalLayout {
     /// `MESSAGE.SIGNAL`.
     pub name: String,
-    /// The message.
+    /// The message, with an address of its own where it is one of J1939.
     pub message: CanId,
+    /// Bits of a 29-bit identifier that frames of the message have in common with it: all, or those of its group in J1939.
+    pub(super) id_bits: u32,
     /// Unit as the DBC file has it, for people.
     pub unit: String,
     /// What single values of the bits are called.
@@ -60,7 +62,7 @@ impl SignalLayout {
     /// The signal's value in a frame, scaled as the DBC file says; none where the frame is another message, is too short or
     /// holds other multiplexed signals.
     pub fn decode(&self, frame: &CanFrame) -> Option<f64> {
-        if frame.id != self.message {
+        if !self.is_in(frame.id) {
             return None;
         }
         let data = frame.data();
@@ -78,6 +80,14 @@ impl SignalLayout {
             Reading::Float64 => f64::from_bits(self.bits.unsigned(data)?),
         };
         Some(raw * self.factor + self.offset)
+    }
+
+    /// Whether frames with that identifier are of the signal's message.
+    pub fn is_in(&self, id: CanId) -> bool {
+        match (id, self.message) {
+            (CanId::Extended(id), CanId::Extended(message)) => (id ^ message) & self.id_bits == 0,
+            (id, message) => id == message,
+        }
     }
 
     /// The scaled value that is called `name` in the file's value table.

@@ -1,13 +1,19 @@
 //! The samples of chosen signals in a log.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::candump::{CanLogError, read_can_log};
+use super::frame::CanId;
 use super::layout::SignalLayout;
 
 /// Values of all signals together that are held, 1 GB: three signals of a hundred a second for two days. A packed log may hold a
 /// thousand times its own size.
 const MOST_SAMPLES: usize = 64_000_000;
+
+/// Identifiers and interfaces that are kept, more than a vehicle has: those of garbage need not fit into memory.
+const MOST_IDENTIFIERS: usize = 4096;
+const MOST_INTERFACES: usize = 64;
 
 /// A signal's value at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +37,12 @@ pub struct SignalLog {
     pub frames: u64,
     /// Lines that are none of a log's.
     pub unreadable_lines: u64,
+    /// The identifiers of each signal's frames, in the order of the signals: of J1939, one of each sender.
+    pub senders: Vec<BTreeSet<CanId>>,
+    /// The identifiers of all frames of the interface, the first of them where there are very many.
+    pub came: BTreeSet<CanId>,
+    /// The interfaces of all frames.
+    pub interfaces: BTreeSet<String>,
 }
 
 impl SignalLog {
@@ -39,7 +51,11 @@ impl SignalLog {
     /// # Errors
     /// [`CanLogError`] when it cannot be read, is no log, steps back in time or says more than 64 million values.
     pub fn read(path: &Path, interface: Option<&str>, signals: &[SignalLayout]) -> Result<Self, CanLogError> {
-        let mut log = Self { samples: vec![Vec::new(); signals.len()], ..Self::default() };
+        let mut log = Self {
+            samples: vec![Vec::new(); signals.len()],
+            senders: vec![BTreeSet::new(); signals.len()],
+            ..Self::default()
+        };
         let mut lines = read_can_log(path)?;
         let mut held = 0;
         while let Some(frame) = lines.next_frame()? {
@@ -48,11 +64,19 @@ impl SignalLog {
             }
             log.last_s = frame.t_s;
             log.frames += 1;
+            if log.interfaces.len() < MOST_INTERFACES && !log.interfaces.contains(frame.interface) {
+                log.interfaces.insert(frame.interface.to_owned());
+            }
             if interface.is_some_and(|wanted| wanted != frame.interface) {
                 continue;
             }
-            for (signal, samples) in signals.iter().zip(&mut log.samples) {
+            let id = frame.frame.id;
+            if log.came.len() < MOST_IDENTIFIERS {
+                log.came.insert(id);
+            }
+            for ((signal, samples), senders) in signals.iter().zip(&mut log.samples).zip(&mut log.senders) {
                 if let Some(value) = signal.decode(&frame.frame) {
+                    senders.insert(id);
                     samples.push(SignalSample { t_s: frame.t_s, value });
                     held += 1;
                 }

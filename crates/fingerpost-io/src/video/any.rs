@@ -6,7 +6,7 @@ use std::{path::Path, time::Duration};
 
 #[cfg(feature = "libav")]
 use super::libraries::{LibraryVideo, Next};
-use super::{Pace, VideoPicture, VideoReader};
+use super::{Pace, Timing, VideoPicture, VideoReader};
 use crate::{
     decoders::Decoded,
     ffmpeg::{FfmpegPrograms, VideoError},
@@ -131,6 +131,15 @@ impl Video {
             Self::Program(video) => video.fps(),
             #[cfg(feature = "libav")]
             Self::Libraries { video, .. } => video.fps(),
+        }
+    }
+
+    /// What the times of its frames are from.
+    pub(crate) fn timing(&self) -> Timing {
+        match self {
+            Self::Program(video) => video.timing(),
+            #[cfg(feature = "libav")]
+            Self::Libraries { video, .. } => video.timing(),
         }
     }
 

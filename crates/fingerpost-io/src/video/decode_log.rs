@@ -46,8 +46,8 @@ pub(super) struct FrameNotes {
     pub(super) frame: u64,
     /// Whether parts of it had to be made up.
     pub(super) damaged: bool,
-    /// The time that it had where it was looked at, seconds; of a live input, when it was taken.
-    pub(super) stamp_s: Option<f64>,
+    /// The stamp that it came with, microseconds since any moment.
+    pub(super) stamp_us: Option<i64>,
 }
 
 /// The form of a frame.
@@ -83,7 +83,7 @@ struct Lines {
     /// Damaged frames that nobody has asked for yet.
     damaged: VecDeque<u64>,
     /// Times stamped on frames that nobody has asked for yet.
-    stamps: VecDeque<(u64, f64)>,
+    stamps: VecDeque<(u64, i64)>,
     complaint: Option<String>,
 }
 
@@ -141,13 +141,13 @@ impl DecodeLog {
     /// What was said of the frame with that index. To be asked for one frame after the other.
     pub(super) fn take_notes(&self, frame: u64) -> FrameNotes {
         let lines = &mut self.taken_in().lines;
-        let mut notes = FrameNotes { frame, damaged: false, stamp_s: None };
+        let mut notes = FrameNotes { frame, damaged: false, stamp_us: None };
         while lines.damaged.front().is_some_and(|damaged| *damaged <= frame) {
             notes.damaged |= lines.damaged.pop_front() == Some(frame);
         }
         while lines.stamps.front().is_some_and(|(stamped, _)| *stamped <= frame) {
             let of_frame = lines.stamps.pop_front().filter(|(stamped, _)| *stamped == frame);
-            notes.stamp_s = of_frame.map(|(_, stamp_s)| stamp_s);
+            notes.stamp_us = of_frame.map(|(_, stamp_us)| stamp_us);
         }
         notes
     }
@@ -219,7 +219,7 @@ impl Lines {
         }
         // Whole microseconds: what ffmpeg writes as seconds has six digits in all. Frames without a time read NOPTS.
         if let Some(stamp_us) = value(" pts:").and_then(|text| text.parse::<i64>().ok()) {
-            self.stamps.push_back((self.frames, stamp_us as f64 * 1e-6));
+            self.stamps.push_back((self.frames, stamp_us));
         }
         self.frames += 1;
     }
@@ -303,10 +303,7 @@ mod tests {
             stamped(3, "inf"),
         ];
         let stamps = lines(&text.concat(), 9).stamps;
-        assert_eq!(stamps.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [0, 2]);
-        for ((_, stamp_s), expected_s) in stamps.iter().zip([3.5, 20_000.033_333]) {
-            assert!((stamp_s - expected_s).abs() < 1e-9, "{stamp_s}");
-        }
+        assert_eq!(stamps, [(0, 3_500_000), (2, 20_000_033_333)]);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Videos decoded in this process by FFmpeg's libraries, without pipes, their line protocol and the time that programs take
 //! to start.
 //!
-//! What is read here: files whose pixels are of the commonest way (8 bits, 4:2:0), stand upright and whose number of frames
-//! is stated. A thread decodes ahead, and turns the decoder's planes into red, green and blue where they lie. Sizes, rates
+//! What is read here: files whose pixels are of the commonest way (8 bits, 4:2:0), stand upright, whose number of frames
+//! is stated, and whose frames have stamps that do not begin anew in the middle, as those of transport streams may. A thread decodes ahead, and turns the decoder's planes into red, green and blue where they lie. Sizes, rates
 //! and colours are taken from the stream as ffprobe takes them, frames as ffmpeg gives them.
 //!
 //! At the first sign that something is wrong the work is given up, and the program ffmpeg goes on behind the last good
@@ -11,7 +11,7 @@
 use std::{io::ErrorKind, num::NonZeroUsize};
 
 use ffmpeg_the_third::{
-    Error as AvError, Packet,
+    Error as AvError, Packet, Rational, Rescale,
     codec::{Context, decoder, packet::side_data},
     color::{Range, Space},
     dictionary::Dictionary,
@@ -24,7 +24,7 @@ use fingerpost_vision::{
 };
 
 use super::{
-    VideoPicture, ffmpeg_argument,
+    Timing, VideoPicture, ffmpeg_argument,
     probe::{self, Expected, Rate},
 };
 use crate::{
@@ -32,10 +32,14 @@ use crate::{
     picture_file::MAX_SIDE_PX,
 };
 
+/// What times are counted in.
+const MICROSECOND: Rational = Rational(1, 1_000_000);
+
 /// A video being decoded here.
 #[derive(Debug)]
 pub(crate) struct LibraryVideo {
     rate: Rate,
+    timing: Timing,
     length: Option<u64>,
     expected: Expected,
     frames: u64,
@@ -67,12 +71,14 @@ impl LibraryVideo {
     pub(super) fn open(input: &str, threads: Option<NonZeroUsize>) -> Option<Self> {
         let (stream, stated) = Stream::open(&ffmpeg_argument(input), threads).ok()?;
         let (rate, length, expected) = (stated.rate(), stated.length(), stated.expected_length());
+        // What has no stamps is asked more about than can be asked here.
+        let timing = Some(stated.timing()).filter(|timing| matches!(timing, Timing::Stamps { .. }))?;
         if expected == Expected::Unknown {
             return None;
         }
         let one = threads == Some(NonZeroUsize::MIN);
         let pictures = if one { Decoders::on_demand(stream) } else { Decoders::ahead([stream]) };
-        Some(Self { rate, length, expected, frames: 0, pictures })
+        Some(Self { rate, timing, length, expected, frames: 0, pictures })
     }
 
     pub(super) fn length(&self) -> Option<u64> {
@@ -98,6 +104,10 @@ impl LibraryVideo {
         }
     }
 
+    pub(super) fn timing(&self) -> Timing {
+        self.timing
+    }
+
     pub(super) fn recycle(&mut self, buffer: Vec<u8>) {
         self.pictures.recycle(buffer);
     }
@@ -112,6 +122,9 @@ struct Stream {
     packet: Packet,
     frame: frame::Video,
     coding: YuvCoding,
+    /// What the stamps of frames count, seconds.
+    tick: Rational,
+    first_stamp: Option<i64>,
     /// Pixels and size of the first frame, which all are to have.
     form: Option<(Pixel, u32, u32)>,
     frames: u64,
@@ -132,6 +145,10 @@ impl Stream {
         // A library prints nothing; what is wrong with a video ffmpeg is asked.
         log::set_level(log::Level::Quiet);
         let input = format::input(argument)?;
+        // Their stamps begin anew in the middle; ffmpeg knows where they go on.
+        if input.format().flags().contains(format::format::Flags::TS_DISCONT) {
+            return Err(GivenUp);
+        }
         let stream = input.streams().find(|stream| stream.parameters().medium() == media::Type::Video);
         let stream = stream.ok_or(GivenUp)?;
         let stands_upright = stream.side_data().all(|data| data.kind() != side_data::Type::DisplayMatrix);
@@ -144,9 +161,12 @@ impl Stream {
         let decoder = context.open_as_with(codec, options)?.video()?;
         let stated = stated(&input, &stream, &decoder);
         let (_, coding) = stated.yuv420_coding().filter(|_| stands_upright).ok_or(GivenUp)?;
-        let index = stream.index();
+        let (index, tick) = (stream.index(), stream.time_base());
         let (packet, frame) = (Packet::empty(), frame::Video::empty());
-        Ok((Self { input, index, decoder, packet, frame, coding, form: None, frames: 0 }, stated))
+        let first_stamp = None;
+        let stream =
+            Self { input, index, decoder, packet, frame, coding, tick, first_stamp, form: None, frames: 0 };
+        Ok((stream, stated))
     }
 
     /// Hands the decoder what comes next of the stream, or tells it that nothing does.
@@ -191,9 +211,13 @@ impl Stream {
         rgb.resize(width * height * RgbImage::CHANNELS, 0);
         let mut picture = RgbImage::from_vec(width, height, rgb).map_err(|_| GivenUp)?;
         rgb_from_yuv420(planes, self.coding, &mut picture).map_err(|_| GivenUp)?;
+        let stamp_us = self.frame.timestamp().map(|stamp| {
+            let first = *self.first_stamp.get_or_insert(stamp);
+            stamp.saturating_sub(first).rescale(self.tick, MICROSECOND)
+        });
         let index = self.frames;
         self.frames += 1;
-        Ok(VideoPicture { picture, index, damaged: false, taken_s: None })
+        Ok(VideoPicture { picture, index, damaged: false, taken_s: None, stamp_us })
     }
 }
 
@@ -223,7 +247,7 @@ fn wants_more(errno: i32) -> bool {
 
 /// What ffprobe would say of the stream.
 fn stated(input: &Input, stream: &ffmpeg_the_third::Stream<'_>, decoder: &decoder::Video) -> probe::Stream {
-    let rate = |rate: ffmpeg_the_third::Rational| Some(format!("{}/{}", rate.0, rate.1));
+    let rate = |rate: Rational| Some(format!("{}/{}", rate.0, rate.1));
     let seconds = |ticks: i64| ticks as f64 * f64::from(stream.time_base());
     let pixels = match decoder.format() {
         Pixel::YUV420P => Some("yuv420p"),
@@ -244,7 +268,10 @@ fn stated(input: &Input, stream: &ffmpeg_the_third::Stream<'_>, decoder: &decode
         avg_frame_rate: rate(stream.avg_frame_rate()),
         r_frame_rate: rate(stream.rate()),
         nb_frames: (stream.frames() > 0).then(|| stream.frames().to_string()),
+        time_base: Some(format!("{}/{}", stream.time_base().0, stream.time_base().1)),
         // Unknown is the least number that there is.
+        start_time: (stream.start_time() > i64::MIN).then(|| seconds(stream.start_time()).to_string()),
+        states_rate: false,
         duration: (stream.duration() > i64::MIN).then(|| seconds(stream.duration()).to_string()),
         tags: probe::Tags { duration: length },
         hides_frames: input.format().name().split(',').any(|name| name == probe::HIDING_CONTAINER),

@@ -49,8 +49,8 @@ const fn is_device(_path: &Path) -> bool {
 #[derive(Debug)]
 pub(super) struct LiveFrames {
     sampler: Sampler,
-    /// When the first frame came, and the time that was stamped on it, seconds.
-    first: Option<(Instant, Option<f64>)>,
+    /// When the first frame came, and the time that was stamped on it, microseconds.
+    first: Option<(Instant, Option<i64>)>,
 }
 
 impl LiveFrames {
@@ -60,10 +60,11 @@ impl LiveFrames {
 
     /// When the frame was taken that has just come, seconds since the first: by the time that the input stamped on both, or
     /// else by when they came. None for a frame that is not used.
-    pub(super) fn used_at_s(&mut self, index: u64, stamp_s: Option<f64>) -> Option<f64> {
+    pub(super) fn used_at_s(&mut self, index: u64, stamp_us: Option<i64>) -> Option<f64> {
         let now = Instant::now();
-        let (first, first_stamp_s) = *self.first.get_or_insert((now, stamp_s));
-        let stamped_s = stamp_s.zip(first_stamp_s).map(|(stamp_s, first_s)| stamp_s - first_s);
+        let (first, first_us) = *self.first.get_or_insert((now, stamp_us));
+        let stamped_us = stamp_us.zip(first_us).map(|(stamp_us, first_us)| stamp_us.saturating_sub(first_us));
+        let stamped_s = stamped_us.map(|stamped_us| stamped_us as f64 * 1e-6);
         let t_s = stamped_s.unwrap_or_else(|| now.duration_since(first).as_secs_f64());
         self.sampler.wants(index, t_s).then_some(t_s)
     }
@@ -91,11 +92,11 @@ mod tests {
     #[test]
     fn stamped_times_are_believed_and_others_measured() {
         let mut frames = LiveFrames::new(Sampler::new(Sampling::All));
-        assert_eq!(frames.used_at_s(0, Some(100.0)), Some(0.0));
-        assert_eq!(frames.used_at_s(1, Some(107.5)), Some(7.5));
+        assert_eq!(frames.used_at_s(0, Some(100_000_000)), Some(0.0));
+        assert_eq!(frames.used_at_s(1, Some(107_500_000)), Some(7.5));
         assert!(frames.used_at_s(2, None).is_some_and(|t_s| t_s < 5.0), "as it came");
         let mut frames = LiveFrames::new(Sampler::new(Sampling::Rate { hz: 1.0 }));
-        let used = [0.0, 0.5, 1.0, 1.5, 2.0].map(|stamp_s| frames.used_at_s(0, Some(stamp_s)).is_some());
+        let used = [0, 5, 10, 15, 20].map(|tenths| frames.used_at_s(0, Some(100_000 * tenths)).is_some());
         assert_eq!(used, [true, false, true, false, true]);
     }
 }

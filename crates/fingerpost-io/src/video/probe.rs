@@ -5,6 +5,7 @@ use std::{io::ErrorKind, process::Stdio};
 use fingerpost_vision::colour::{YuvCoding, YuvMatrix, YuvRange};
 use serde::Deserialize;
 
+use super::stamps::Timing;
 use crate::ffmpeg::{FfmpegPrograms, VideoError, answer, start_error};
 
 /// Frame rate that is taken where a stream states none.
@@ -31,7 +32,10 @@ impl Rate {
 }
 
 /// What of a stream ffprobe is asked to show.
-const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION:format=format_name";
+const SHOWN: &str = "stream=avg_frame_rate,r_frame_rate,time_base,start_time,nb_frames,duration,pix_fmt,color_space,color_range:stream_tags=DURATION:format=format_name";
+
+/// A rate that ffprobe is told to take where a bare stream states none: any but 25, which it takes by itself.
+const OTHER_GUESS: &str = "7";
 
 /// The container that may count frames which are not shown, as ffprobe calls it.
 pub(super) const HIDING_CONTAINER: &str = "mov";
@@ -60,6 +64,13 @@ struct Container {
 pub(super) struct Stream {
     pub(super) avg_frame_rate: Option<String>,
     pub(super) r_frame_rate: Option<String>,
+    /// Seconds of a tick of the stamps, as a fraction.
+    pub(super) time_base: Option<String>,
+    /// The first stamp, seconds; none where frames have none.
+    pub(super) start_time: Option<String>,
+    /// Whether the rate is the stream's own, which matters where frames have no stamps.
+    #[serde(skip)]
+    pub(super) states_rate: bool,
     pub(super) nb_frames: Option<String>,
     pub(super) duration: Option<String>,
     #[serde(default)]
@@ -112,8 +123,30 @@ pub(super) struct Tags {
 impl Stream {
     /// Asks ffprobe about `input`, which is `argument` to it.
     pub(super) fn probe(input: &str, argument: &str, programs: &FfmpegPrograms) -> Result<Self, VideoError> {
+        Self::ask(input, &[argument], programs)
+    }
+
+    /// The same of an input that can be read more than once, and whether it states its rate where its frames have no stamps: ffprobe
+    /// does not say what it guesses, but a guess is another one when it is told to guess otherwise.
+    pub(super) fn probe_recording(
+        input: &str,
+        argument: &str,
+        programs: &FfmpegPrograms,
+    ) -> Result<Self, VideoError> {
+        let stream = Self::probe(input, argument, programs)?;
+        if stream.start_time.is_some() {
+            return Ok(stream);
+        }
+        let stated = |stream: &Self| stream.avg_frame_rate.as_deref().and_then(Rate::parse);
+        let told = Self::ask(input, &["-framerate", OTHER_GUESS, argument], programs).ok();
+        let states_rate =
+            stated(&stream).is_some() && told.is_some_and(|told| stated(&told) == stated(&stream));
+        Ok(Self { states_rate, ..stream })
+    }
+
+    fn ask(input: &str, about: &[&str], programs: &FfmpegPrograms) -> Result<Self, VideoError> {
         let question = ["-v", "error", "-select_streams", "v:0", "-of", "json", "-show_entries", SHOWN];
-        let arguments = question.into_iter().chain([argument]);
+        let arguments = question.into_iter().chain(about.iter().copied());
         let mut ffprobe =
             programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?.listened_to();
         let input = || input.to_owned();
@@ -139,6 +172,16 @@ impl Stream {
     pub(super) fn rate(&self) -> Rate {
         let stated = [&self.avg_frame_rate, &self.r_frame_rate];
         stated.into_iter().flatten().find_map(|text| Rate::parse(text)).unwrap_or(FALLBACK_RATE)
+    }
+
+    /// What the times of its frames are from.
+    pub(super) fn timing(&self) -> Timing {
+        let tick = self.time_base.as_deref().and_then(Rate::parse);
+        match (&self.start_time, tick) {
+            (Some(_), Some(tick)) => Timing::Stamps { tick_s: tick.fps() },
+            _ if self.states_rate => Timing::StatedRate,
+            _ => Timing::GuessedRate,
+        }
     }
 
     /// How pixels are coded, where that is 8 bits with colour at half the size, and what ffmpeg calls it. What is not
