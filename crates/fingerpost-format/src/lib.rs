@@ -38,8 +38,9 @@ pub use columns::ColumnsError;
 pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
-    FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    FrameRecord, MeasurementRecord, MotionDoubtRecord, MotionRecord, MountContradictionRecord,
+    MountFaultRecord, MountRecord, MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord,
+    SoughtRecord, TrackState,
 };
 pub use json::{FromJson, LinesError, ToJson, from_json_lines, json_lines, to_json_line};
 pub use kitti::{KittiError, KittiOxts, KittiTime, kitti_oxts, kitti_projection, kitti_timestamps};
@@ -58,7 +59,9 @@ pub use motion_log::{
 // For `json_records`.
 #[doc(hidden)]
 pub use serde_json;
-pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
+pub use summary::{
+    ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
+};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};
 pub use truth::TruthRecord;

@@ -144,7 +144,7 @@ fn fixes_have_a_map_of_the_roads_and_their_level_over_time() {
         status: Some(if frame >= 50 { FixStatus::Converged } else { FixStatus::Ambiguous }),
         measurements: Vec::new(),
     };
-    let moved = |forward_m| MotionRecord { forward_m, left_m: 0.0, yaw_rad: 0.0, quality: 1.0 };
+    let moved = |forward_m| MotionRecord { forward_m, left_m: 0.0, yaw_rad: 0.0, quality: 1.0, doubt: None };
     let records: Vec<FrameRecord> = (0..100)
         .map(|frame| FrameRecord {
             fix: Some(fix(frame)),

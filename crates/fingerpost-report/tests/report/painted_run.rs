@@ -133,6 +133,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
             left_m: motion.previous_from_current.translation.y,
             yaw_rad: motion.previous_from_current.rotation.angle(),
             quality: motion.quality,
+            doubt: None,
         }),
         mount: None,
         signals: None,

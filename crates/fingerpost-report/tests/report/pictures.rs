@@ -44,6 +44,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         vehicle: Default::default(),
         centreline: None,
         motion: None,
+        motion_doubt: None,
         driving_line_curvature_per_m: vec![0.0; line.len()],
         driving_line: line,
         lane: None,
