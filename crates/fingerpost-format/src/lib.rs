@@ -12,6 +12,7 @@ mod campaign;
 mod centreline;
 mod closed_loop;
 mod columns;
+mod drive_summary;
 mod frame_header;
 mod frame_record;
 mod json;
@@ -35,6 +36,7 @@ pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, Worst
 pub use centreline::{CentrelineRecord, WaysRecord};
 pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;
+pub use drive_summary::DriveSummary;
 pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
@@ -60,7 +62,7 @@ pub use motion_log::{
 #[doc(hidden)]
 pub use serde_json;
 pub use summary::{
-    ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
+    ErrorQuantiles, FeatureOutcome, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
 };
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};

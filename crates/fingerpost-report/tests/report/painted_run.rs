@@ -171,6 +171,7 @@ fn summary(records: &[FrameRecord], name: &str) -> Summary {
             detected_forward_m: detected.and_then(|r| Some(r.feature.as_ref()?.forward_m)),
             arrived_frame: first(TrackState::Arrived).map(|r| r.frame),
             max_p: Some(0.93),
+            ..FeatureSummary::default()
         }],
         ..Summary::default()
     }
