@@ -18,9 +18,9 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::overlap::{self, Overlap};
-use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Wishes};
+use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, Wishes};
 use crate::simulate::{Lens, default_camera};
-use crate::{facts, output};
+use crate::{facts, made_from, output};
 
 /// Simulate a drive through a small town and run the method on it: nothing else is needed. Writes a run folder; the
 /// truth is only used to measure the results.
@@ -74,7 +74,13 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
     let frames = Some(simulator.frames() as u64);
     let mut driver = Driver::new(setting, &wishes, frames)?;
     let bar = output::progress(frames, "frames");
-    let subject = driver.subject(setting)?;
+    let made_from = vec![
+        ("command", made_from::command_line(std::env::args_os())),
+        ("camera", facts::of_camera(&camera)),
+        ("map", facts::of_roads(&graph)),
+        ("route", facts::of_route(&route)),
+    ];
+    let subject = Subject { made_from, ..driver.subject(setting)? };
     let mut recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let interrupt = Interrupt::listen()?;
     let mut truth = Vec::with_capacity(simulator.frames());

@@ -87,6 +87,8 @@ pub(crate) struct Seen {
     pub(crate) key_frame: Option<DrawnFrame>,
     /// All panels in one picture, where that is wanted.
     pub(crate) annotated: Option<RgbImage>,
+    /// What P(F) was held against, where it was.
+    pub(crate) needed_p: Option<f64>,
     /// Its messages, where the run is recorded.
     pub(crate) recorded: Option<RecordedFrame>,
 }
@@ -165,6 +167,8 @@ impl Driver {
             features: self.features.clone(),
             picture_px: <[usize; 2]>::from(self.input_px()).map(|side| side as u32),
             sampling: None,
+            made_from: Vec::new(),
+            remarks: Vec::new(),
         })
     }
 
@@ -237,6 +241,7 @@ impl Driver {
         let FrameTime { frame, t_s } = time;
         let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
         at_once(&scene);
+        let needed_p = evidence.track.needed_p;
         let stage_ms = clock.stage_ms;
         let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
         if let Some(scaling) = &self.scaling {
@@ -250,7 +255,7 @@ impl Driver {
         clock.finished("drawing");
         let recorded = self.frame_recorder.as_mut().map(|recorder| recorder.record(&scene));
         clock.finished("recording");
-        let seen = Seen { record, key_frame, annotated, recorded };
+        let seen = Seen { record, key_frame, annotated, needed_p, recorded };
         Ok(FrameResult { time, outcome: Ok(seen), stage_ms: clock.stage_ms })
     }
 
@@ -294,10 +299,11 @@ impl Driver {
 
 /// What a feature must reach to be tracked, and to be tracked on.
 fn thresholds(config: &TrackConfig) -> Thresholds {
-    let TrackConfig { method, belief, detect_threshold, confirm_threshold, .. } = config;
-    match method {
-        TrackMethod::Rules => Thresholds { detect: *detect_threshold, confirm: *confirm_threshold },
-        TrackMethod::Belief => Thresholds { detect: belief.detect_present, confirm: belief.lost_present },
+    match config.method {
+        TrackMethod::Rules => Thresholds::OfFrames,
+        TrackMethod::Belief => {
+            Thresholds::OfPresence { detect: config.belief.detect_present, lost: config.belief.lost_present }
+        }
     }
 }
 

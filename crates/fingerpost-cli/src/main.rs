@@ -26,6 +26,7 @@ mod interrupt;
 mod licences;
 mod live_gps;
 mod locate;
+mod made_from;
 #[cfg(feature = "completions")]
 mod man;
 mod mark;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use fingerpost_format::{ErrorQuantiles, StageTime, Summary};
+use fingerpost_format::{DriveSummary, ErrorQuantiles, FeatureOutcome, StageTime, Summary};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use log::{Level, LevelFilter, log_enabled};
 use serde::Serialize;
@@ -86,17 +86,41 @@ pub(crate) fn progress(length: Option<u64>, unit: &str) -> ProgressBar {
     }
 }
 
+/// How far and how long a drive was, and of how much of it anything is known.
+fn drive_line(drive: &DriveSummary) -> String {
+    let DriveSummary { distance_m, duration_s, mean_speed_mps, motion_share, lane_share, .. } = drive;
+    let distance = distance_m.map_or("distance not known".to_owned(), |m| format!("{m:.1} m"));
+    let speed = mean_speed_mps.map_or(String::new(), |mps| format!(", {mps:.1} m/s on average"));
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let feature = drive.feature_share.map(|share| format!(", a feature in {}", percent(share)));
+    format!(
+        "{distance} in {duration_s:.1} s{speed}; motion in {} of the frames, a lane in {}{}",
+        percent(*motion_share),
+        percent(*lane_share),
+        feature.unwrap_or_default()
+    )
+}
+
 /// A run in a few lines on standard error, and where to look.
 pub(crate) fn print_summary(summary: &Summary, out: &Path) {
+    if let Some(drive) = &summary.drive {
+        message(&drive_line(drive));
+        drive.remarks.iter().for_each(|remark| message(remark));
+    }
     if !summary.features.is_empty() {
-        message("kind       detected        arrived      max P(F)  place");
+        message("kind       detected        arrived        max P(F)  place");
     }
     for feature in &summary.features {
-        let frame = |frame: Option<u64>| frame.map_or("-".to_owned(), |frame| format!("frame {frame}"));
-        let ahead = feature.detected_forward_m.map_or("-".to_owned(), |m| format!("{m:.1} m ahead"));
+        let ahead = |m: Option<f64>| m.map(|m| format!("{m:.1} m ahead"));
+        let unfound = match feature.outcome {
+            Some(FeatureOutcome::Missed) => "missed",
+            Some(FeatureOutcome::NotReached) => "not reached",
+            Some(FeatureOutcome::Arrived | FeatureOutcome::Detected) | None => "-",
+        };
+        let detected = ahead(feature.detected_forward_m).unwrap_or_else(|| unfound.to_owned());
+        let arrived = ahead(feature.arrived_forward_m).unwrap_or_else(|| "-".to_owned());
         let max_p = feature.max_p.map_or("-".to_owned(), |p| format!("{p:.2}"));
-        let (kind, arrived) = (&feature.kind, frame(feature.arrived_frame));
-        message(&format!("{kind:<9}  {ahead:<14}  {arrived:<11}  {max_p:<8}  {}", feature.name));
+        message(&format!("{:<9}  {detected:<14}  {arrived:<13}  {max_p:<8}  {}", feature.kind, feature.name));
     }
     if let Some(truth) = &summary.truth {
         message(&format!(

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use fingerpost_eval::{FeatureIdentity, FeatureOutcomes, evaluate_junctions};
+use fingerpost::motion::MEASURED_QUALITY;
+use fingerpost_eval::{DriveTotals, FeatureIdentity, FeatureOutcomes, evaluate_junctions};
 use fingerpost_format::{
     CameraRecordState, FrameRecord, MountFaultRecord, SamplingRecord, Summary, TrackState, TruthRecord,
     TruthSummary, json_lines,
@@ -126,6 +127,10 @@ pub(crate) struct Subject {
     pub(crate) picture_px: [u32; 2],
     /// What of the input is used, where that is not all of it.
     pub(crate) sampling: Option<SamplingRecord>,
+    /// What it was made from, name and words, as the report says it.
+    pub(crate) made_from: Vec<(&'static str, String)>,
+    /// What was found before its first frame to contradict what, a sentence each.
+    pub(crate) remarks: Vec<String>,
 }
 
 /// Writes the results of a run. What it keeps of a frame does not grow with their number.
@@ -142,6 +147,7 @@ pub(crate) struct Recorder {
     key_frames: KeyFrames,
     timeline: Timeline,
     outcomes: FeatureOutcomes,
+    totals: DriveTotals,
     mount_faults: Vec<MountFaultRecord>,
     camera_frames: BTreeMap<CameraRecordState, u64>,
     /// The frame before.
@@ -189,6 +195,7 @@ impl Recorder {
             encoder: MessageEncoder::default(),
             key_frames: KeyFrames::default(),
             timeline: Timeline::default(),
+            totals: DriveTotals::new(MEASURED_QUALITY),
             mount_faults: Vec::new(),
             camera_frames: BTreeMap::new(),
             last: None,
@@ -241,8 +248,8 @@ impl Recorder {
 
     fn add_seen(&mut self, time: FrameTime, seen: Seen) -> Result<()> {
         let mut clock = FrameClock::start();
-        let Seen { record, key_frame, annotated, recorded } = seen;
-        self.keep(record)?;
+        let Seen { record, key_frame, annotated, needed_p, recorded } = seen;
+        self.keep(record, needed_p)?;
         self.send_to_viewers(recorded)?;
         if let Some(key_frame) = key_frame {
             self.key_frames.add(key_frame)?;
@@ -266,7 +273,7 @@ impl Recorder {
         self.broken_frames += 1;
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
         let record = broken_record(time, self.last.as_ref(), at_first, error);
-        self.keep(record)?;
+        self.keep(record, None)?;
         self.send_to_viewers(None)
     }
 
@@ -289,13 +296,16 @@ impl Recorder {
         Ok(())
     }
 
-    fn keep(&mut self, record: FrameRecord) -> Result<()> {
+    /// Keeps a record, and what P(F) was held against in its frame.
+    fn keep(&mut self, record: FrameRecord, needed_p: Option<f64>) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
         log::debug!("frame {}: {:?}: {}", record.frame, record.state, record.why);
         self.frames += 1;
         self.lost_frames += u64::from(record.state == TrackState::Lost);
         self.timeline.add(&record, None);
+        self.timeline.decided_by(record.t_s, needed_p);
+        self.totals.add(&record);
         self.outcomes.add(&record);
         let camera = record.camera.map(|camera| camera.state);
         if let Some(state) = camera.filter(|state| *state != CameraRecordState::Clear) {
@@ -325,8 +335,10 @@ impl Recorder {
         drop(self.live.take());
         let compared = truth.filter(|_| self.frames > 0).map(|truth| self.compare(truth)).transpose();
         let of_truth = compared.as_ref().ok().and_then(Option::as_ref);
+        let features = self.outcomes.into_summaries();
         let summary = Summary {
             written_by: Some(format!("fingerpost {VERSION}")),
+            drive: Some(self.totals.into_summary(&features, self.subject.remarks)),
             frames: self.frames,
             picture_px: Some(self.subject.picture_px),
             sampling: self.subject.sampling,
@@ -337,7 +349,7 @@ impl Recorder {
             // A tenth of a frame a second is all that repeats.
             fps: (10.0 * self.frames as f64 / elapsed_s.max(1e-9)).round() / 10.0,
             stage_ms: self.times.summary(),
-            features: self.outcomes.into_summaries(),
+            features,
             lost_frames: self.lost_frames,
             camera_frames: self.camera_frames,
             mount_faults: self.mount_faults,
@@ -348,6 +360,7 @@ impl Recorder {
         self.folder.write_summary(&summary)?;
         let report = report_html(&ReportInput {
             title: &self.wishes.title,
+            made_from: &self.subject.made_from,
             timeline: of_truth.map_or(&self.timeline, |(_, timeline)| timeline),
             summary: &summary,
             truth: truth.filter(|_| of_truth.is_some()),
@@ -376,7 +389,8 @@ impl Recorder {
         let records = records.with_context(|| path.display().to_string())?;
         let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
         let evaluation = evaluate_junctions(&records, truth, &ids)?;
-        Ok((evaluation.summary, Timeline::of(&records, Some(truth))))
+        let timeline = Timeline::of(&records, Some(truth)).with_bounds_of(&self.timeline);
+        Ok((evaluation.summary, timeline))
     }
 }
 

@@ -13,7 +13,7 @@ use fingerpost_io::{
     FfmpegPrograms, FolderKind, Frame, FrameDecoder, FrameError, FrameSource, RunFolder, SourceOptions,
     VideoDecoder, VideoError,
 };
-use fingerpost_map::{LatLon, Route};
+use fingerpost_map::{LatLon, RoadGraph, Route};
 use fingerpost_record::FrameTime;
 use fingerpost_record::live::Origin;
 use fingerpost_vision::simd::{CodePath, InstructionSet};
@@ -30,7 +30,7 @@ use crate::overlap::{self, Overlap};
 use crate::picture_scaling::PictureScaling;
 use crate::recorder::{LiveWish, Pictures, Recorder, RecordingWish, RunEnd, Subject, VideoWish, Wishes};
 use crate::stage_clock::milliseconds;
-use crate::{camera_size, inputs, output, output_path, start_check};
+use crate::{camera_size, facts, inputs, made_from, output, output_path, start_check};
 
 /// How well the place that --near gives is known, standard deviation, metres: two in three are within 30 m.
 pub(crate) const NEAR_SIGMA_M: f64 = 20.0;
@@ -210,7 +210,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
             output::message("--near lies beside the route, so the drive may begin anywhere on it");
         }
     }
-    check_start(&config, start_m, route.as_ref(), gps.as_ref())?;
+    let remarks = check_start(&config, start_m, route.as_ref(), gps.as_ref())?;
     let can = args.can.as_deref().zip(args.dbc.as_deref());
     let can = can.map(|(can, dbc)| CanFeed::open(can, dbc, &config.can)).transpose()?;
     let truth = args.truth.as_deref().map(inputs::truth).transpose()?;
@@ -265,7 +265,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     }
     let bar = output::progress(frames, "frames");
     let used_px = [camera.width(), camera.height()].map(|side| side as u32);
-    let subject = Subject { roads, sampling: args.choice.record(used_px), ..driver.subject(setting)? };
+    let made_from = made_from(args, &camera, route.as_ref(), roads.as_ref());
+    let sampling = args.choice.record(used_px);
+    let subject = Subject { roads, sampling, made_from, remarks, ..driver.subject(setting)? };
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let drive = RecordedDrive {
         driver,
@@ -279,6 +281,24 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         gave_out: None,
     };
     drive.run(recorder, args, truth.as_deref())
+}
+
+/// What the run is made from, as its report says it.
+fn made_from(
+    args: &RunArgs,
+    camera: &Camera,
+    route: Option<&Route>,
+    roads: Option<&RoadGraph>,
+) -> Vec<(&'static str, String)> {
+    let mut inputs = vec![
+        ("command", made_from::command_line(std::env::args_os())),
+        ("camera", made_from::file(&args.camera, &facts::of_camera(camera))),
+    ];
+    let map = args.map.as_deref().zip(roads);
+    inputs.extend(map.map(|(path, roads)| ("map", made_from::file(path, &facts::of_roads(roads)))));
+    let route = args.route.as_deref().zip(route);
+    inputs.extend(route.map(|(path, route)| ("route", made_from::file(path, &facts::of_route(route)))));
+    inputs
 }
 
 /// Keeps the kernels to an instruction set that this processor has.
@@ -332,13 +352,12 @@ fn check_start(
     start_m: Option<f64>,
     route: Option<&Route>,
     gps: Option<&GpsFeed>,
-) -> Result<()> {
-    let Some(route) = route else { return Ok(()) };
+) -> Result<Vec<String>> {
+    let Some(route) = route else { return Ok(Vec::new()) };
     let positions: Vec<LatLon> = gps.into_iter().flat_map(GpsFeed::positions).collect();
-    for contradiction in start_check::check(&config.route_progress, route, start_m, &positions)? {
-        output::message(&contradiction);
-    }
-    Ok(())
+    let contradictions = start_check::check(&config.route_progress, route, start_m, &positions)?;
+    contradictions.iter().for_each(|contradiction| output::message(contradiction));
+    Ok(contradictions)
 }
 
 /// A drive that is run on.

@@ -3,7 +3,9 @@
 use anyhow::{Context, Result, bail};
 use fingerpost::fix::NearPlace;
 use fingerpost::progress::RouteProgressConfig;
-use fingerpost_map::{LatLon, RoadGraph, Route};
+use fingerpost_geometry::Polyline;
+use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
+use nalgebra::Point2;
 
 use crate::arguments::Place;
 use crate::run::NEAR_SIGMA_M;
@@ -24,6 +26,28 @@ pub(crate) fn near_place(roads: &RoadGraph, near: Option<Place>) -> Result<Optio
     let Some(Place(at)) = near else { return Ok(None) };
     roads.place_on_road(at).context("--near")?;
     Ok(Some(NearPlace { at, sigma_m: NEAR_SIGMA_M }))
+}
+
+/// Distance between places of a route at which positions are held against it, metres: a few lie within any gate.
+const PLACES_M: f64 = 5.0;
+
+/// Whether positions can have been driven along a line in their order: each that is within the gate of the line anywhere is within it
+/// at or behind the place of the one before.
+fn follows(line: &Polyline, map: &TangentPlane, gps: &[LatLon], gate_m: f64) -> bool {
+    let places: Vec<Point2<f64>> =
+        (0..=(line.length_m() / PLACES_M) as usize).map(|i| line.at(PLACES_M * i as f64).0).collect();
+    let mut from = 0;
+    gps.iter().map(|at| map.map_from_wgs84(*at)).all(|p_in_map| {
+        let is_near = |place: &Point2<f64>| (p_in_map - place).norm() <= gate_m;
+        match places[from..].iter().position(is_near) {
+            Some(on) => {
+                from += on;
+                true
+            }
+            // A position beside the whole route says nothing of the order.
+            None => !places.iter().any(is_near),
+        }
+    })
 }
 
 /// Refuses a start that is not on the route and a GPS track that never comes near it. The answer are contradictions that a run
@@ -60,6 +84,13 @@ pub(crate) fn check(
             "the first GPS position lies {first_off_m:.0} m off the route, more than {gate_m} m, and is not believed; does the drive \
              begin on the route?"
         )]);
+    }
+    if !follows(&line, &map, gps, gate_m) && follows(&line.reversed(), &map, gps, gate_m) {
+        return Ok(vec![
+            "the GPS track runs against the route: its positions lie on it in the opposite order; plan the route the other way, or from \
+             this track (route --gpx)"
+                .to_owned(),
+        ]);
     }
     let most_m = gate_m + APART_SIGMAS * libm::hypot(config.start_sigma_m, config.gps_sigma_m);
     let apart = start_m.and_then(|start_m| {
@@ -155,6 +186,28 @@ mod tests {
             named += said.len();
         }
         assert!(named > 3, "the route is long enough to be wrong on");
+    }
+
+    #[test]
+    fn a_track_that_runs_against_the_route_is_named() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        for from_m in [0.0, 100.0, 300.0] {
+            for side in 0..8 {
+                let error = 15.0 * Vector2::new(libm::cos(f64::from(side)), libm::sin(f64::from(side)));
+                let mut gps = track(&route, from_m, |_| error);
+                gps.reverse();
+                let said = check(&config, &route, None, &gps).unwrap();
+                assert!(
+                    said.len() == 1 && said[0].contains("against the route"),
+                    "{from_m} {side}: {said:?}"
+                );
+            }
+        }
+        // Standing, and backing up by less than positions may be off, is no drive against it.
+        let mut backing = track(&route, 100.0, |_| Vector2::zeros());
+        backing.truncate(3);
+        backing.reverse();
+        assert!(check(&config, &route, None, &backing).unwrap().is_empty());
     }
 
     #[test]

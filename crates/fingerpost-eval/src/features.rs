@@ -1,9 +1,9 @@
 //! What became of each feature of the route, from the run's records alone.
 
-use fingerpost_format::{FeatureSummary, FrameRecord, TrackState};
+use fingerpost_format::{FeatureOutcome, FeatureSummary, FrameRecord, TrackState};
 
 /// What a feature of the route is called.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FeatureIdentity {
     /// OpenStreetMap node.
     pub id: i64,
@@ -11,12 +11,15 @@ pub struct FeatureIdentity {
     pub name: String,
     /// `junction`, `side_road` or `bend`.
     pub kind: String,
+    /// Distance along the route to it, metres.
+    pub at_m: f64,
 }
 
 /// Detection, arrival and highest P(F) of every feature, in the order of the route.
 ///
 /// Detected is the first frame in which the feature is tracked; arrived the first in state `arrived`; the highest P(F)
-/// counts in both states and in the search before. A route that passes the same node twice has it twice.
+/// counts in both states and in the search before. A route that passes the same node twice has it twice. What was never found was missed
+/// where the vehicle is believed to have passed it in the end; where its motion was not believed, nothing says that it was not reached.
 pub fn feature_summaries(records: &[FrameRecord], features: &[FeatureIdentity]) -> Vec<FeatureSummary> {
     let mut outcomes = FeatureOutcomes::new(features);
     records.iter().for_each(|record| outcomes.add(record));
@@ -29,6 +32,15 @@ pub struct FeatureOutcomes {
     ids: Vec<i64>,
     summaries: Vec<FeatureSummary>,
     places: PlacesInRoute,
+    reached: Reached,
+}
+
+/// How far along the route the vehicle is believed to have come.
+#[derive(Debug, Clone, Copy, Default)]
+struct Reached {
+    route_m: Option<f64>,
+    is_done: bool,
+    is_at_least: bool,
 }
 
 impl FeatureOutcomes {
@@ -38,11 +50,13 @@ impl FeatureOutcomes {
             ids: features.iter().map(|feature| feature.id).collect(),
             summaries: features.iter().map(untouched).collect(),
             places: PlacesInRoute::default(),
+            reached: Reached::default(),
         }
     }
 
     /// Goes on with the next frame.
     pub fn add(&mut self, record: &FrameRecord) {
+        self.reached.add(record);
         if let Some(sought) = &record.sought {
             // A node that the route passes twice is searched for twice; the highest P(F) stands for both.
             for summary in self.summaries.iter_mut().filter(|summary| summary.id == sought.id) {
@@ -59,6 +73,7 @@ impl FeatureOutcomes {
             }
             TrackState::Arrived if summary.arrived_frame.is_none() => {
                 summary.arrived_frame = Some(record.frame);
+                summary.arrived_forward_m = Some(feature.forward_m);
             }
             _ => {}
         }
@@ -69,7 +84,32 @@ impl FeatureOutcomes {
 
     /// What became of them, in the order of the route.
     pub fn into_summaries(self) -> Vec<FeatureSummary> {
-        self.summaries
+        let Self { mut summaries, reached, .. } = self;
+        for summary in &mut summaries {
+            summary.outcome = match summary {
+                FeatureSummary { arrived_frame: Some(_), .. } => Some(FeatureOutcome::Arrived),
+                FeatureSummary { detected_frame: Some(_), .. } => Some(FeatureOutcome::Detected),
+                FeatureSummary { at_m, .. } => at_m.and_then(|at_m| reached.unfound(at_m)),
+            };
+        }
+        summaries
+    }
+}
+
+impl Reached {
+    fn add(&mut self, record: &FrameRecord) {
+        self.route_m = record.route_m;
+        self.is_done |= record.state == TrackState::RouteDone;
+        self.is_at_least |= record.motion.is_some_and(|motion| motion.doubt.is_some());
+    }
+
+    /// What became of a feature at a place of the route that was never found; none where that is not known.
+    fn unfound(&self, at_m: f64) -> Option<FeatureOutcome> {
+        if self.is_done || self.route_m? >= at_m {
+            Some(FeatureOutcome::Missed)
+        } else {
+            (!self.is_at_least).then_some(FeatureOutcome::NotReached)
+        }
     }
 }
 
@@ -78,10 +118,8 @@ fn untouched(feature: &FeatureIdentity) -> FeatureSummary {
         id: feature.id,
         name: feature.name.clone(),
         kind: feature.kind.clone(),
-        detected_frame: None,
-        detected_forward_m: None,
-        arrived_frame: None,
-        max_p: None,
+        at_m: Some(feature.at_m),
+        ..FeatureSummary::default()
     }
 }
 

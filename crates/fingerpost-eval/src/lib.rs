@@ -9,6 +9,7 @@
 mod campaign;
 mod claims;
 mod closed_loop;
+mod drive;
 mod error;
 mod features;
 mod first_detections;
@@ -20,12 +21,14 @@ mod location;
 mod motion;
 mod pose;
 mod quantiles;
+mod remarks;
 mod road;
 mod truth_features;
 
 pub use campaign::CampaignTally;
 pub use claims::{CONFIDENT_FROM, Claim, ClaimError, DriveClaims, FirstDetection};
 pub use closed_loop::{LoopWatch, closed_loop_table};
+pub use drive::DriveTotals;
 pub use error::EvalError;
 pub use features::{FeatureIdentity, FeatureOutcomes, feature_summaries};
 pub use first_detections::first_detections;

@@ -16,7 +16,8 @@ pub struct AdviceRecord {
     /// How far left of it the vehicle is, metres; none where nothing leads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_m: Option<f64>,
-    /// Why the vehicle is to stop: `no_line`, `strayed`, `line_ends`, `no_rule` or `broken_frame`; none while it is to drive.
+    /// Why the vehicle is to stop: `no_line`, `strayed`, `line_ends`, `no_rule`, `motion_not_believed` or `broken_frame`; none while it is to
+    /// drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<String>,
     /// Rules that took part; of the fuzzy controller alone.

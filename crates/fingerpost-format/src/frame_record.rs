@@ -216,6 +216,19 @@ pub struct MotionRecord {
     pub yaw_rad: f64,
     /// 0 (do not believe it) to 1.
     pub quality: f64,
+    /// Why it is wrong by what else the picture shows; none where nothing speaks against it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<MotionDoubtRecord>,
+}
+
+/// Why a motion is wrong: it says that the vehicle stands, and the picture shows that the camera travels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MotionDoubtRecord {
+    /// What lies in the ground view clearly stands still.
+    ViewStandsStill,
+    /// The ground view does not show how far the vehicle moved.
+    NothingToGoBy,
 }
 
 /// Whether the estimate of the camera's mount can be used.

@@ -12,6 +12,7 @@ mod campaign;
 mod centreline;
 mod closed_loop;
 mod columns;
+mod drive_summary;
 mod frame_header;
 mod frame_record;
 mod json;
@@ -36,11 +37,13 @@ pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, Worst
 pub use centreline::{CentrelineRecord, WaysRecord};
 pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;
+pub use drive_summary::DriveSummary;
 pub use frame_header::{FrameHeader, FrameHeaderError};
 pub use frame_record::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FixRecord,
-    FrameRecord, MeasurementRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
-    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    FrameRecord, MeasurementRecord, MotionDoubtRecord, MotionRecord, MountContradictionRecord,
+    MountFaultRecord, MountRecord, MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord,
+    SoughtRecord, TrackState,
 };
 pub use json::{FromJson, LinesError, ToJson, from_json_lines, json_lines, to_json_line};
 pub use kitti::{KittiError, KittiOxts, KittiTime, kitti_oxts, kitti_projection, kitti_timestamps};
@@ -61,7 +64,9 @@ pub use read_camera::{CameraRemark, ReadCamera};
 // For `json_records`.
 #[doc(hidden)]
 pub use serde_json;
-pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
+pub use summary::{
+    ErrorQuantiles, FeatureOutcome, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
+};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};
 pub use truth::TruthRecord;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{CameraRecordState, MapNoticeRecord, MountFaultRecord};
+use crate::{CameraRecordState, DriveSummary, MapNoticeRecord, MountFaultRecord};
 
 /// A run in numbers; the last table only where a truth file was given.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -12,6 +12,9 @@ pub struct Summary {
     /// Program, version and commit; none in results of a program that did not say yet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub written_by: Option<String>,
+    /// What the drive was; none in results of a program that did not say yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<DriveSummary>,
     /// Frames processed.
     pub frames: u64,
     /// Width and height of the input's pictures; none in results of a program that did not say yet.
@@ -84,8 +87,22 @@ pub struct StageTime {
     pub p95: f64,
 }
 
+/// What became of one feature of the route, in a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeatureOutcome {
+    /// The vehicle came so near that its driving line began.
+    Arrived,
+    /// It was found and followed.
+    Detected,
+    /// The vehicle has passed it by all that is known, and it was never found.
+    Missed,
+    /// The drive ended before it.
+    NotReached,
+}
+
 /// What became of one feature of the route.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FeatureSummary {
     /// OpenStreetMap node.
     pub id: i64,
@@ -95,6 +112,12 @@ pub struct FeatureSummary {
     /// `junction`, `side_road` or `bend`.
     #[serde(default)]
     pub kind: String,
+    /// Distance along the route to its node, metres; none in results of a program that did not say yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_m: Option<f64>,
+    /// What became of it in a word; none where it was not found and nothing says how far along the route the drive went.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outcome: Option<FeatureOutcome>,
     /// Frame of its first detection.
     pub detected_frame: Option<u64>,
     /// How far ahead it was then, metres.
@@ -102,6 +125,9 @@ pub struct FeatureSummary {
     pub detected_forward_m: Option<f64>,
     /// Frame of arrival.
     pub arrived_frame: Option<u64>,
+    /// How far ahead its node was then, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrived_forward_m: Option<f64>,
     /// Highest P(F) while it was searched for or followed; none where it never came into reach.
     pub max_p: Option<f64>,
 }

@@ -109,6 +109,7 @@ fn summary() -> Summary {
             detected_forward_m: Some(17.5),
             arrived_frame: None,
             max_p: Some(0.93),
+            ..FeatureSummary::default()
         }],
         ..Summary::default()
     }

@@ -24,6 +24,7 @@ pub(crate) fn advice_record(advice: &Advice) -> AdviceRecord {
 
 const fn stop_name(stop: Stop) -> &'static str {
     match stop {
+        Stop::MotionNotBelieved => "motion_not_believed",
         Stop::NoLine => "no_line",
         Stop::Strayed { .. } => "strayed",
         Stop::LineEnds(_) => "line_ends",

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fingerpost::camera_state::{CameraEvidence, CameraState};
 use fingerpost::matching::{Match, Participation};
-use fingerpost::motion::Motion;
+use fingerpost::motion::{Motion, MotionDoubt};
 use fingerpost::mount::{MountAngle, MountEstimate, MountState};
 use fingerpost::road_surface::RoadEvidence;
 use fingerpost::track::{Followed, PossiblePlace, RouteStop, Sought, State};
@@ -13,8 +13,8 @@ use fingerpost::{FrameEvidence, FrameOutput};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::{
     CameraRecord, CameraRecordState, ContrastRecord, DisagreementRecord, FeatureRecord, FrameRecord,
-    MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord, MountRecordState, RivalRecord,
-    RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
+    MotionDoubtRecord, MotionRecord, MountContradictionRecord, MountFaultRecord, MountRecord,
+    MountRecordState, RivalRecord, RoadSurfaceRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 use fingerpost_map::FeatureKind;
 
@@ -48,6 +48,7 @@ pub fn feature_identities(stops: &[RouteStop]) -> Vec<FeatureIdentity> {
             id: stop.model.id,
             name: stop.model.name.clone(),
             kind: kind_name(stop.model.kind).to_owned(),
+            at_m: rounded(stop.model.route_m, DIGITS),
         })
         .collect()
 }
@@ -79,7 +80,7 @@ pub fn frame_record(
         state: track_state(output.track.state),
         feature: followed
             .and_then(|followed| Some(feature_record(followed, places, features.get(followed.index)?))),
-        motion: output.motion.as_ref().map(motion_record),
+        motion: output.motion.as_ref().map(|motion| motion_record(motion, output.motion_doubt)),
         mount: output.mount.as_ref().map(|mount| mount_record(mount, time.frame)),
         signals: evidence.signals.as_ref().map(|signals| signals_record(&output.vehicle, signals)),
         surface: (output.camera.state == CameraState::Clear).then(|| surface_record(&evidence.road)),
@@ -300,13 +301,17 @@ fn surface_record(road: &RoadEvidence) -> RoadSurfaceRecord {
     }
 }
 
-fn motion_record(motion: &Motion) -> MotionRecord {
+fn motion_record(motion: &Motion, doubt: Option<MotionDoubt>) -> MotionRecord {
     let pose = &motion.previous_from_current;
     MotionRecord {
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         yaw_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
         quality: rounded(motion.quality, DIGITS),
+        doubt: doubt.map(|doubt| match doubt {
+            MotionDoubt::ViewStandsStill => MotionDoubtRecord::ViewStandsStill,
+            MotionDoubt::NothingToGoBy => MotionDoubtRecord::NothingToGoBy,
+        }),
     }
 }
 

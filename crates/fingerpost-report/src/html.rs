@@ -21,13 +21,18 @@ pub(crate) use self::tables::{facts, metres};
 use crate::key_frames::KeyFrames;
 use crate::timeline::Timeline;
 
-/// P(F) from which a feature counts as seen, and as confirmed; by the belief, the probability that it is there.
+/// What decides whether a feature is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Thresholds {
-    /// For the detection.
-    pub detect: f64,
-    /// While it is tracked.
-    pub confirm: f64,
+pub enum Thresholds {
+    /// P(F), by a bound that each frame chooses: [`Timeline::decided_by`].
+    OfFrames,
+    /// The probability that it is there.
+    OfPresence {
+        /// From which it is tracked.
+        detect: f64,
+        /// Below which it is lost.
+        lost: f64,
+    },
 }
 
 /// What a report is made of.
@@ -35,6 +40,8 @@ pub struct Thresholds {
 pub struct ReportInput<'a> {
     /// Title of the page: what was run on.
     pub title: &'a str,
+    /// What the run was made from, name and words: the command line, camera, map, route.
+    pub made_from: &'a [(&'static str, String)],
     /// The run over time.
     pub timeline: &'a Timeline,
     /// The run in numbers.
@@ -68,6 +75,7 @@ pub fn report_html(input: &ReportInput<'_>) -> String {
             p class="dim" { "What Fingerpost saw on this run and why it decided." }
         }
         (tables::summary(input.summary))
+        (tables::made_from(input.made_from))
         @if !input.summary.features.is_empty() {
             h2 { "Features of the route" }
             (tables::features(input.summary))

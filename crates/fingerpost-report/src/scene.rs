@@ -18,10 +18,6 @@ pub struct Setting {
     pub features: Vec<FeatureModel>,
     /// Width of the vehicle, metres.
     pub vehicle_width_m: f64,
-    /// P(F) from which a feature counts as seen.
-    pub detect_threshold: f64,
-    /// P(F) from which a followed feature counts as confirmed.
-    pub confirm_threshold: f64,
 }
 
 impl Setting {
@@ -33,8 +29,6 @@ impl Setting {
             grid: *pipeline.view().grid(),
             features: pipeline.tracker().stops().iter().map(|stop| stop.model.clone()).collect(),
             vehicle_width_m: config.vehicle.width_m,
-            detect_threshold: config.track.detect_threshold,
-            confirm_threshold: config.track.confirm_threshold,
         }
     }
 }

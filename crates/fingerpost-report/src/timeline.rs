@@ -30,6 +30,8 @@ pub struct Timeline {
     pub(crate) weakest_seen: BTreeSet<String>,
     pub(crate) match_p: Series,
     pub(crate) present: Series,
+    /// The bound that P(F) was held against.
+    pub(crate) needed_p: Series,
     pub(crate) distance_m: Compared,
     pub(crate) error_m: Series,
     pub(crate) speed_mps: Compared,
@@ -112,6 +114,17 @@ impl Timeline {
         timeline
     }
 
+    /// Says what P(F) was held against in the frame at this time, seconds; none where it was not.
+    pub fn decided_by(&mut self, t_s: f64, needed_p: Option<f64>) {
+        self.needed_p.push(t_s, needed_p);
+    }
+
+    /// This timeline with the bounds of another one of the same run: records do not hold them.
+    #[must_use]
+    pub fn with_bounds_of(self, other: &Self) -> Self {
+        Self { needed_p: other.needed_p.clone(), ..self }
+    }
+
     /// Goes on with the next frame and its truth, where there is one.
     pub fn add(&mut self, record: &FrameRecord, truth: Option<&TruthRecord>) {
         let from_s = self.seconds.take().map_or(record.t_s, |seconds| *seconds.start());
@@ -191,10 +204,10 @@ impl Timeline {
         fixes.add(tracked, true_at.map(|at| plane.map_from_wgs84(at)));
     }
 
-    /// Speed by the motion of the frame; what a frame without motion hides is left out.
+    /// Speed by the motion of the frame; what a frame hides without a motion that is believed is left out.
     fn add_speed(&mut self, record: &FrameRecord, truth: Option<&TruthRecord>) {
         let since_s = self.before.t_s.map(|before| record.t_s - before).filter(|since| *since > 0.0);
-        let moved_m = record.motion.map(|motion| motion.forward_m);
+        let moved_m = record.motion.filter(|motion| motion.doubt.is_none()).map(|motion| motion.forward_m);
         let speed = moved_m.zip(since_s).map(|(moved_m, since_s)| moved_m / since_s);
         self.speed_mps.reported.push(record.t_s, speed);
         self.speed_mps.truth.push(record.t_s, truth.map(|truth| truth.speed_mps));

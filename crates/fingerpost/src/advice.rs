@@ -29,7 +29,7 @@ use self::line::{Led, LineFinder, turns};
 use self::words::Because;
 use crate::centreline::Centreline;
 use crate::lanes::Lane;
-use crate::motion::Motion;
+use crate::motion::{Motion, MotionDoubt};
 use crate::track::{RouteStop, TrackOutput};
 use crate::vehicle::VehicleConfig;
 
@@ -61,6 +61,9 @@ pub struct Advice {
 /// Why the vehicle is to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stop {
+    /// The vehicle's own motion is wrong by what else the picture shows, and its bus does not say how fast it drives: nothing can be kept
+    /// where it lies.
+    MotionNotBelieved,
     /// Neither driving line, lane nor road's middle is known, nor was one a moment ago.
     NoLine,
     /// A feature at which the route turns was passed without being seen: the vehicle is not where the route leads.
@@ -92,6 +95,8 @@ pub struct AdviceSetting<'a> {
 pub struct AdviceInput<'a> {
     /// The vehicle's motion since the frame before; none where there is none.
     pub motion: Option<&'a Motion>,
+    /// Why that motion is not believed; none where it is.
+    pub motion_doubt: Option<MotionDoubt>,
     /// The vehicle's speed, m/s; none where it is not known.
     pub speed_mps: Option<f64>,
     /// Where the tracker has the feature at hand.
@@ -167,13 +172,19 @@ impl AdviceStage {
 
     /// Advice for a frame, in place of the one before in `advice`.
     pub fn advise(&mut self, input: &AdviceInput<'_>, advice: &mut Advice) {
-        self.drive_on(input);
-        if let Some(led) = self.finder.find(input, self.led.as_ref(), &mut self.path) {
-            self.led = Some(led);
+        let is_lost_in_motion = input.motion_doubt.is_some() && input.speed_mps.is_none();
+        if is_lost_in_motion {
+            self.led = None;
+        } else {
+            self.drive_on(input);
+            if let Some(led) = self.finder.find(input, self.led.as_ref(), &mut self.path) {
+                self.led = Some(led);
+            }
         }
         self.watch_route(input);
         self.turn = ExpectedTurn::next(input.track, input.stops);
         let advised = match self.strayed {
+            _ if is_lost_in_motion => Err(Stop::MotionNotBelieved),
             Some(index) => Err(Stop::Strayed { index }),
             None => self.steer(input),
         };
@@ -211,7 +222,7 @@ impl AdviceStage {
     /// Moves the line that is kept with the vehicle.
     fn drive_on(&mut self, input: &AdviceInput<'_>) {
         let Some(led) = &mut self.led else { return };
-        let seen = input.motion.filter(|motion| motion.quality > 0.0);
+        let seen = input.motion.filter(|motion| motion.quality > 0.0 && input.motion_doubt.is_none());
         let (previous_from_current, sigma) = match (seen, input.dt_s) {
             (Some(motion), _) => (motion.previous_from_current, KEPT_SIGMA),
             (None, Some(dt_s)) => {

@@ -76,6 +76,9 @@ pub struct Motion {
     pub quality: f64,
 }
 
+/// Quality from which a motion was measured; below it, the picture is not believed and the motion goes on as before, ever less surely.
+pub const MEASURED_QUALITY: f64 = 0.1;
+
 /// Standard deviation of a motion of which nothing is known, metres: farther than a vehicle comes while a camera may be covered
 /// and is still waited for.
 const UNKNOWN_SIGMA_M: f64 = 100.0;
@@ -105,12 +108,24 @@ pub struct MotionOutput {
     pub motion: Motion,
     /// How the camera is turned by all that was seen so far.
     pub camera: CameraAttitude,
+    /// Why the motion is wrong by what else the picture shows; none where nothing speaks against it.
+    pub doubt: Option<MotionDoubt>,
+}
+
+/// Why a motion is wrong: it says that the vehicle stands, and the picture shows that the camera travels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MotionDoubt {
+    /// What lies in the ground view stands still, clearly so: the bonnet, what is mirrored in it, or asphalt that a video's
+    /// compression keeps where it was.
+    ViewStandsStill,
+    /// The ground view does not show how far the vehicle moved, and no motion was known that could go on.
+    NothingToGoBy,
 }
 
 impl From<Motion> for MotionOutput {
     /// A motion that says nothing of the camera.
     fn from(motion: Motion) -> Self {
-        Self { motion, camera: CameraAttitude::default() }
+        Self { motion, camera: CameraAttitude::default(), doubt: None }
     }
 }
 

@@ -27,7 +27,7 @@ use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
-use crate::motion::{Motion, MotionError, MotionEvidence};
+use crate::motion::{Motion, MotionDoubt, MotionError, MotionEvidence};
 use crate::mount::MountEstimate;
 use crate::road_surface::{
     Joining, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
@@ -90,6 +90,8 @@ pub struct FrameOutput {
     pub track: TrackOutput,
     /// Motion since the frame before.
     pub motion: Option<Motion>,
+    /// Why that motion is wrong by what else the picture shows; none where nothing speaks against it.
+    pub motion_doubt: Option<MotionDoubt>,
     /// The vehicle's motion and its driver's intent, from its bus or from the camera.
     pub vehicle: VehicleState,
     /// The road's middle by its surface alone; none where its edges are not sound.
@@ -345,7 +347,7 @@ impl Pipeline {
             finished(Stage::Fix);
             evidence
         });
-        output.motion = ego.motion;
+        (output.motion, output.motion_doubt) = (ego.motion, ego.motion_doubt);
         output.vehicle = ego.vehicle;
         output.mount = matches!(self.camera.view(), View::Calibrated { .. }).then_some(ego.mount);
         output.place_driving_line(tracker.stops());
@@ -362,6 +364,7 @@ impl Pipeline {
         let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
         Why {
             camera: &output.camera,
+            motion_doubt: output.motion_doubt,
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
@@ -439,9 +442,10 @@ impl FrameOutput {
 
     /// Puts the advice for the frame in place of the one before.
     fn advise(&mut self, stage: &mut AdviceStage, stops: &[RouteStop], dt_s: Option<f64>) {
-        let Self { motion, vehicle, track, centreline, lane, advice, .. } = self;
+        let Self { motion, motion_doubt, vehicle, track, centreline, lane, advice, .. } = self;
         let input = AdviceInput {
             motion: motion.as_ref(),
+            motion_doubt: *motion_doubt,
             speed_mps: vehicle.speed_mps,
             track,
             stops,

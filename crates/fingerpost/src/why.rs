@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, Frames, Hundredths, LackWords,
-    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords,
-    Threshold, TooTightWords, WaysWords,
+    LaneWords, MatchWords, MissingWords, MotionDoubtWords, MountContradictionWords, MountFaultWords,
+    SignalsWords, SoughtWords, Threshold, TooTightWords, WaysWords,
 };
 use crate::camera_state::CameraEvidence;
 use crate::centreline::CentrelineEvidence;
@@ -16,6 +16,7 @@ use crate::driving_line::DrivingLine;
 use crate::fix::FixEvidence;
 use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
+use crate::motion::MotionDoubt;
 use crate::mount::MountEstimate;
 use crate::track::{Decision, Followed, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
 use crate::vehicle_signals::SignalsEvidence;
@@ -25,6 +26,8 @@ use crate::vehicle_signals::SignalsEvidence;
 pub(crate) struct Why<'a> {
     /// What the camera's picture was good for.
     pub(crate) camera: &'a CameraEvidence,
+    /// Why the vehicle's motion is not believed, where it is not.
+    pub(crate) motion_doubt: Option<MotionDoubt>,
     /// What the tracker says.
     pub(crate) track: &'a TrackOutput,
     /// How it came to that.
@@ -65,6 +68,9 @@ impl Display for Why<'_> {
         }
         if let Some(contradiction) = self.mount.and_then(|mount| mount.contradiction.as_ref()) {
             write!(f, "{}; ", MountContradictionWords(contradiction))?;
+        }
+        if let Some(doubt) = self.motion_doubt {
+            write!(f, "{}; ", MotionDoubtWords(doubt))?;
         }
         if let Some(signals) = self.signals {
             write!(f, "{}", SignalsWords(signals))?;

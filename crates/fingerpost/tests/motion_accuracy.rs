@@ -10,7 +10,7 @@ mod simulated;
 
 use fingerpost::attitude::{AttitudeObservation, ObservedAngle};
 use fingerpost::ground_view::GroundPicture;
-use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionEstimator, MotionOutput};
+use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionDoubt, MotionEstimator, MotionOutput};
 use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use nalgebra::Isometry2;
@@ -126,11 +126,14 @@ fn a_camera_that_is_seen_to_travel_does_not_stand() {
     let ahead = ObservedAngle { angle_rad: 0.0, variance_rad2: 1e-5 };
     let travels = AttitudeObservation { pitch: Some(ahead), ..AttitudeObservation::default() };
     let mut estimator = direct();
-    let mut qualities = Vec::new();
+    let (mut qualities, mut doubts) = (Vec::new(), Vec::new());
     for attitude in [travels; 5].into_iter().chain([AttitudeObservation::default(); 5]) {
         let found = estimator.estimate(&view, &picture, &attitude).unwrap();
         qualities.extend(found.map(|(output, _)| output.motion.quality));
+        doubts.extend(found.map(|(output, _)| output.doubt));
     }
+    assert!(doubts[1..4].iter().all(|doubt| *doubt == Some(MotionDoubt::ViewStandsStill)), "{doubts:?}");
+    assert!(doubts[7..].iter().all(Option::is_none), "{doubts:?}");
     assert!(qualities[1..4].iter().all(|&quality| quality < 0.05), "{qualities:?}");
     assert!(
         qualities[7..].iter().all(|&quality| quality > 0.5),

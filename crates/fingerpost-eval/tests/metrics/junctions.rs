@@ -138,8 +138,12 @@ fn motion_is_compared_in_percent() {
 
 #[test]
 fn a_route_may_pass_a_node_twice() {
-    let features =
-        [7, 8, 7].map(|id| FeatureIdentity { id, name: String::new(), kind: "junction".to_owned() });
+    let features = [7, 8, 7].map(|id| FeatureIdentity {
+        id,
+        name: String::new(),
+        kind: "junction".to_owned(),
+        at_m: 0.0,
+    });
     let run = [
         seen(0, Tracking, 7, 5.0, 0.0),
         seen(1, Arrived, 7, 1.0, 0.0),

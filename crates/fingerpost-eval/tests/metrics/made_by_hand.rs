@@ -52,7 +52,7 @@ pub(crate) fn seen(frame: u64, state: TrackState, id: i64, forward_m: f64, left_
 
 /// The record with a motion.
 pub(crate) fn moved(record: FrameRecord, forward_m: f64, yaw_rad: f64) -> FrameRecord {
-    let motion = MotionRecord { forward_m, left_m: 0.0, yaw_rad, quality: 1.0 };
+    let motion = MotionRecord { forward_m, left_m: 0.0, yaw_rad, quality: 1.0, doubt: None };
     FrameRecord { motion: Some(motion), ..record }
 }
 

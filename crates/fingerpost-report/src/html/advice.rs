@@ -52,7 +52,7 @@ pub(crate) fn advice(input: &ReportInput<'_>) -> Option<Markup> {
 fn rules(input: &ReportInput<'_>) -> Markup {
     let fired = &input.timeline.advice.rules;
     html! {
-            table {
+            div class="wide" { table {
                 thead { tr { th { "rule" } th { "" } th { "frames" } th { "mean strength" } th { "largest" } } }
                 tbody {
                     @for (number, text) in (1..).zip(input.rules) {
@@ -67,7 +67,7 @@ fn rules(input: &ReportInput<'_>) -> Markup {
                         }
                     }
                 }
-            }
+            } }
         @if fired.is_empty() { p { "No rule fired." } }
     }
 }

@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 
 use maud::{Markup, html};
 
-use super::ReportInput;
 use super::chart::{Band, Chart, Curve};
+use super::{ReportInput, Thresholds};
 use crate::palette;
 use crate::series::{Series, Stretches};
 use crate::timeline::Compared;
@@ -65,9 +65,13 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
     let seconds = timeline.seconds.clone().unwrap_or(0.0..=0.0);
     let by_match = Curve { label: "P(F)", class: "one", values: &timeline.match_p };
     let by_belief = Curve { label: "there", class: "two", values: &timeline.present };
-    // The thresholds are those of what decides.
     let (title, axis, curves) = if timeline.present.is_empty() {
-        ("P(F) of the feature followed or searched for; below, its weakest arm", "P(F)", vec![by_match])
+        let needed = Curve { label: "needed in that frame", class: "needed", values: &timeline.needed_p };
+        (
+            "P(F) of the feature followed or searched for; below, its weakest arm",
+            "P(F)",
+            vec![by_match, needed],
+        )
     } else {
         let title = "Probability that the feature followed or searched for is there, and P(F) of its masks; below, its weakest arm";
         (title, "probability", vec![by_belief, by_match])
@@ -81,10 +85,12 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
             let label = label.as_ref()?;
             Some((format!("weakest: {label}"), palette::css(palette::sub_mask(label))))
         }),
-        lines: vec![
-            (input.thresholds.detect, format!("detected from {:.2}", input.thresholds.detect)),
-            (input.thresholds.confirm, format!("confirmed from {:.2}", input.thresholds.confirm)),
-        ],
+        lines: match input.thresholds {
+            Thresholds::OfFrames => Vec::new(),
+            Thresholds::OfPresence { detect, lost } => {
+                vec![(detect, format!("tracked from {detect:.2}")), (lost, format!("lost below {lost:.2}"))]
+            }
+        },
         curves,
         ..Chart::over(seconds, title, axis, 0.0..=1.0)
     }

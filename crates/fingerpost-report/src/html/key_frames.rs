@@ -53,7 +53,7 @@ fn key_frame(key: &KeyFrame) -> Markup {
                 small { "frame " (key.frame) ", " (number(key.t_s)) " s" }
             }
             p class="why" { (key.why) }
-            @for picture in key.pictures.iter().take(1) { (shown(picture)) }
+            div class="picture" { @for picture in key.pictures.iter().take(1) { (shown(picture)) } }
             details {
                 summary { "Every stage's picture" }
                 div class="stages" {

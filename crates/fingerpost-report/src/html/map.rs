@@ -1,6 +1,6 @@
 //! The route with its features, where the vehicle was believed to be, and where it was.
 
-use fingerpost_format::FeatureSummary;
+use fingerpost_format::{FeatureOutcome, FeatureSummary};
 use fingerpost_geometry::Polyline;
 use fingerpost_map::{Route, TangentPlane};
 use maud::{Markup, html};
@@ -24,7 +24,7 @@ pub(crate) fn map(input: &ReportInput<'_>) -> Option<Markup> {
                 "North is up. Grey: route."
                 " Coloured: where the vehicle was believed to be, by state."
                 @if input.truth.is_some() { " Dashed: where it was." }
-                " Circles: features; filled where arrived at, ringed where detected, crossed where neither."
+                " Circles: features; filled where arrived at, ringed where detected, crossed where missed, grey where the drive did not come to."
             }
             svg viewBox=(fit.view_box()) role="img" aria-label=(title) {
                 polyline class="route" points=(fit.path(line.points().iter().copied())) {}
@@ -51,17 +51,17 @@ fn believed(input: &ReportInput<'_>, line: &Polyline, fit: &Fit) -> Vec<(String,
 }
 
 fn features(input: &ReportInput<'_>, route: &Route, plane: &TangentPlane, fit: &Fit) -> Markup {
-    let outcome = |id: i64| -> Option<&FeatureSummary> {
-        input.summary.features.iter().find(|feature| feature.id == id)
-    };
+    // Both are in the order of the route, which may pass a node twice.
+    let outcome =
+        |i: usize| input.summary.features.get(i).and_then(|feature: &FeatureSummary| feature.outcome);
     html! {
         @for (i, feature) in route.features.iter().enumerate() {
             @let [x, y] = fit.at(plane.map_from_wgs84(feature.at));
-            @let seen = outcome(feature.id);
-            @let class = match seen {
-                Some(seen) if seen.arrived_frame.is_some() => "feature arrived",
-                Some(seen) if seen.detected_frame.is_some() => "feature detected",
-                _ => "feature missed",
+            @let class = match outcome(i) {
+                Some(FeatureOutcome::Arrived) => "feature arrived",
+                Some(FeatureOutcome::Detected) => "feature detected",
+                Some(FeatureOutcome::Missed) => "feature missed",
+                Some(FeatureOutcome::NotReached) | None => "feature ahead",
             };
             g class=(class) {
                 title { (i + 1) ": " (palette::kind(feature.kind)) " " (feature.id) " " (feature.name) }

@@ -1,6 +1,8 @@
 //! A run in numbers: summary, features, stage times, losses.
 
-use fingerpost_format::{ErrorQuantiles, SamplingRecord, Summary};
+use fingerpost_format::{
+    DriveSummary, ErrorQuantiles, FeatureOutcome, FeatureSummary, SamplingRecord, Summary,
+};
 use maud::{Markup, html};
 
 use super::chart::{number, px};
@@ -8,14 +10,14 @@ use crate::timeline::{Listed, Timeline};
 
 /// The numbers of the run.
 pub(crate) fn summary(summary: &Summary) -> Markup {
-    let of = |part: usize| format!("{part} of {}", summary.features.len());
-    let mut facts: Vec<(&str, String)> = vec![
-        ("frames", summary.frames.to_string()),
-        ("frames a second", format!("{:.1}", summary.fps)),
-        ("features detected", of(summary.features.iter().filter(|f| f.detected_frame.is_some()).count())),
-        ("features arrived at", of(summary.features.iter().filter(|f| f.arrived_frame.is_some()).count())),
-        ("frames lost", summary.lost_frames.to_string()),
-    ];
+    let mut facts: Vec<(&str, String)> = Vec::new();
+    facts.extend(summary.drive.iter().flat_map(drive));
+    if !summary.features.is_empty() {
+        facts.extend(features_found(&summary.features));
+        facts.push(("frames lost", summary.lost_frames.to_string()));
+    }
+    facts.push(("frames", summary.frames.to_string()));
+    facts.push(("frames worked through a second", format!("{:.1}", summary.fps)));
     if let Some(SamplingRecord { picture_px: [width, height], every, rate_hz }) = summary.sampling {
         facts.push(("pictures used at", format!("{width} x {height} px")));
         facts.extend(every.map(|nth| ("frames used", format!("one of {nth}"))));
@@ -42,13 +44,63 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
         facts.extend(truth.fix_error_m.map(|error| ("fix error", metres(error))));
         facts.extend(truth.bound_violations.map(|n| ("frames outside the bound", n.to_string())));
     }
+    let remarks = summary.drive.iter().flat_map(|drive| &drive.remarks);
     html! {
+        @for remark in remarks { p class="warning" { (sentence(remark)) } }
         (self::facts(&facts))
         @for (state, frames) in &summary.camera_frames {
             p class="warning" { "The camera " (state) " in " (frames) " frames." }
         }
         @for fault in &summary.mount_faults { p class="warning" { (fault.to_string()) "." } }
         @if summary.interrupted { p class="warning" { "The run was ended before its input was." } }
+    }
+}
+
+/// How far and how long, and of how much of it anything is known.
+fn drive(drive: &DriveSummary) -> Vec<(&'static str, String)> {
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let or_unknown = |value: Option<String>| value.unwrap_or_else(|| "not known".to_owned());
+    let mut facts = vec![
+        ("distance driven", or_unknown(drive.distance_m.map(|m| format!("{m:.1} m")))),
+        ("duration", format!("{:.1} s", drive.duration_s)),
+        ("mean speed", or_unknown(drive.mean_speed_mps.map(|mps| format!("{mps:.1} m/s")))),
+        ("frames with motion", percent(drive.motion_share)),
+        ("frames with a lane", percent(drive.lane_share)),
+    ];
+    facts.extend(drive.feature_share.map(|share| ("frames with a feature", percent(share))));
+    facts
+}
+
+/// What became of the features that the drive came to, and how many it did not come to.
+fn features_found(features: &[FeatureSummary]) -> Vec<(&'static str, String)> {
+    let count = |of: &dyn Fn(&FeatureSummary) -> bool| features.iter().filter(|feature| of(feature)).count();
+    let not_reached = count(&|feature| feature.outcome == Some(FeatureOutcome::NotReached));
+    let reached = features.len() - not_reached;
+    let mut facts = vec![
+        ("features detected", format!("{} of {reached}", count(&|feature| feature.detected_frame.is_some()))),
+        (
+            "features arrived at",
+            format!("{} of {reached}", count(&|feature| feature.arrived_frame.is_some())),
+        ),
+    ];
+    if not_reached > 0 {
+        facts.push(("features not reached", not_reached.to_string()));
+    }
+    facts
+}
+
+/// A remark as a sentence of its own.
+fn sentence(remark: &str) -> String {
+    let mut letters = remark.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).chain(['.']).collect())
+}
+
+/// What the run was made from.
+pub(crate) fn made_from(inputs: &[(&str, String)]) -> Markup {
+    html! {
+        @if !inputs.is_empty() {
+            dl class="made-from" { @for (name, words) in inputs { dt { (name) } dd { (words) } } }
+        }
     }
 }
 
@@ -65,26 +117,40 @@ pub(crate) fn metres(error: ErrorQuantiles) -> String {
 pub(crate) fn features(summary: &Summary) -> Markup {
     let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
     html! {
-        table {
+        div class="wide" { table {
             thead { tr {
-                th { "" } th { "node" } th { "kind" } th { "name" } th class="n" { "detected in frame" }
-                th class="n" { "at" } th class="n" { "arrived in frame" } th class="n" { "highest P(F)" }
+                th { "" } th { "node" } th { "kind" } th { "name" } th class="n" { "along the route" }
+                th { "what became of it" } th class="n" { "detected in frame" } th class="n" { "ahead by" }
+                th class="n" { "arrived in frame" } th class="n" { "node ahead by" } th class="n" { "highest P(F)" }
             } }
             tbody {
                 @for (i, feature) in summary.features.iter().enumerate() {
-                    tr class=[feature.detected_frame.is_none().then_some("missed")] {
+                    tr class=[(feature.outcome == Some(FeatureOutcome::Missed)).then_some("missed")] {
                         td class="n" { (i + 1) }
                         td class="n" { (feature.id) }
                         td { (feature.kind.replace('_', " ")) }
                         td { (feature.name) }
+                        td class="n" { (or_dash(feature.at_m.map(|m| format!("{m:.0} m")))) }
+                        td { (feature.outcome.map_or("not known", outcome)) }
                         td class="n" { (or_dash(feature.detected_frame.map(|n| n.to_string()))) }
                         td class="n" { (or_dash(feature.detected_forward_m.map(|m| format!("{m:.1} m")))) }
                         td class="n" { (or_dash(feature.arrived_frame.map(|n| n.to_string()))) }
+                        td class="n" { (or_dash(feature.arrived_forward_m.map(|m| format!("{m:.1} m")))) }
                         td class="n" { (or_dash(feature.max_p.map(|p| format!("{p:.2}")))) }
                     }
                 }
             }
-        }
+        } }
+    }
+}
+
+/// What became of a feature, in words.
+pub(super) const fn outcome(outcome: FeatureOutcome) -> &'static str {
+    match outcome {
+        FeatureOutcome::Arrived => "arrived at",
+        FeatureOutcome::Detected => "detected",
+        FeatureOutcome::Missed => "missed",
+        FeatureOutcome::NotReached => "not reached",
     }
 }
 

@@ -186,7 +186,7 @@ fn footer(canvas: &mut Canvas, scene: &Scene<'_>) {
     }
 }
 
-/// Every sub-mask with a bar of its P(F_sub), the threshold as a tick, and the weakest underlined.
+/// Every sub-mask with a bar of its P(F_sub), the bound that decided as a tick, and the weakest underlined.
 fn chips(canvas: &mut Canvas, scene: &Scene<'_>, matched: &Match, top: usize) {
     let width = (COMPOSED_WIDTH_PX - 24) / CHIPS_A_LINE;
     for (i, sub) in matched.subs.iter().enumerate().take(2 * CHIPS_A_LINE) {
@@ -219,12 +219,15 @@ fn chip(canvas: &mut Canvas, scene: &Scene<'_>, sub: &SubMatch, size: TextSize, 
     canvas.fill(bar, Paint::glaze(palette::GRID_LINE, 0.12));
     let filled = (p * BAR_PX as f64).round() as usize;
     canvas.fill(Rect { width: filled, ..bar }, Paint::solid(colour));
-    // The bound that decided this frame; where none did, that of a confirmation.
-    let needed_p = scene.evidence.track.needed_p.unwrap_or(scene.setting.confirm_threshold);
-    let tick = bar_x as f64 + needed_p * BAR_PX as f64;
-    let tick_rect = Rect { x: tick.round() as usize, y: y + 2, width: 2, height: 13 };
-    canvas.fill(tick_rect, Paint::solid(palette::TEXT));
-    let value_colour = if p < needed_p { palette::REJECTED } else { palette::TEXT };
+    // The bound that decided this frame, where one did.
+    let needed_p = scene.evidence.track.needed_p;
+    if let Some(needed_p) = needed_p {
+        let tick = bar_x as f64 + needed_p * BAR_PX as f64;
+        let tick_rect = Rect { x: tick.round() as usize, y: y + 2, width: 2, height: 13 };
+        canvas.fill(tick_rect, Paint::solid(palette::TEXT));
+    }
+    let is_short = needed_p.is_some_and(|needed_p| p < needed_p);
+    let value_colour = if is_short { palette::REJECTED } else { palette::TEXT };
     canvas.text([value_x, y as f64], size, value_colour, &format!("{p:.2}"));
     if size == TextSize::SmallBold {
         let text_x = value_x + 5.0 * TextSize::Small.letter_px() as f64;

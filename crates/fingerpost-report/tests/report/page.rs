@@ -3,12 +3,12 @@
 use crate::locating::streets;
 use crate::painted_run::{camera, painted_run};
 use fingerpost_format::{
-    DepartureRecord, FixRecord, FixStatus, FrameRecord, LaneEdgeRecord, LanesRecord, MarkingRecord,
-    MotionRecord, Side, Summary, TrackState, TruthRecord,
+    DepartureRecord, DriveSummary, FeatureOutcome, FeatureSummary, FixRecord, FixStatus, FrameRecord,
+    LaneEdgeRecord, LanesRecord, MarkingRecord, MotionRecord, Side, Summary, TrackState, TruthRecord,
 };
 use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, Timeline, report_html};
 
-const THRESHOLDS: Thresholds = Thresholds { detect: 0.75, confirm: 0.65 };
+const THRESHOLDS: Thresholds = Thresholds::OfFrames;
 
 /// Every inline SVG of a page, parsed.
 pub(crate) fn svgs(page: &str) -> usize {
@@ -45,6 +45,7 @@ fn the_page_of_a_drive_holds_everything() {
     }
     let page = report_html(&ReportInput {
         title: "a <painted> drive",
+        made_from: &[],
         timeline: &Timeline::of(&run.records, Some(&run.truth)),
         summary: &run.summary,
         truth: Some(&run.truth),
@@ -105,6 +106,84 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
     }
 }
 
+/// What decided is drawn: the bound of each frame, and the belief's own where presence decides.
+#[test]
+fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_feature() {
+    let records: Vec<FrameRecord> =
+        (0..30).map(|frame| record(frame, TrackState::Searching, String::new())).collect();
+    let mut timeline = Timeline::of(&records, None);
+    for record in &records {
+        timeline.decided_by(
+            record.t_s,
+            (record.frame >= 10).then_some(if record.frame < 20 { 0.5 } else { 0.75 }),
+        );
+    }
+    let feature = |id, outcome| FeatureSummary {
+        id,
+        kind: "bend".to_owned(),
+        outcome: Some(outcome),
+        detected_frame: (outcome == FeatureOutcome::Arrived).then_some(3),
+        arrived_frame: (outcome == FeatureOutcome::Arrived).then_some(5),
+        arrived_forward_m: (outcome == FeatureOutcome::Arrived).then_some(6.5),
+        ..FeatureSummary::default()
+    };
+    let drive = DriveSummary {
+        distance_m: Some(59.0),
+        duration_s: 6.0,
+        mean_speed_mps: Some(9.8),
+        motion_share: 0.98,
+        remarks: vec!["the drive ended <early>".to_owned()],
+        ..DriveSummary::default()
+    };
+    let outcomes = [FeatureOutcome::Arrived, FeatureOutcome::Missed, FeatureOutcome::NotReached];
+    let summary = Summary {
+        drive: Some(drive),
+        features: (1..).zip(outcomes).map(|(id, outcome)| feature(id, outcome)).collect(),
+        ..Summary::default()
+    };
+    let page = |timeline: &Timeline, thresholds| {
+        report_html(&ReportInput {
+            title: "bounds",
+            made_from: &[
+                ("command", "fingerpost run 'a & b'".to_owned()),
+                ("camera", "c.toml: 640 x 480".to_owned()),
+            ],
+            timeline,
+            summary: &summary,
+            truth: None,
+            route: None,
+            roads: None,
+            thresholds,
+            rules: &[],
+            config_toml: "",
+            key_frames: &KeyFrames::default(),
+        })
+    };
+    let by_frames = page(&timeline, THRESHOLDS);
+    assert_eq!(by_frames.matches("<polyline class=\"needed\"").count(), 1);
+    assert!(!by_frames.contains("class=\"threshold\""), "no bound that did not decide");
+    let rebuilt = page(&Timeline::of(&records, None).with_bounds_of(&timeline), THRESHOLDS);
+    assert_eq!(rebuilt, by_frames);
+    let by_presence = page(&Timeline::of(&records, None), Thresholds::OfPresence { detect: 0.9, lost: 0.3 });
+    assert!(by_presence.contains("tracked from 0.90") && by_presence.contains("lost below 0.30"));
+    for words in [
+        "<dd>59.0 m</dd>",
+        "<dd>9.8 m/s</dd>",
+        "<dd>98 %</dd>",
+        "The drive ended &lt;early&gt;.",
+        "<dd>1 of 2</dd>",
+        "features not reached",
+        "<td class=\"n\">6.5 m</td>",
+        "<td>not reached</td>",
+        "fingerpost run 'a &amp; b'",
+        "c.toml: 640 x 480",
+    ] {
+        assert!(by_frames.contains(words), "{words}");
+    }
+    assert_eq!(by_frames.matches("<tr class=\"missed\">").count(), 1, "what was not reached was not missed");
+    closed_tags(&by_frames);
+}
+
 #[test]
 fn losses_are_listed_with_their_reasons_once_each() {
     let state = |frame: u64| if frame % 10 < 3 { TrackState::Lost } else { TrackState::Searching };
@@ -113,6 +192,7 @@ fn losses_are_listed_with_their_reasons_once_each() {
     records[5].error = Some("cannot be decoded: <end> of file".to_owned());
     let page = report_html(&ReportInput {
         title: "losses",
+        made_from: &[],
         timeline: &Timeline::of(&records, None),
         summary: &Summary::default(),
         truth: None,
@@ -144,7 +224,7 @@ fn fixes_have_a_map_of_the_roads_and_their_level_over_time() {
         status: Some(if frame >= 50 { FixStatus::Converged } else { FixStatus::Ambiguous }),
         measurements: Vec::new(),
     };
-    let moved = |forward_m| MotionRecord { forward_m, left_m: 0.0, yaw_rad: 0.0, quality: 1.0 };
+    let moved = |forward_m| MotionRecord { forward_m, left_m: 0.0, yaw_rad: 0.0, quality: 1.0, doubt: None };
     let records: Vec<FrameRecord> = (0..100)
         .map(|frame| FrameRecord {
             fix: Some(fix(frame)),
@@ -158,6 +238,7 @@ fn fixes_have_a_map_of_the_roads_and_their_level_over_time() {
     let page = |records: &[FrameRecord], roads| {
         report_html(&ReportInput {
             title: "located",
+            made_from: &[],
             timeline: &Timeline::of(records, Some(&truth)),
             summary: &Summary::default(),
             truth: Some(&truth),
@@ -209,6 +290,7 @@ fn the_lane_has_curves_and_its_warnings_a_list() {
     let page = |records: &[FrameRecord]| {
         report_html(&ReportInput {
             title: "lane",
+            made_from: &[],
             timeline: &Timeline::of(records, None),
             summary: &Summary::default(),
             truth: None,
@@ -264,6 +346,7 @@ fn a_run_of_many_frames_makes_a_small_page_and_one_of_none_a_page() {
     let page = |records: &[FrameRecord], truth: Option<&[TruthRecord]>| {
         report_html(&ReportInput {
             title: "long",
+            made_from: &[],
             timeline: &Timeline::of(records, truth),
             summary: &Summary::default(),
             truth,

@@ -133,6 +133,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
             left_m: motion.previous_from_current.translation.y,
             yaw_rad: motion.previous_from_current.rotation.angle(),
             quality: motion.quality,
+            doubt: None,
         }),
         mount: None,
         signals: None,
@@ -170,6 +171,7 @@ fn summary(records: &[FrameRecord], name: &str) -> Summary {
             detected_forward_m: detected.and_then(|r| Some(r.feature.as_ref()?.forward_m)),
             arrived_frame: first(TrackState::Arrived).map(|r| r.frame),
             max_p: Some(0.93),
+            ..FeatureSummary::default()
         }],
         ..Summary::default()
     }

@@ -20,14 +20,7 @@ fn with_line(camera: &Camera, line: Vec<Point2<f64>>) -> StagePictures {
 /// The same with what a lane finder saw.
 fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -> StagePictures {
     let grid = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
-    let setting = Setting {
-        camera: camera.clone(),
-        grid,
-        features: Vec::new(),
-        vehicle_width_m: 1.8,
-        detect_threshold: 0.75,
-        confirm_threshold: 0.65,
-    };
+    let setting = Setting { camera: camera.clone(), grid, features: Vec::new(), vehicle_width_m: 1.8 };
     let (columns, rows) = (grid.columns(), grid.rows());
     let ground = GroundPicture::new(columns, rows, HueSaturationBins { hue: 32, saturation: 32 });
     let mut surface = RoadSurface { probability: Plane::new(columns, rows, 0), ..RoadSurface::default() };
@@ -44,6 +37,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
         vehicle: Default::default(),
         centreline: None,
         motion: None,
+        motion_doubt: None,
         driving_line_curvature_per_m: vec![0.0; line.len()],
         driving_line: line,
         lane: None,

@@ -52,6 +52,9 @@ impl Because<'_> {
     fn write_stop(&self, f: &mut Formatter<'_>, stop: Stop) -> fmt::Result {
         f.write_str("stop: ")?;
         match stop {
+            Stop::MotionNotBelieved => f.write_str(
+                "the picture moves and the motion says that the vehicle stands, so nothing is known of where it goes",
+            ),
             Stop::NoLine => f.write_str("lost, neither driving line, lane nor road's middle is known"),
             Stop::Strayed { index } => {
                 f.write_str("lost, the route turns at ")?;

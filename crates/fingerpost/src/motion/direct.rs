@@ -34,8 +34,8 @@ use self::plane_warp::{Displacement, Views};
 use self::start::{FINE_STEP_M, cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
 use super::{
-    FlowSample, FlowStart, Motion, MotionError, MotionEstimator, MotionEvidence, MotionOutput, SeenTravel,
-    mean_flow,
+    FlowSample, FlowStart, MEASURED_QUALITY, Motion, MotionDoubt, MotionError, MotionEstimator,
+    MotionEvidence, MotionOutput, SeenTravel, mean_flow,
 };
 use crate::attitude::AttitudeObservation;
 use crate::ground_view::{GroundPicture, GroundView};
@@ -68,8 +68,6 @@ const BEARABLE: f64 = 2.0;
 /// Least cost that is taken to be left, levels of the flattened picture squared: the camera's noise at the
 /// coarsest level.
 const COST_FLOOR: f64 = 2.0;
-/// Quality below which the picture is not believed: the motion goes on as before, ever less surely.
-const BELIEVED: f64 = 0.1;
 /// No vehicle changes its way in a frame by more, metres: full braking for a fifth of a second. What says so must be clear.
 const MOST_CHANGE_M: f64 = 0.4;
 const CLEAR: f64 = 0.5;
@@ -152,7 +150,11 @@ impl DirectMotion {
         }
     }
 
-    fn between(&mut self, last: Last, attitude: &AttitudeObservation) -> Option<Motion> {
+    fn between(
+        &mut self,
+        last: Last,
+        attitude: &AttitudeObservation,
+    ) -> Option<(Motion, Option<MotionDoubt>)> {
         let patch = self.patch.as_mut()?;
         let residuals = &mut self.residuals;
         let coarsest = patch.levels.last()?;
@@ -166,11 +168,11 @@ impl DirectMotion {
         let mut begun = Begun { patch, residuals, views, last, travel, iterations: self.config.iterations };
         let expected = Expected::after(&last, self.turn, attitude);
         let (aligned, start) = begun.aligned(&expected, found, displaced)?;
-        let Aligned { mut estimate, quality, .. } = aligned;
+        let Aligned { mut estimate, quality, stands_still, .. } = aligned;
         show(begun.patch, begun.residuals, (&estimate, &begun.views), start, &mut self.evidence);
         let mut seen_turn = estimate.seen_turn;
         let leap_m = last.leap_m(&estimate.displacement.current_from_previous);
-        if quality < BELIEVED || (quality < CLEAR && leap_m > MOST_CHANGE_M) {
+        if quality < MEASURED_QUALITY || (quality < CLEAR && leap_m > MOST_CHANGE_M) {
             estimate.displacement = displaced(expected.current_from_previous);
             estimate.covariance = expected.covariance;
             seen_turn = SeenTurn::default();
@@ -185,7 +187,14 @@ impl DirectMotion {
         } else {
             0.0
         };
-        Some(self.keep(&estimate, quality, bearable))
+        let doubt = travel.contradicts(&estimate.displacement.current_from_previous).then_some(
+            if stands_still < MEASURED_QUALITY {
+                MotionDoubt::NothingToGoBy
+            } else {
+                MotionDoubt::ViewStandsStill
+            },
+        );
+        Some((self.keep(&estimate, quality, bearable), doubt))
     }
 
     /// The motion of an estimate; the next frame is to know it.
@@ -236,7 +245,7 @@ impl Begun<'_> {
         let mut aligned = Aligned::through(all, (patch, residuals), (&prior, views), *iterations, at)?;
         let is_too_short = |motion: &Isometry2<f64>| travel.contradicts(motion);
         if is_too_short(&aligned.estimate.displacement.current_from_previous) {
-            aligned.quality = 0.0;
+            (aligned.stands_still, aligned.quality) = (aligned.quality, 0.0);
         }
         if aligned.quality >= UNSURE || last.covariance.is_none() {
             return Some((aligned, start));
@@ -287,7 +296,7 @@ impl MotionEstimator for DirectMotion {
             patch.keep(0.0);
         }
         let camera = self.turn.attitude();
-        Ok(motion.map(|motion| (MotionOutput { motion, camera }, &self.evidence)))
+        Ok(motion.map(|(motion, doubt)| (MotionOutput { motion, camera, doubt }, &self.evidence)))
     }
 
     fn reset(&mut self) {

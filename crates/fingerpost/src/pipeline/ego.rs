@@ -7,7 +7,7 @@ use super::{PipelineError, Sensors, Stage};
 use crate::attitude::{AttitudeWatch, ObservedAngle};
 use crate::config::Config;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::motion::{CameraAttitude, FeatureStep, Motion, MotionEstimator, MotionEvidence};
+use crate::motion::{CameraAttitude, FeatureStep, Motion, MotionDoubt, MotionEstimator, MotionEvidence};
 use crate::mount::{MountEstimate, MountFilter};
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSignals, VehicleState};
 
@@ -28,6 +28,8 @@ pub(super) struct Ego {
 pub(super) struct EgoFrame<'a> {
     /// Since the last frame that showed something.
     pub(super) motion: Option<Motion>,
+    /// Why it is wrong by what else the picture shows.
+    pub(super) motion_doubt: Option<MotionDoubt>,
     /// How the camera is turned against its mount.
     pub(super) camera: Option<CameraAttitude>,
     pub(super) vehicle: VehicleState,
@@ -85,13 +87,15 @@ impl Ego {
         if let Some(motion) = &motion {
             self.mount.observe(&attitude, motion);
         }
+        let motion_doubt = seen.and_then(|seen| seen.doubt).filter(|_| !is_gap);
         // A motion over frames that showed nothing took longer than this frame.
-        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none());
+        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none() && motion_doubt.is_none());
         let (vehicle, signals_evidence) =
             self.signals.step(SignalsInput { samples: signals, motion: of_frame, dt_s });
         finished(Stage::Motion);
         Ok(EgoFrame {
             motion,
+            motion_doubt,
             camera: seen.map(|seen| seen.camera),
             vehicle,
             mount: self.mount.estimate(),

@@ -38,7 +38,7 @@ impl Pipeline {
             output.place_driving_line(tracker.stops());
         }
         output.camera = camera;
-        output.motion = Some(Motion::unknown());
+        (output.motion, output.motion_doubt) = (Some(Motion::unknown()), None);
         *track_evidence = TrackEvidence { decision: Decision::NothingShown, ..TrackEvidence::default() };
         if surface.probability.size() != view.validity().plane().size() {
             let (columns, rows) = view.validity().plane().size();
@@ -47,6 +47,7 @@ impl Pipeline {
         let centreline = self.centreline.pass_over();
         Why {
             camera: &output.camera,
+            motion_doubt: None,
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),

@@ -78,6 +78,7 @@ fn feature_words(decision: Decision) -> String {
     let (track, config) = (TrackOutput::default(), TrackConfig::default());
     let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
     let why = Why {
+        motion_doubt: None,
         camera: &CameraEvidence::default(),
         track: &track,
         evidence: &evidence,

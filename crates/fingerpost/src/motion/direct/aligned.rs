@@ -28,6 +28,8 @@ pub(super) struct Aligned {
     pub(super) cost: f64,
     /// How far it is to be believed, 0 to 1.
     pub(super) quality: f64,
+    /// How far it was to be believed that the vehicle stands, where the camera is seen to travel; else 0.
+    pub(super) stands_still: f64,
 }
 
 impl Aligned {
@@ -45,7 +47,8 @@ impl Aligned {
         }
         let finest = patch.levels.get(patch.finest)?;
         let (cost, shifted) = costs(finest, residuals, (&estimate, views));
-        Some(Self { estimate, cost, quality: quality(&estimate, told_apart(cost, shifted)) })
+        let quality = quality(&estimate, told_apart(cost, shifted));
+        Some(Self { estimate, cost, quality, stands_still: 0.0 })
     }
 }
 

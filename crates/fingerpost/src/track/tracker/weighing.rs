@@ -30,6 +30,9 @@ impl Tracker {
             if is_curve { config.belief.detect_sigma_m.max(self.known_sigma_m) } else { self.known_sigma_m };
         let Found { filter, frames, weight, .. } = found;
         let (frames, weight) = (frames + 1, weight + frame_weight(config, aligned_p, contrast, surprise));
+        if contrast.is_none() {
+            evidence.needed_p = Some(config.detect_threshold);
+        }
         let most_frames = CANDIDATE_PATIENCE * config.detect_frames;
         if weight <= 0.0 {
             evidence.decision = without_weight(config, index, aligned_p, contrast, surprise);

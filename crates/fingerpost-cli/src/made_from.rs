@@ -1,0 +1,55 @@
+//! What a run was made from, as its report says it.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+/// The command line as a shell takes it, without the folder that is written: the page lies in it, and its name changes no result.
+pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
+    let mut words = vec!["fingerpost".to_owned()];
+    let mut arguments = arguments.into_iter().skip(1);
+    while let Some(argument) = arguments.next() {
+        let word = argument.to_string_lossy();
+        if word == "--out" {
+            arguments.next();
+        } else if !word.starts_with("--out=") {
+            words.push(quoted(&word));
+        }
+    }
+    words.join(" ")
+}
+
+/// A word that a shell takes as it is.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// A file and what it holds.
+pub(crate) fn file(path: &Path, facts: &str) -> String {
+    format!("{}: {facts}", path.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_line_can_be_given_to_a_shell_and_names_no_output() {
+        let line = |words: &[&str]| command_line(words.iter().map(OsString::from));
+        assert_eq!(
+            line(&["/usr/bin/fingerpost", "run", "a b.mp4", "--out", "run"]),
+            "fingerpost run 'a b.mp4'"
+        );
+        assert_eq!(
+            line(&["fp", "run", "--out=x", "it's", "", "$HOME"]),
+            "fingerpost run 'it'\\''s' '' '$HOME'"
+        );
+        let same = |out: &str| line(&["fp", "run", "drive", "--out", out, "--start-m", "-5"]);
+        assert_eq!(same("a"), same("another"));
+        assert_eq!(same("a"), "fingerpost run drive --start-m -5");
+    }
+}

@@ -1,0 +1,94 @@
+//! Why nothing was found on a drive, as sentences.
+
+use std::fmt::{self, Display, Formatter};
+
+use fingerpost_format::{FeatureOutcome, FeatureSummary, MotionDoubtRecord};
+
+/// What a reader of a run should know first.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Remark {
+    /// No frame could be used.
+    NothingUsed,
+    /// No picture showed anything.
+    NothingShown { frames: u64 },
+    /// The motion is wrong by what else the pictures show, in so many frames of those behind another one, and why in most of them.
+    MotionNotBelieved { doubt: MotionDoubtRecord, frames: u64, of: u64 },
+    /// No motion was measured.
+    NoMotion,
+    /// The drive ended before the first feature of the route.
+    EndedBefore { route_m: f64, first: String, at_m: f64 },
+    /// Features were passed and none was found; the highest P(F).
+    AllMissed { passed: usize, best_p: Option<f64> },
+    /// Nothing says how far along the route the drive went.
+    PlaceUnknown,
+    /// No edge of a lane was found.
+    NoLane,
+}
+
+impl Remark {
+    /// Why no feature of the route was found by a vehicle that is believed at `route_m` of it in the end; none where there is none.
+    pub(crate) fn no_feature(route_m: Option<f64>, features: &[FeatureSummary]) -> Option<Self> {
+        let first = features.first()?;
+        let passed =
+            features.iter().filter(|feature| feature.outcome == Some(FeatureOutcome::Missed)).count();
+        let best_p = features.iter().filter_map(|feature| feature.max_p).reduce(f64::max);
+        Some(match (first.outcome, route_m.zip(first.at_m)) {
+            (Some(FeatureOutcome::NotReached), Some((route_m, at_m))) => {
+                let first = format!("{} {}", first.kind.replace('_', " "), first.name).trim_end().to_owned();
+                Self::EndedBefore { route_m, first, at_m }
+            }
+            _ if passed > 0 => Self::AllMissed { passed, best_p },
+            _ => Self::PlaceUnknown,
+        })
+    }
+}
+
+impl Display for Remark {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NothingUsed => f.write_str("nothing was found: no frame could be used"),
+            Self::NothingShown { frames } => write!(
+                f,
+                "nothing was found: in none of the {frames} frames did the camera show anything new (covered, black or frozen)"
+            ),
+            Self::MotionNotBelieved { doubt, frames, of } => {
+                write!(f, "the motion is not believed in {frames} of {of} frames: ")?;
+                f.write_str(match doubt {
+                    MotionDoubtRecord::ViewStandsStill => {
+                        "what lies in the ground view stands still while the rest of the picture moves, as the bonnet does, what is \
+                         mirrored in it, or smooth asphalt in a compressed video"
+                    }
+                    MotionDoubtRecord::NothingToGoBy => {
+                        "the picture moves, and the ground view does not show how far the vehicle went"
+                    }
+                })?;
+                f.write_str(
+                    "; how far the drive went is not known, and nothing is advised in these frames; set ground_view.near_m beyond \
+                     the bonnet, or give the speed of the vehicle's bus (--can)",
+                )
+            }
+            Self::NoMotion => f.write_str(
+                "no motion was measured: the road ahead shows too little that differs from place to place (darkness, glare, smooth asphalt)",
+            ),
+            Self::EndedBefore { route_m, first, at_m } => write!(
+                f,
+                "no feature was found: the drive ended at {route_m:.0} m of the route, and the first one, {first}, lies at {at_m:.0} m"
+            ),
+            Self::AllMissed { passed, best_p } => {
+                write!(f, "no feature was found, and the vehicle passed {passed}: ")?;
+                match best_p {
+                    Some(p) => {
+                        write!(f, "the best match had a P(F) of {p:.2}; `why` of the frames before says what it lacked")
+                    }
+                    None => f.write_str("none came into the view's reach; does the drive begin where it is said to?"),
+                }
+            }
+            Self::PlaceUnknown => f.write_str(
+                "no feature was found: nothing says how far along the route the drive went; --start-m or --gps says where it begins",
+            ),
+            Self::NoLane => f.write_str(
+                "no lane was found: no line beside the vehicle was sure enough to be an edge of one, by its paint and over the distance driven",
+            ),
+        }
+    }
+}
