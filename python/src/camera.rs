@@ -63,7 +63,7 @@ impl Camera {
     /// Reads camera.toml, or the YAML of ROS camera_info or OpenCV with a mount.toml beside it.
     #[staticmethod]
     fn from_file(path: PathBuf) -> PyResult<Self> {
-        read_camera(&path).map(Self).map_err(exception!(CameraError))
+        read_camera(&path).map(|read| Self(read.camera)).map_err(exception!(CameraError))
     }
 
     /// The camera of a text as in camera.toml.
@@ -75,7 +75,7 @@ impl Camera {
     /// The camera of a YAML text with a mapping `mount` in it.
     #[staticmethod]
     fn from_yaml(text: &str) -> PyResult<Self> {
-        camera_from_yaml(text, None).map(Self).map_err(exception!(CameraError))
+        camera_from_yaml(text, None).map(|read| Self(read.camera)).map_err(exception!(CameraError))
     }
 
     /// The text of its camera.toml.

@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Args};
-use fingerpost_format::PictureKind;
 use fingerpost_geometry::Camera;
 use fingerpost_io::{FolderKind, RunFolder};
 use fingerpost_map::TangentPlane;
