@@ -58,7 +58,9 @@ pub use motion_log::{
 // For `json_records`.
 #[doc(hidden)]
 pub use serde_json;
-pub use summary::{ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary};
+pub use summary::{
+    CoveredRecord, ErrorQuantiles, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
+};
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};
 pub use truth::TruthRecord;
