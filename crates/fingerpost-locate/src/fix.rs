@@ -204,3 +204,19 @@ impl Rival {
         is_near(self.place_m, other.place_m) && are_alike(self.heading_rad, other.heading_rad)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rivals_widen_a_fix_by_how_far_and_how_probable_they_are() {
+        let own = Matrix2::identity();
+        let alone = Elsewhere::default().with(0.7, own);
+        assert!((alone - own).norm() < 1e-12);
+        // Half as probable 100 m east: a third of 100 m squared.
+        let rival = Elsewhere { mass: 0.2, squares_m2: Matrix2::new(1e4 + 1.0, 0.0, 0.0, 1.0) * 0.2 };
+        let both = rival.with(0.4, own);
+        assert!((both[(0, 0)] - (1.0 + 1e4 / 3.0)).abs() < 1e-6 && (both[(1, 1)] - 1.0).abs() < 1e-9);
+    }
+}
