@@ -19,11 +19,6 @@ use crate::unmapped::UnmappedRoad;
 /// length of a street and not round a right angle.
 pub(crate) const OFFSET_MODEL: OffsetModel =
     OffsetModel { sigma_m: 2.0, distance_m: 100.0, turn_rad: FRAC_PI_2 };
-/// Standard deviation of the speed's scale at the start: a wheel's radius by wear, load and pressure, and speedometers that show up
-/// to a tenth too much (UN Regulation 39).
-pub(crate) const SCALE_SIGMA: f64 = 0.06;
-/// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
-pub(crate) const BIAS_SIGMA: f64 = 1.75e-3;
 /// Number of hypotheses that are kept.
 const MOST_KEPT: usize = 100_000;
 /// Probability at the start of being on no road of the map.

@@ -31,11 +31,29 @@ pub enum Status {
     Lost,
 }
 
+/// The places that are none of the heaviest one's hypotheses, but for the farthest of them that have no more than [`RISK`] together, as a
+/// protection level leaves them out: a road kilometres away with a part in a million would be most of every variance.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Elsewhere {
+    /// Their probability.
+    mass: f64,
+    /// Their mean square about the place, times their probability, square metres.
+    squares_m2: Matrix2<f64>,
+}
+
+impl Elsewhere {
+    /// The mean square about a place of what is believed, where the place's own part of it has a probability `mass` and a covariance.
+    pub(crate) fn with(&self, mass: f64, covariance_m2: Matrix2<f64>) -> Matrix2<f64> {
+        (covariance_m2 * mass + self.squares_m2) / (mass + self.mass).max(f64::MIN_POSITIVE)
+    }
+}
+
 /// The belief in a few numbers.
 #[derive(Debug, Clone)]
 pub(crate) struct Estimate {
     pub(crate) state: State,
     pub(crate) mass: f64,
+    pub(crate) rivals: Elsewhere,
     pub(crate) level_m: Option<f64>,
     pub(crate) status: Status,
 }
@@ -53,6 +71,7 @@ impl Belief {
             state = mixed(&state, &hypothesis.state, weight / mass);
         }
         let level_m = self.level_m(&state);
+        let rivals = self.elsewhere(best, state.place());
         let off_map = self.off_map();
         let was_converged = matches!(before, Status::Converged | Status::Coasting);
         // What has surprised once can only be mended by roads whose errors are independent of those of the roads before.
@@ -63,7 +82,7 @@ impl Belief {
             _ if mass > 0.5 && was_converged => Status::Coasting,
             _ => Status::Ambiguous,
         };
-        Some(Estimate { state, mass, level_m, status })
+        Some(Estimate { state, mass, rivals, level_m, status })
     }
 
     fn heaviest_place(&self) -> Option<&Hypothesis> {
@@ -80,6 +99,29 @@ impl Belief {
         heaviest
             .reduce(|best, next| if next.0 > best.0 + 1e-9 { next } else { best })
             .map(|(_, centre)| centre)
+    }
+
+    /// What is not the place of `best`, about `place`.
+    fn elsewhere(&self, best: &Hypothesis, place: Point2<f64>) -> Elsewhere {
+        let mut others: Vec<&Hypothesis> = self
+            .hypotheses
+            .iter()
+            .map(AsRef::as_ref)
+            .filter(|hypothesis| !is_one_place(hypothesis, best))
+            .collect();
+        let off = |hypothesis: &Hypothesis| hypothesis.state.place() - place;
+        others.sort_by(|a, b| off(b).norm_squared().total_cmp(&off(a).norm_squared()));
+        let (mut left_out, mut elsewhere) = (0.0, Elsewhere::default());
+        for other in others {
+            let weight = libm::exp(other.log_weight);
+            left_out += weight;
+            if left_out > RISK {
+                let off = off(other);
+                elsewhere.mass += weight;
+                elsewhere.squares_m2 += (other.state.place_covariance() + off * off.transpose()) * weight;
+            }
+        }
+        elsewhere
     }
 
     fn level_m(&self, state: &State) -> Option<f64> {
@@ -126,7 +168,8 @@ pub struct Fix {
     pub place_m: Point2<f64>,
     /// Heading, radians anticlockwise from east.
     pub heading_rad: f64,
-    /// Covariance of the place, square metres.
+    /// Mean square of the vehicle's distance from the place, square metres: the covariance of all places that are possible, but for the
+    /// farthest that have no more than [`RISK`] together.
     pub covariance_m2: Matrix2<f64>,
     /// What the true speed is greater than the measured one by, as a part of it, with its standard deviation.
     pub speed_scale: [f64; 2],
@@ -159,5 +202,21 @@ impl Rival {
     /// Whether another is the same place as this one: no farther away than two hypotheses of one place, and headed alike.
     pub fn is_one_place(&self, other: &Self) -> bool {
         is_near(self.place_m, other.place_m) && are_alike(self.heading_rad, other.heading_rad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rivals_widen_a_fix_by_how_far_and_how_probable_they_are() {
+        let own = Matrix2::identity();
+        let alone = Elsewhere::default().with(0.7, own);
+        assert!((alone - own).norm() < 1e-12);
+        // Half as probable 100 m east: a third of 100 m squared.
+        let rival = Elsewhere { mass: 0.2, squares_m2: Matrix2::new(1e4 + 1.0, 0.0, 0.0, 1.0) * 0.2 };
+        let both = rival.with(0.4, own);
+        assert!((both[(0, 0)] - (1.0 + 1e4 / 3.0)).abs() < 1e-6 && (both[(1, 1)] - 1.0).abs() < 1e-9);
     }
 }

@@ -14,11 +14,11 @@ use std::f64::consts::FRAC_PI_2;
 use fingerpost_geometry::wrap_angle;
 use nalgebra::{Isometry2, Matrix3, SMatrix, Vector2, Vector3};
 
-use crate::belief::{BIAS_SIGMA, Belief, OFFSET_MODEL, SCALE_SIGMA};
+use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Status};
 use crate::hypothesis::Hypothesis;
 use crate::odometry::Motion;
-use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NUMBERS, SCALE, State};
+use crate::state::{EAST, HEADING, NUMBERS, State};
 
 /// Standard deviation of a landmark's place against the vehicle beside what the one who sees it knows of, metres along every axis: on two
 /// recorded streets whose calibration is a degree or 5 cm off, junctions were found 1.9 and 0.7 m from their node, which is 1.2
@@ -161,15 +161,9 @@ impl Sighting {
                 DIRECTION_SIGMA_RAD.powi(2),
             ));
         let by_sighting = self.pose_by_sighting();
-        let (mut mean, mut covariance) = (Mean::zeros(), Covariance::zeros());
-        covariance[(SCALE, SCALE)] = SCALE_SIGMA.powi(2);
-        covariance[(BIAS, BIAS)] = BIAS_SIGMA.powi(2);
-        mean.fixed_rows_mut::<3>(EAST).copy_from(&self.pose());
-        covariance
-            .fixed_view_mut::<3, 3>(EAST, EAST)
-            .copy_from(&(by_sighting * own * by_sighting.transpose()));
+        let state = State::of_pose(self.pose(), by_sighting * own * by_sighting.transpose());
         let present = self.present.clamp(0.0, 1.0);
-        Seen { landmark: self.landmark, state: State { mean, covariance }, present, unseen_m: 0.0 }
+        Seen { landmark: self.landmark, state, present, unseen_m: 0.0 }
     }
 }
 

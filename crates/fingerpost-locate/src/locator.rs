@@ -242,7 +242,7 @@ impl Locator {
 
     /// The fix at a time (seconds) after the last row's motion.
     fn fix(&self, t_s: f64) -> Option<Fix> {
-        let Estimate { mut state, mass, mut level_m, mut status } = self.estimate.clone()?;
+        let Estimate { mut state, mass, rivals, mut level_m, mut status } = self.estimate.clone()?;
         // Where the speed may lie, the vehicle may be anywhere else on its road.
         if self.speedometer.lies() > RISK {
             level_m = None;
@@ -254,7 +254,7 @@ impl Locator {
             driven_m: self.looked_m + self.pending.driven_m,
             place_m: state.place(),
             heading_rad: fingerpost_geometry::wrap_angle(state.mean[HEADING]),
-            covariance_m2: state.place_covariance(),
+            covariance_m2: rivals.with(mass, state.place_covariance()),
             speed_scale: [state.mean[SCALE], state.covariance[(SCALE, SCALE)].sqrt()],
             level_m,
             status,

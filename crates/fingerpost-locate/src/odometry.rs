@@ -1,15 +1,15 @@
 //! Motion between two moments, gathered from the vehicle's speed and yaw rate, with the derivatives and noise that their errors cause.
 //!
 //! Every hypothesis moves by the same measurements: they are integrated once, in the vehicle's frame at the first moment, with the
-//! derivative by the yaw rate's bias (preintegration: C. Forster et al., "On-manifold preintegration", IEEE T-RO 2017).
+//! derivatives by the yaw rate's bias and scale (preintegration: C. Forster et al., "On-manifold preintegration", IEEE T-RO 2017).
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// White noise of a yaw rate, rad/s over the square root of a hertz: 0.03 degrees, three times the data sheets of automotive
 /// MEMS gyroscopes (Bosch SMI7xx, Murata SCC2000), for vibration.
 pub const YAW_RATE_NOISE: f64 = 5.2e-4;
-/// Error of a gyroscope's scale and of a road's superelevation together: this part of every turn.
-const TURN_SCALE: f64 = 0.01;
+/// Error by a road's superelevation and the body's roll, beside the gyroscope's scale: this part of every turn.
+const TURN_ERROR: f64 = 0.01;
 /// Slip and quantisation, metres over the square root of a metre driven.
 const FORWARD_NOISE: f64 = 0.03;
 /// Sideways slip, metres over the square root of a metre driven.
@@ -54,6 +54,8 @@ pub struct Motion {
     pub turn_rad: f64,
     /// Derivative of the place by the yaw rate's bias, metres per radian a second. (That of the turn is minus the time.)
     pub place_by_bias: Vector2<f64>,
+    /// Derivative of the place by what the true turn is greater by, as a part of it, metres. (That of the turn is the turn.)
+    pub place_by_turn_scale: Vector2<f64>,
     /// Covariance of place and turn from noise.
     pub covariance: Matrix3<f64>,
 }
@@ -66,6 +68,7 @@ impl Default for Motion {
             place_m: Vector2::zeros(),
             turn_rad: 0.0,
             place_by_bias: Vector2::zeros(),
+            place_by_turn_scale: Vector2::zeros(),
             covariance: Matrix3::zeros(),
         }
     }
@@ -95,13 +98,14 @@ impl Motion {
         let ahead = Vector2::new(libm::cos(heading), libm::sin(heading));
         let left = Vector2::new(-ahead.y, ahead.x);
         self.place_by_bias -= left * (forward_m * (self.time_s + 0.5 * time_s));
+        self.place_by_turn_scale += left * (forward_m * heading);
 
         let moved = Matrix3::new(1.0, 0.0, left.x * forward_m, 0.0, 1.0, left.y * forward_m, 0.0, 0.0, 1.0);
         let by_turn = Vector3::new(0.5 * left.x * forward_m, 0.5 * left.y * forward_m, 1.0);
         let (along, across) = (Vector3::new(ahead.x, ahead.y, 0.0), Vector3::new(left.x, left.y, 0.0));
-        // A scale error is the same all through a turn: squared over the whole, not over its parts.
+        // Such an error is the same all through a turn: squared over the whole, not over its parts.
         let scale =
-            TURN_SCALE.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
+            TURN_ERROR.powi(2) * ((self.turn_rad + turn_rad).powi(2) - self.turn_rad.powi(2)).max(0.0);
         self.covariance = moved * self.covariance * moved.transpose()
             + by_turn * by_turn.transpose() * (turn_variance_rad2 + scale)
             + along * along.transpose() * (FORWARD_NOISE.powi(2) * forward_m.abs() + distance_variance_m2)

@@ -1,9 +1,11 @@
 //! Hypotheses evenly along roads, at the start and where the vehicle is looked for again.
 
-use crate::belief::{BIAS_SIGMA, Belief, OFFSET_MODEL, SCALE_SIGMA};
+use nalgebra::Vector3;
+
+use crate::belief::{Belief, OFFSET_MODEL};
 use crate::hypothesis::Hypothesis;
 use crate::path::{Sample, has_course};
-use crate::state::{BIAS, Covariance, EAST, HEADING, Mean, NORTH, OFFSET, SCALE, State};
+use crate::state::{EAST, Mean, NORTH, OFFSET, State};
 
 /// Standard deviation of the heading against the road at the start, radians.
 pub(crate) const HEADING_SIGMA: f64 = 0.1;
@@ -105,18 +107,14 @@ impl Belief {
 /// A vehicle at a place of a road, as sure as `along_m` along it.
 pub(crate) fn start(sample: &Sample, along_m: f64, heading_sigma: f64) -> State {
     let heading_rad = sample.heading_rad;
-    let mut mean = Mean::zeros();
-    (mean[EAST], mean[NORTH], mean[HEADING]) = (sample.point.x, sample.point.y, heading_rad);
     let (sine, cosine) = libm::sincos(heading_rad);
-    let mut ahead = Mean::zeros();
-    (ahead[EAST], ahead[NORTH]) = (cosine, sine);
+    let ahead = Vector3::new(cosine, sine, 0.0);
+    let mut of_pose = ahead * ahead.transpose() * along_m.powi(2);
+    of_pose[(2, 2)] = heading_sigma.powi(2);
+    let mut state = State::of_pose(Vector3::new(sample.point.x, sample.point.y, heading_rad), of_pose);
     // The vehicle is as far beside the line as its offset says.
     let mut beside = Mean::zeros();
     (beside[EAST], beside[NORTH], beside[OFFSET]) = (-sine, cosine, 1.0);
-    let mut covariance: Covariance = ahead * ahead.transpose() * along_m.powi(2)
-        + beside * beside.transpose() * OFFSET_MODEL.sigma_m.powi(2);
-    covariance[(HEADING, HEADING)] = heading_sigma.powi(2);
-    covariance[(SCALE, SCALE)] = SCALE_SIGMA.powi(2);
-    covariance[(BIAS, BIAS)] = BIAS_SIGMA.powi(2);
-    State { mean, covariance }
+    state.covariance += beside * beside.transpose() * OFFSET_MODEL.sigma_m.powi(2);
+    state
 }

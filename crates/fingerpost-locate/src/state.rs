@@ -1,12 +1,12 @@
 //! What a hypothesis knows of the vehicle, as a Gaussian.
 
-use nalgebra::{Matrix2, Point2, SMatrix, SVector, Vector2};
+use nalgebra::{Matrix2, Matrix3, Point2, SMatrix, SVector, Vector2, Vector3};
 
 use crate::hypothesis::log_normal;
 use crate::odometry::Motion;
 
 /// Numbers of a state.
-pub(crate) const NUMBERS: usize = 6;
+pub(crate) const NUMBERS: usize = 7;
 /// East and north, metres, in the map's plane.
 pub(crate) const EAST: usize = 0;
 pub(crate) const NORTH: usize = 1;
@@ -18,14 +18,28 @@ pub(crate) const SCALE: usize = 3;
 pub(crate) const BIAS: usize = 4;
 /// How far left of the map's line the vehicle drives, metres: lane, driver and map together.
 pub(crate) const OFFSET: usize = 5;
+/// What the true turn is greater than the measured one by, as a part of it.
+pub(crate) const TURN_SCALE: usize = 6;
 
 pub(crate) type Mean = SVector<f64, NUMBERS>;
 pub(crate) type Covariance = SMatrix<f64, NUMBERS, NUMBERS>;
 
+/// Standard deviation of the speed's scale at the start: a wheel's radius by wear, load and pressure, and speedometers that show up
+/// to a tenth too much (UN Regulation 39).
+const SCALE_SIGMA: f64 = 0.06;
+/// Standard deviation of a MEMS gyroscope's bias at the start, rad/s: 0.1 degrees a second, once it has been zeroed at standstill.
+const BIAS_SIGMA: f64 = 1.75e-3;
+/// Standard deviation of a gyroscope's scale at the start: half of the 3 % that data sheets of consumer MEMS give as its tolerance
+/// (InvenSense MPU-6050, Bosch BMI160).
+const TURN_SCALE_SIGMA: f64 = 0.015;
 /// Drift of the speed's scale (tyres warm, wear, load), over the square root of a metre: 0.2 % in a kilometre.
 const SCALE_DRIFT: f64 = 6e-5;
 /// Drift of a MEMS gyroscope's bias, rad/s over the square root of a second: 0.01 degrees a second in a minute.
 const BIAS_DRIFT: f64 = 2.3e-5;
+
+/// Drift of a gyroscope's scale over the square root of a second: 0.02 % a kelvin (the same data sheets) by the 20 kelvin that it warms
+/// up in 20 minutes.
+const TURN_SCALE_DRIFT: f64 = 1.2e-4;
 
 /// How the vehicle's offset from the map's line changes: a first-order Gauss-Markov process over the distance driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +60,25 @@ pub(crate) struct State {
 }
 
 impl State {
+    /// A pose (east, north, heading) on no road, of a vehicle whose instruments are as sure as at the start.
+    pub(crate) fn of_pose(pose: Vector3<f64>, of_pose: Matrix3<f64>) -> Self {
+        let (mut mean, mut covariance) = (Mean::zeros(), Covariance::zeros());
+        mean.fixed_rows_mut::<3>(EAST).copy_from(&pose);
+        covariance.fixed_view_mut::<3, 3>(EAST, EAST).copy_from(&of_pose);
+        for (number, sigma) in [(SCALE, SCALE_SIGMA), (BIAS, BIAS_SIGMA), (TURN_SCALE, TURN_SCALE_SIGMA)] {
+            covariance[(number, number)] = sigma * sigma;
+        }
+        Self { mean, covariance }
+    }
+
+    /// Takes over what is known of the instruments.
+    pub(crate) fn keep_instruments(&mut self, of: &Self) {
+        for number in [SCALE, BIAS, TURN_SCALE] {
+            self.mean[number] = of.mean[number];
+            self.covariance[(number, number)] = of.covariance[(number, number)];
+        }
+    }
+
     pub(crate) fn place(&self) -> Point2<f64> {
         Point2::new(self.mean[EAST], self.mean[NORTH])
     }
@@ -64,7 +97,7 @@ impl State {
         let jacobian = self.jacobian(motion, offset);
         self.mean = self.moved(motion, offset);
         let (sine, cosine) = libm::sincos(self.start_heading(motion));
-        let turned = nalgebra::Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
+        let turned = Matrix3::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0);
         let noise = turned * motion.covariance * turned.transpose();
         self.covariance = carried(&self.covariance, &jacobian);
         let mut pose = self.covariance.fixed_view_mut::<3, 3>(EAST, EAST);
@@ -72,11 +105,12 @@ impl State {
         let kept = offset.kept(motion);
         self.covariance[(SCALE, SCALE)] += SCALE_DRIFT.powi(2) * motion.driven_m;
         self.covariance[(BIAS, BIAS)] += BIAS_DRIFT.powi(2) * motion.time_s;
+        self.covariance[(TURN_SCALE, TURN_SCALE)] += TURN_SCALE_DRIFT.powi(2) * motion.time_s;
         self.covariance[(OFFSET, OFFSET)] += offset.sigma_m.powi(2) * (1.0 - kept * kept);
     }
 
     fn start_heading(&self, motion: &Motion) -> f64 {
-        self.mean[HEADING] - motion.turn_rad + self.mean[BIAS] * motion.time_s
+        self.mean[HEADING] - self.turn_rad(motion)
     }
 
     fn moved(&self, motion: &Motion, offset: &OffsetModel) -> Mean {
@@ -84,14 +118,21 @@ impl State {
         let step = self.step(motion);
         mean[EAST] += step.x;
         mean[NORTH] += step.y;
-        mean[HEADING] += motion.turn_rad - mean[BIAS] * motion.time_s;
+        mean[HEADING] += self.turn_rad(motion);
         mean[OFFSET] *= offset.kept(motion);
         mean
     }
 
+    /// The turn, radians to the left.
+    fn turn_rad(&self, motion: &Motion) -> f64 {
+        motion.turn_rad * (1.0 + self.mean[TURN_SCALE]) - self.mean[BIAS] * motion.time_s
+    }
+
     /// The step moved, in the map's plane.
     fn step(&self, motion: &Motion) -> Vector2<f64> {
-        let by = motion.place_m + motion.place_by_bias * self.mean[BIAS];
+        let by = motion.place_m
+            + motion.place_by_bias * self.mean[BIAS]
+            + motion.place_by_turn_scale * self.mean[TURN_SCALE];
         rotated(by, self.mean[HEADING]) * (1.0 + self.mean[SCALE])
     }
 
@@ -99,14 +140,18 @@ impl State {
         let mut jacobian = Covariance::identity();
         let step = self.step(motion);
         let by_scale = step / (1.0 + self.mean[SCALE]);
-        let by_bias = rotated(motion.place_by_bias, self.mean[HEADING]) * (1.0 + self.mean[SCALE]);
+        let [by_bias, by_turn_scale] = [motion.place_by_bias, motion.place_by_turn_scale]
+            .map(|by| rotated(by, self.mean[HEADING]) * (1.0 + self.mean[SCALE]));
         jacobian[(EAST, HEADING)] = -step.y;
         jacobian[(NORTH, HEADING)] = step.x;
         jacobian[(EAST, SCALE)] = by_scale.x;
         jacobian[(NORTH, SCALE)] = by_scale.y;
         jacobian[(EAST, BIAS)] = by_bias.x;
         jacobian[(NORTH, BIAS)] = by_bias.y;
+        jacobian[(EAST, TURN_SCALE)] = by_turn_scale.x;
+        jacobian[(NORTH, TURN_SCALE)] = by_turn_scale.y;
         jacobian[(HEADING, BIAS)] = -motion.time_s;
+        jacobian[(HEADING, TURN_SCALE)] = motion.turn_rad;
         jacobian[(OFFSET, OFFSET)] = offset.kept(motion);
         jacobian
     }
@@ -151,11 +196,13 @@ fn carried(covariance: &Covariance, jacobian: &Covariance) -> Covariance {
     let half = |from: &Covariance| {
         let mut to = *from;
         for row in [EAST, NORTH] {
-            for by in [HEADING, SCALE, BIAS] {
+            for by in [HEADING, SCALE, BIAS, TURN_SCALE] {
                 to.set_row(row, &(to.row(row) + from.row(by) * jacobian[(row, by)]));
             }
         }
-        to.set_row(HEADING, &(from.row(HEADING) + from.row(BIAS) * jacobian[(HEADING, BIAS)]));
+        for by in [BIAS, TURN_SCALE] {
+            to.set_row(HEADING, &(to.row(HEADING) + from.row(by) * jacobian[(HEADING, by)]));
+        }
         to.set_row(OFFSET, &(from.row(OFFSET) * jacobian[(OFFSET, OFFSET)]));
         to
     };
@@ -172,7 +219,7 @@ mod tests {
     use super::*;
 
     fn state() -> State {
-        let mean = Mean::from([3.0, -2.0, 0.7, 0.04, 0.002, 0.8]);
+        let mean = Mean::from([3.0, -2.0, 0.7, 0.04, 0.002, 0.8, 0.02]);
         State { mean, covariance: Covariance::identity() * 0.1 }
     }
 
@@ -211,16 +258,18 @@ mod tests {
     }
 
     #[test]
-    fn the_derivative_by_bias_is_that_of_the_integral() {
-        let with_bias = |bias: f64| {
+    fn the_derivatives_by_bias_and_scale_are_those_of_the_integral() {
+        let with = |bias: f64, scale: f64| {
             let mut motion = Motion::default();
             for step in 0..8 {
-                motion.go_on(9.0, 0.05 * f64::from(step) - bias, 0.1);
+                motion.go_on(9.0, 0.05 * f64::from(step) * (1.0 + scale) - bias, 0.1);
             }
-            motion
+            motion.place_m
         };
-        let numeric = (with_bias(1e-5).place_m - with_bias(-1e-5).place_m) / 2e-5;
-        assert!((numeric - motion().place_by_bias).norm() < 1e-6);
+        let by_bias = (with(1e-5, 0.0) - with(-1e-5, 0.0)) / 2e-5;
+        assert!((by_bias - motion().place_by_bias).norm() < 1e-6);
+        let by_scale = (with(0.0, 1e-5) - with(0.0, -1e-5)) / 2e-5;
+        assert!((by_scale - motion().place_by_turn_scale).norm() < 1e-6);
     }
 
     #[test]

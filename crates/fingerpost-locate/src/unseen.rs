@@ -4,7 +4,6 @@ use crate::belief::{Belief, OFF_MAP_AT_START};
 use crate::hypothesis::{BRANCH_AHEAD_M, Hypothesis};
 use crate::merging::merge_alike;
 use crate::seeding::{JUNCTION_HEADING_SIGMA, start};
-use crate::state::{BIAS, SCALE};
 
 /// Standard deviation of the distance driven, as a part of what the speeds before and after the gap say: that of anything from
 /// standing to twice as much.
@@ -47,9 +46,6 @@ impl Hypothesis {
         let along_sigma_m = libm::hypot(self.state.sigma_along_m(self.ahead()), more_sigma_m);
         let before = self.state;
         self.state = start(sample, along_sigma_m, JUNCTION_HEADING_SIGMA);
-        for number in [SCALE, BIAS] {
-            self.state.mean[number] = before.mean[number];
-            self.state.covariance[(number, number)] = before.covariance[(number, number)];
-        }
+        self.state.keep_instruments(&before);
     }
 }
