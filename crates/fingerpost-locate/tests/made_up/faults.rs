@@ -148,12 +148,13 @@ fn a_yaw_rate_that_is_cut_off_is_contradicted_by_the_roads() {
 /// Consumer gyroscopes' scales are up to 3 % off: all converge, and no more of their rows are outside their level than of others'.
 #[test]
 fn a_yaw_rate_of_another_scale_keeps_the_protection_levels() {
-    for scale in [0.97, 0.99, 1.01, 1.03] {
+    for scale in [1.03, 0.97] {
         let drives = located(|rows| rows.iter_mut().for_each(|(row, _)| row.yaw_rate_rps *= scale));
         assert_eq!(check(&drives), drives.len(), "{scale}");
         let claims = drives.iter().flat_map(|drive| &drive.fixes);
         let claims: Vec<_> = claims.filter(|(fix, _)| fix.status == Status::Converged).collect();
-        let outside = claims.iter().filter(|(fix, truth)| (fix.place_m - truth).norm() > fix.level_m.unwrap());
+        let outside =
+            claims.iter().filter(|(fix, truth)| (fix.place_m - truth).norm() > fix.level_m.unwrap());
         let part = outside.count() as f64 / claims.len() as f64;
         println!("scale {scale}: {part:.5} of {} rows are outside", claims.len());
         assert!(part <= 1e-3, "{scale}: {part}");
