@@ -148,7 +148,7 @@ fn a_yaw_rate_that_is_cut_off_is_contradicted_by_the_roads() {
 /// Consumer gyroscopes' scales are up to 3 % off: all converge, and no more of their rows are outside their level than of others'.
 #[test]
 fn a_yaw_rate_of_another_scale_keeps_the_protection_levels() {
-    for scale in [0.97, 0.99, 1.01, 1.03] {
+    for scale in [1.03, 0.97] {
         let drives = located(|rows| rows.iter_mut().for_each(|(row, _)| row.yaw_rate_rps *= scale));
         assert_eq!(check(&drives), drives.len(), "{scale}");
         let claims = drives.iter().flat_map(|drive| &drive.fixes);
