@@ -80,7 +80,7 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
         fs::copy(name, folder.path().join(format!("filled/{i:06}.jpg"))).unwrap();
     }
     let filled = line.replace(&path("drive"), &path("filled"));
-    let uneven = call_line(&format!("{filled} --speed-mps {speed_mps}"));
+    let uneven = call_line(&format!("{filled} --fps 10 --speed-mps {speed_mps}"));
     uneven.refused(1, &["15 of 60 frames repeat the one before", "distance", "nothing was written"]);
     let by_distance = call_line(&format!("{filled} --distance-m {distance_m}")).done();
     assert!(by_distance.stderr.contains("15 frames repeat"), "{}", by_distance.stderr);
