@@ -171,7 +171,11 @@ fn gps_times_choose_the_frames() {
     ];
     fs::write(&log, sentences.join("\r\n")).unwrap();
     let by_log = call_line(&format!("{line}/log --frames 15 --gps {}", log.display())).done();
-    assert!(by_log.stderr.contains("1 of its reports of position or time cannot be read"), "{}", by_log.stderr);
+    assert!(
+        by_log.stderr.contains("1 of its reports of position or time cannot be read"),
+        "{}",
+        by_log.stderr
+    );
     assert_eq!(route_m("log"), Some(believed_m));
     // A start that the track contradicts is said; which of the two is right is not.
     let line = format!("{line}/apart --frames 2 --gps {}", track.display());
