@@ -8,18 +8,10 @@
 //!
 //! A picture that is that of the frame before to the last bit shows nothing new: a sensor's noise never repeats.
 //!
-//! A part that stays as it is while the rest of the picture moves is covered ([`cover`](self)), and the rest is used.
-//!
-//! Limits: a blurred picture whose shapes still show is clear. A frozen picture in which the vehicle stood cannot
+//! Limits: a lens that is covered in part is clear where it is not, and so is a blurred one whose shapes still show. A frozen picture in which the vehicle stood cannot
 //! be told from a standing vehicle whose video repeats its pictures.
 
-mod cover;
-
-use fingerpost_geometry::Camera;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
-use nalgebra::Point2;
-
-use self::cover::{CoverWatch, Looked};
+use fingerpost_vision::picture::RgbImage;
 
 /// What the camera's picture is good for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -56,12 +48,8 @@ pub struct CameraEvidence {
     pub contrast: f64,
     /// What is needed to stand out from the noise and from what a video's compression makes.
     pub needed_contrast: f64,
-    /// Share of the picture that does not move with the rest: dirt on the lens, a bonnet. Nothing is read out of it.
-    pub covered_share: f64,
 }
 
-/// Distance whose row is the horizon's, metres.
-const AS_FAR_AS_HORIZON_M: f64 = 1000.0;
 /// Columns that a thinned picture has at most.
 const MAX_COLUMNS: usize = 320;
 /// Side of a block, samples.
@@ -90,33 +78,9 @@ pub struct CameraWatch {
     sums: Vec<u32>,
     /// Magnitudes of the blocks' differences.
     differences: Vec<u32>,
-    cover: CoverWatch,
-    /// The horizon's share of the picture's height.
-    horizon_share: f64,
-    has_other_cover: bool,
 }
 
 impl CameraWatch {
-    /// A watch of the pictures of `camera` that has seen none yet.
-    #[must_use]
-    pub fn new(camera: &Camera) -> Self {
-        let height = camera.height() as f64;
-        let horizon = camera.pixel_of_ground(Point2::new(AS_FAR_AS_HORIZON_M, 0.0));
-        Self { horizon_share: horizon.map_or(0.0, |pixel| pixel.v / height), ..Self::default() }
-    }
-
-    /// The parts of the picture that are covered.
-    #[must_use]
-    pub const fn hidden(&self) -> &HiddenParts {
-        self.cover.hidden()
-    }
-
-    /// Whether other parts are covered than in the frame before.
-    #[must_use]
-    pub const fn has_other_cover(&self) -> bool {
-        self.has_other_cover
-    }
-
     /// Judges the picture of the next frame.
     pub fn look_at(&mut self, frame: &RgbImage) -> CameraEvidence {
         std::mem::swap(&mut self.samples, &mut self.before);
@@ -137,11 +101,7 @@ impl CameraWatch {
         } else {
             CameraState::Clear
         };
-        self.has_other_cover = state == CameraState::Clear && {
-            let nth = frame.width().div_ceil(MAX_COLUMNS).max(1);
-            self.cover.look_at(&self.samples, (columns, nth), noise, self.horizon_share) == Looked::Changed
-        };
-        CameraEvidence { state, contrast, needed_contrast, covered_share: self.cover.hidden().share() }
+        CameraEvidence { state, contrast, needed_contrast }
     }
 
     fn sum_blocks(&mut self, columns: usize, rows: usize) {

@@ -251,7 +251,7 @@ impl Pipeline {
         let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
-            camera_watch: CameraWatch::new(camera),
+            camera_watch: CameraWatch::default(),
             height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
             joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
@@ -291,18 +291,8 @@ impl Pipeline {
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
         self.view.render(frame, &mut self.ground)?;
-        let mut camera = self.camera_watch.look_at(frame);
-        if self.camera_watch.has_other_cover() {
-            let hidden = self.camera_watch.hidden();
-            self.view.hide(hidden);
-            self.ego.hide(hidden);
-            self.tracker.see_from(self.view.nearest_seen_m());
-            self.view.render(frame, &mut self.ground)?;
-        }
+        let camera = self.camera_watch.look_at(frame);
         finished(Stage::GroundView);
-        if camera.state == CameraState::Clear && self.view.is_covered() {
-            camera.state = CameraState::NoContrast;
-        }
         if camera.state != CameraState::Clear {
             return Ok(self.pass_over(camera, sensors));
         }
@@ -323,7 +313,6 @@ impl Pipeline {
         let Self {
             config, view, ground, surface, height, joining, tracker, fix, track_evidence, output, ..
         } = self;
-        let hidden = Some(self.camera_watch.hidden()).filter(|hidden| !hidden.is_empty());
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
@@ -370,13 +359,8 @@ impl Pipeline {
         output.centreline = centreline;
         finished(Stage::Centreline);
 
-        let input = LaneInput {
-            frame,
-            dt_s: ego.dt_s,
-            vehicle: &ego.vehicle,
-            pitch_change: ego.pitch_change,
-            hidden,
-        };
+        let input =
+            LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
         let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
         Why {
             camera: &output.camera,

@@ -1,7 +1,7 @@
 //! Ego-motion: how vehicle and camera moved, by the far scene, the road, the mount and the vehicle's bus.
 
 use fingerpost_geometry::Camera;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 
 use super::{PipelineError, Sensors, Stage};
 use crate::attitude::{AttitudeWatch, ObservedAngle};
@@ -62,11 +62,6 @@ impl Ego {
     /// Takes in how the vehicle moved to the last frame by a feature that is followed.
     pub(super) fn learn(&mut self, step: &FeatureStep) {
         self.motion.learn(step);
-    }
-
-    /// Reads nothing out of these parts of the picture from now on.
-    pub(super) fn hide(&mut self, hidden: &HiddenParts) {
-        self.attitude.hide(hidden);
     }
 
     /// Takes one frame in.

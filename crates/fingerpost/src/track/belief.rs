@@ -328,10 +328,6 @@ impl BeliefTracker {
 }
 
 impl FeatureTracker for BeliefTracker {
-    fn see_from(&mut self, nearest_seen_m: f64) {
-        self.view_m[0] = nearest_seen_m;
-    }
-
     fn stops(&self) -> &[RouteStop] {
         &self.stops
     }

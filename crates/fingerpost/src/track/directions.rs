@@ -150,12 +150,6 @@ fn sighting(stops: &[RouteStop], found: &Followed, tracker: &Tracker) -> Option<
 }
 
 impl FeatureTracker for Directions {
-    fn see_from(&mut self, nearest_seen_m: f64) {
-        for Hypothesis { tracker, .. } in &mut self.hypotheses {
-            tracker.see_from(nearest_seen_m);
-        }
-    }
-
     fn stops(&self) -> &[RouteStop] {
         &self.stops
     }
