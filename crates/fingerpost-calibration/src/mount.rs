@@ -11,6 +11,7 @@
 mod angles;
 mod cadence;
 mod error;
+mod frame_intervals;
 mod road_plane;
 mod way;
 

@@ -153,7 +153,7 @@ impl GpsTrack {
         positions.sort_by(|(a_s, _), (b_s, _)| a_s.total_cmp(b_s));
         let mut at_one_time = 0;
         positions.dedup_by(|(later_s, later), (earlier_s, earlier)| {
-            let same_time = later_s == earlier_s;
+            let same_time = later_s.total_cmp(earlier_s).is_eq();
             at_one_time += usize::from(same_time && later != earlier);
             same_time
         });

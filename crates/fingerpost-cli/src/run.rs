@@ -143,8 +143,8 @@ pub(crate) struct RunArgs {
     /// Port that viewers connect to; 0 takes any that is free, which is then said.
     #[arg(long, value_name = "PORT", default_value_t = 8765, requires = "serve")]
     serve_port: u16,
-    /// A site whose pages may connect, as browsers name it: https://viewer.example:8443; may be given several times. Programs always may, and
-    /// pages of https://app.foxglove.dev, of Foxglove's program for the desktop and of this machine (localhost).
+    /// A site whose pages may connect, as browsers name it: `https://viewer.example:8443`; may be given several times. Programs always may, and
+    /// pages of `https://app.foxglove.dev`, of Foxglove's program for the desktop and of this machine (localhost).
     #[arg(long, value_name = "ORIGIN", requires = "serve")]
     serve_origin: Vec<Origin>,
     /// Print what summary.json holds on standard output.

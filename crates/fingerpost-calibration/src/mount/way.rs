@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::cadence::{Cadence, SeenWay};
+use super::frame_intervals::frame_intervals_s;
 use super::road_plane::RoadPlane;
 use super::{Estimated, LEAST_ROAD, Look};
 
@@ -49,16 +50,19 @@ impl Way {
 pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Option<Way> {
     let (first, last) = looks.first().zip(looks.last())?;
     let mean_s = (last.t_s - first.t_s) / (looks.len() - 1).max(1) as f64;
+    let stamps_s: Vec<f64> = looks.iter().map(|look| look.t_s).collect();
     // How long each frame but the first took, in mean ones.
     let lengths: Vec<f64> =
-        looks.windows(2).map(|pair| ((pair[1].t_s - pair[0].t_s) / mean_s).max(0.0)).collect();
+        frame_intervals_s(&stamps_s).iter().map(|interval_s| interval_s / mean_s).collect();
     let seen: Vec<SeenWay> =
         looks.iter().skip(1).zip(&lengths).map(|(look, length)| seen(look, *length, normal)).collect();
+    let least_jump = MOST_ACCELERATION_MPS2 * mean_s * mean_s / height_m;
+    let seen = without_lone_stands(&seen, least_jump);
     let ways: Vec<Option<f64>> = seen.iter().map(|seen| seen.way).collect();
     if ways.iter().flatten().filter(|way| **way > 0.0).count() < LEAST_ROAD {
         return None;
     }
-    let cadence = Cadence::of(&seen, MOST_ACCELERATION_MPS2 * mean_s * mean_s / height_m);
+    let cadence = Cadence::of(&seen, least_jump);
     let (repeated, missing) = cadence.as_ref().map_or((0, 0), |cadence| (cadence.repeated, cadence.missing));
     let time_share = cadence.as_ref().map_or(0.0, |cadence| (1.0 - cadence.intervals_per_frame).abs());
     let unseen_share = cadence.as_ref().map_or(0.0, |cadence| cadence.unseen_share);
@@ -68,9 +72,14 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Optio
     };
     let heights: f64 = steps.iter().zip(&lengths).map(|(step, length)| step * length).sum();
     // Differences of neighbours show the noise of a frame.
-    let noise: f64 =
-        ways.iter().zip(&steps).filter_map(|(seen, step)| Some((*seen)? - step)).map(|d| d * d).sum();
-    let sigma_share = libm::hypot(noise.sqrt() / heights, LENGTH_FLOOR);
+    let noise: Vec<f64> =
+        ways.iter().zip(&steps).filter_map(|(seen, step)| Some(((*seen)? - step).powi(2))).collect();
+    let seen_variance: f64 = noise.iter().sum();
+    let sigma_share = libm::hypot(
+        (seen_variance + unseen_variance(&ways, &lengths, seen_variance / noise.len() as f64)).sqrt()
+            / heights,
+        LENGTH_FLOOR,
+    );
     Some(Way { heights, sigma_share, unseen_share, repeated, missing, time_share })
 }
 
@@ -85,12 +94,42 @@ fn seen(look: &Look, length: f64, normal: &Vector3<f64>) -> SeenWay {
     SeenWay { way: way.filter(|way| way.is_finite()), is_still: look.is_still }
 }
 
-/// Median of what a frame and its two neighbours to either side show; of the nearest that show something where they do not.
+/// What frames show, with a stand only where a frame beside it is as slow as a vehicle is that stops or starts: `least_jump` is the
+/// change of the way from one frame to the next that no tyre brings about. Of a vehicle on the move, a frame that shows no motion alone
+/// is one that shows nothing near enough.
+fn without_lone_stands(seen: &[SeenWay], least_jump: f64) -> Vec<SeenWay> {
+    let is_slow = |frame: Option<usize>| {
+        frame.and_then(|frame| seen.get(frame)?.way).is_some_and(|way| way <= least_jump)
+    };
+    let shown = |(frame, seen): (usize, &SeenWay)| {
+        let is_stand = seen.way == Some(0.0) && !seen.is_still;
+        let is_lone = is_stand && !is_slow(frame.checked_sub(1)) && !is_slow(Some(frame + 1));
+        SeenWay { way: seen.way.filter(|_| !is_lone), ..*seen }
+    };
+    seen.iter().enumerate().map(shown).collect()
+}
+
+/// Frames of whose ways one may be wrong and the median is not.
+const LEAST_FOR_MEDIAN: usize = 3;
+
+/// Variance of the way in frames that do not show it: those in a row all have that of the frames about them, with one error of
+/// `frame_variance`.
+fn unseen_variance(ways: &[Option<f64>], lengths: &[f64], frame_variance: f64) -> f64 {
+    let mut start = 0;
+    let runs = ways.chunk_by(|a, b| a.is_some() == b.is_some()).map(|run| {
+        let run_lengths = &lengths[start..start + run.len()];
+        start += run.len();
+        if run[0].is_some() { 0.0 } else { run_lengths.iter().sum() }
+    });
+    runs.map(|length: f64| frame_variance * length * length).sum()
+}
+
+/// Median of what a frame and its two neighbours to either side show; where fewer than three show something, of the nearest three.
 fn middle_of_neighbours(seen: &[Option<f64>], frame: usize) -> f64 {
     for reach in 2..seen.len().max(3) {
         let near = &seen[frame.saturating_sub(reach)..(frame + reach + 1).min(seen.len())];
         let mut values: Vec<f64> = near.iter().flatten().copied().collect();
-        if !values.is_empty() {
+        if values.len() >= LEAST_FOR_MEDIAN {
             values.sort_unstable_by(f64::total_cmp);
             return values[values.len() / 2];
         }
@@ -103,4 +142,34 @@ pub(super) fn typical_way(roads: &[RoadPlane], normal: &Vector3<f64>) -> Option<
     let mut ways: Vec<f64> = roads.iter().map(|plane| plane.way_with_normal(normal)).collect();
     ways.sort_unstable_by(f64::total_cmp);
     ways.get(ways.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_in_a_row_that_show_no_way_have_one_error() {
+        let ways = [None, Some(1.0), None, None, Some(1.0)];
+        assert!((unseen_variance(&ways, &[1.0, 1.0, 2.0, 1.0, 1.0], 0.5) - 0.5 * (1.0 + 9.0)).abs() < 1e-12);
+        assert!(unseen_variance(&[], &[], 0.5) <= 0.0);
+    }
+
+    #[test]
+    fn a_stand_is_believed_beside_frames_as_slow_as_stopping_and_starting() {
+        let of = |ways: &[Option<f64>]| -> Vec<SeenWay> {
+            ways.iter().map(|&way| SeenWay { way, is_still: false }).collect()
+        };
+        let kept = |ways: &[Option<f64>]| -> Vec<Option<f64>> {
+            without_lone_stands(&of(ways), 0.2).iter().map(|seen| seen.way).collect()
+        };
+        let stopping = [Some(0.3), Some(0.15), Some(0.0), Some(0.0), Some(0.0), Some(0.1), None];
+        assert_eq!(kept(&stopping), stopping);
+        assert_eq!(kept(&[None, Some(0.0), None]), [None, None, None]);
+        assert_eq!(kept(&[Some(0.0), Some(0.9)]), [None, Some(0.9)]);
+        assert_eq!(kept(&[Some(0.9), Some(0.0), Some(0.9)]), [Some(0.9), None, Some(0.9)]);
+        // A picture that comes again is the cadence's.
+        let repeated = [SeenWay { way: Some(0.0), is_still: true }];
+        assert_eq!(without_lone_stands(&repeated, 0.2), repeated);
+    }
 }
