@@ -24,7 +24,7 @@ pub(crate) fn map(input: &ReportInput<'_>) -> Option<Markup> {
                 "North is up. Grey: route."
                 " Coloured: where the vehicle was believed to be, by state."
                 @if input.truth.is_some() { " Dashed: where it was." }
-                " Circles: features; filled where arrived at, ringed where detected, crossed where missed, grey where the drive did not come to."
+                " Circles: features; filled where arrived at, ringed where detected, crossed where missed, grey where the drive did not come to, dashed where that is not known."
             }
             svg viewBox=(fit.view_box()) role="img" aria-label=(title) {
                 polyline class="route" points=(fit.path(line.points().iter().copied())) {}
@@ -50,19 +50,27 @@ fn believed(input: &ReportInput<'_>, line: &Polyline, fit: &Fit) -> Vec<(String,
     paths.collect()
 }
 
+/// What a feature is drawn as. Summaries that name no outcome may still say in which frame it was found.
+fn class(feature: Option<&FeatureSummary>) -> &'static str {
+    match feature {
+        Some(FeatureSummary { outcome: Some(outcome), .. }) => match outcome {
+            FeatureOutcome::Arrived => "feature arrived",
+            FeatureOutcome::Detected => "feature detected",
+            FeatureOutcome::Missed => "feature missed",
+            FeatureOutcome::NotReached => "feature ahead",
+        },
+        Some(FeatureSummary { arrived_frame: Some(_), .. }) => "feature arrived",
+        Some(FeatureSummary { detected_frame: Some(_), .. }) => "feature detected",
+        Some(_) | None => "feature unknown",
+    }
+}
+
 fn features(input: &ReportInput<'_>, route: &Route, plane: &TangentPlane, fit: &Fit) -> Markup {
     // Both are in the order of the route, which may pass a node twice.
-    let outcome =
-        |i: usize| input.summary.features.get(i).and_then(|feature: &FeatureSummary| feature.outcome);
     html! {
         @for (i, feature) in route.features.iter().enumerate() {
             @let [x, y] = fit.at(plane.map_from_wgs84(feature.at));
-            @let class = match outcome(i) {
-                Some(FeatureOutcome::Arrived) => "feature arrived",
-                Some(FeatureOutcome::Detected) => "feature detected",
-                Some(FeatureOutcome::Missed) => "feature missed",
-                Some(FeatureOutcome::NotReached) | None => "feature ahead",
-            };
+            @let class = class(input.summary.features.get(i));
             g class=(class) {
                 title { (i + 1) ": " (palette::kind(feature.kind)) " " (feature.id) " " (feature.name) }
                 circle cx=(px(x)) cy=(px(y)) r="6" {}
@@ -71,6 +79,28 @@ fn features(input: &ReportInput<'_>, route: &Route, plane: &TangentPlane, fit: &
                 }
                 text x=(px(x + 9.0)) y=(px(y - 7.0)) { (i + 1) }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_feature_of_which_nothing_is_known_is_not_drawn_as_one_that_was_not_reached() {
+        let unknown = FeatureSummary::default();
+        let detected = FeatureSummary { detected_frame: Some(3), ..unknown.clone() };
+        let arrived = FeatureSummary { arrived_frame: Some(5), ..detected.clone() };
+        let not_reached = FeatureSummary { outcome: Some(FeatureOutcome::NotReached), ..unknown.clone() };
+        for (feature, expected) in [
+            (None, "feature unknown"),
+            (Some(&unknown), "feature unknown"),
+            (Some(&detected), "feature detected"),
+            (Some(&arrived), "feature arrived"),
+            (Some(&not_reached), "feature ahead"),
+        ] {
+            assert_eq!(class(feature), expected, "{feature:?}");
         }
     }
 }
