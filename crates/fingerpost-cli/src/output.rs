@@ -88,15 +88,20 @@ pub(crate) fn progress(length: Option<u64>, unit: &str) -> ProgressBar {
 
 /// How far and how long a drive was, and of how much of it anything is known.
 fn drive_line(drive: &DriveSummary) -> String {
-    let DriveSummary { distance_m, duration_s, mean_speed_mps, motion_share, lane_share, .. } = drive;
+    let DriveSummary { distance_m, duration_s, mean_speed_mps, unmeasured_s, motion_share, .. } = drive;
     let distance = distance_m.map_or("distance not known".to_owned(), |m| format!("{m:.1} m"));
     let speed = mean_speed_mps.map_or(String::new(), |mps| format!(", {mps:.1} m/s on average"));
+    let unmeasured = distance_m
+        .filter(|_| *unmeasured_s > 0.0)
+        .map(|_| format!(" (without {unmeasured_s:.2} s in which it was not measured)"));
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let lane = drive.lane_share.map(|share| format!(", a lane in {}", percent(share)));
     let feature = drive.feature_share.map(|share| format!(", a feature in {}", percent(share)));
     format!(
-        "{distance} in {duration_s:.1} s{speed}; motion in {} of the frames, a lane in {}{}",
+        "{distance} in {duration_s:.1} s{}{speed}; motion in {} of the frames{}{}",
+        unmeasured.unwrap_or_default(),
         percent(*motion_share),
-        percent(*lane_share),
+        lane.unwrap_or_default(),
         feature.unwrap_or_default()
     )
 }

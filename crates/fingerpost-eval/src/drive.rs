@@ -23,10 +23,14 @@ pub struct DriveTotals {
     /// Frames behind another one, and those of them whose motion was measured.
     steps: u64,
     measured: u64,
-    /// Metres driven, and seconds in which that was.
+    /// Metres of the measured motions, and seconds that they took.
     distance_m: f64,
-    counted_s: f64,
+    measured_s: f64,
+    /// Time of the last frame whose picture showed something, seconds: a motion is the one since then.
+    shown_at_s: Option<f64>,
     doubts: BTreeMap<MotionDoubtRecord, u64>,
+    /// Frames with a doubted motion in which the bus did not say how fast the vehicle drives.
+    doubted_without_speed: u64,
     has_route: bool,
     route_m: Option<f64>,
     with_feature: u64,
@@ -47,8 +51,10 @@ impl DriveTotals {
             steps: 0,
             measured: 0,
             distance_m: 0.0,
-            counted_s: 0.0,
+            measured_s: 0.0,
+            shown_at_s: None,
             doubts: BTreeMap::new(),
+            doubted_without_speed: 0,
             has_route: false,
             route_m: None,
             with_feature: 0,
@@ -59,7 +65,7 @@ impl DriveTotals {
 
     /// Goes on with the next frame.
     pub fn add(&mut self, record: &FrameRecord) {
-        let since_s = self.times_s.map(|[_, last_s]| record.t_s - last_s);
+        let is_behind_another = self.times_s.is_some();
         self.times_s = Some([self.times_s.map_or(record.t_s, |[first_s, _]| first_s), record.t_s]);
         self.frames += 1;
         self.used += u64::from(record.error.is_none());
@@ -72,31 +78,52 @@ impl DriveTotals {
             record.lanes.as_ref().is_some_and(|lanes| lanes.left.is_some() || lanes.right.is_some())
         };
         self.with_lane += u64::from(has_edge(record));
-        let Some(since_s) = since_s else { return };
-        self.steps += 1;
+        self.steps += u64::from(is_behind_another);
+        self.add_motion(record);
+    }
+
+    /// Counts the way and the time of a motion that was measured. It began with the last picture that showed something: the frames between
+    /// that were passed over are a part of it.
+    fn add_motion(&mut self, record: &FrameRecord) {
+        let shows = record.error.is_none()
+            && record.camera.is_none_or(|camera| camera.state == CameraRecordState::Clear);
+        if !shows {
+            return;
+        }
+        let Some(since_s) = self.shown_at_s.replace(record.t_s).map(|shown_at_s| record.t_s - shown_at_s)
+        else {
+            return;
+        };
         let Some(motion) = &record.motion else { return };
         if let Some(doubt) = motion.doubt {
             *self.doubts.entry(doubt).or_default() += 1;
-            return;
+            let has_speed = record.signals.as_ref().is_some_and(|signals| signals.speed_mps.is_some());
+            self.doubted_without_speed += u64::from(!has_speed);
+        } else if motion.quality >= self.measured_quality {
+            self.measured += 1;
+            self.distance_m += libm::hypot(motion.forward_m, motion.left_m);
+            self.measured_s += since_s.max(0.0);
         }
-        self.measured += u64::from(motion.quality >= self.measured_quality);
-        self.distance_m += libm::hypot(motion.forward_m, motion.left_m);
-        self.counted_s += since_s.max(0.0);
     }
 
     /// The numbers, with what is `said` already of what contradicts what; `features` are what became of the route's.
     pub fn into_summary(self, features: &[FeatureSummary], said: Vec<String>) -> DriveSummary {
         let share = |part: u64, whole: u64| if whole > 0 { part as f64 / whole as f64 } else { 0.0 };
-        let distance_m = (self.measured > 0 && self.doubts.is_empty()).then_some(self.distance_m);
+        let duration_s = self.times_s.map_or(0.0, |[first_s, last_s]| last_s - first_s);
+        let unmeasured_s = (duration_s - self.measured_s).max(0.0);
+        // What is known of the smaller part of a drive says nothing of the whole.
+        let is_mostly_measured = self.measured > 0 && self.measured_s >= unmeasured_s;
+        let distance_m = is_mostly_measured.then_some(self.distance_m);
         let found = self.remarks(features).into_iter().map(|remark| remark.to_string());
         DriveSummary {
             distance_m: distance_m.map(hundredths),
-            duration_s: hundredths(self.times_s.map_or(0.0, |[first_s, last_s]| last_s - first_s)),
+            duration_s: hundredths(duration_s),
             mean_speed_mps: distance_m
-                .filter(|_| self.counted_s > 0.0)
-                .map(|distance_m| hundredths(distance_m / self.counted_s)),
+                .filter(|_| self.measured_s > 0.0)
+                .map(|distance_m| hundredths(distance_m / self.measured_s)),
+            unmeasured_s: hundredths(unmeasured_s),
             motion_share: hundredths(share(self.measured, self.steps)),
-            lane_share: hundredths(share(self.with_lane, self.frames)),
+            lane_share: (self.looked_for_lane > 0).then(|| hundredths(share(self.with_lane, self.frames))),
             feature_share: self.has_route.then(|| hundredths(share(self.with_feature, self.frames))),
             remarks: said.into_iter().chain(found).collect(),
             motion_doubts: self.doubts,
@@ -114,7 +141,12 @@ impl DriveTotals {
         let of = self.steps;
         let frames = self.doubts.values().sum();
         let most = self.doubts.iter().max_by_key(|(_, frames)| **frames);
-        let doubted = most.map(|(&doubt, _)| Remark::MotionNotBelieved { doubt, frames, of });
+        let doubted = most.map(|(&doubt, _)| Remark::MotionNotBelieved {
+            doubt,
+            frames,
+            of,
+            without_speed: self.doubted_without_speed,
+        });
         let no_motion = (of > 0 && self.measured == 0 && self.doubts.is_empty()).then_some(Remark::NoMotion);
         let nothing_detected = features.iter().all(|feature| feature.detected_frame.is_none());
         let no_feature = (self.has_route && nothing_detected)

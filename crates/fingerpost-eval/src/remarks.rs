@@ -11,8 +11,9 @@ pub(crate) enum Remark {
     NothingUsed,
     /// No picture showed anything.
     NothingShown { frames: u64 },
-    /// The motion is wrong by what else the pictures show, in so many frames of those behind another one, and why in most of them.
-    MotionNotBelieved { doubt: MotionDoubtRecord, frames: u64, of: u64 },
+    /// The motion is wrong by what else the pictures show, in so many frames of those behind another one, and why in most of them; in
+    /// how many of them the bus gave no speed, without which nothing is advised.
+    MotionNotBelieved { doubt: MotionDoubtRecord, frames: u64, of: u64, without_speed: u64 },
     /// No motion was measured.
     NoMotion,
     /// The drive ended before the first feature of the route.
@@ -51,7 +52,7 @@ impl Display for Remark {
                 f,
                 "nothing was found: in none of the {frames} frames did the camera show anything new (covered, black or frozen)"
             ),
-            Self::MotionNotBelieved { doubt, frames, of } => {
+            Self::MotionNotBelieved { doubt, frames, of, without_speed } => {
                 write!(f, "the motion is not believed in {frames} of {of} frames: ")?;
                 f.write_str(match doubt {
                     MotionDoubtRecord::ViewStandsStill => {
@@ -62,10 +63,17 @@ impl Display for Remark {
                         "the picture moves, and the ground view does not show how far the vehicle went"
                     }
                 })?;
-                f.write_str(
-                    "; how far the drive went is not known, and nothing is advised in these frames; set ground_view.near_m beyond \
-                     the bonnet, or give the speed of the vehicle's bus (--can)",
-                )
+                f.write_str("; how far the vehicle went in these frames is not known")?;
+                match without_speed {
+                    0 => {}
+                    n if n == frames => f.write_str(", and nothing is advised in them")?,
+                    n => write!(f, ", and nothing is advised in the {n} of them in which the bus gave no speed")?,
+                }
+                f.write_str("; set ground_view.near_m beyond the bonnet")?;
+                if *without_speed > 0 {
+                    f.write_str(", or give the speed of the vehicle's bus (--can)")?;
+                }
+                Ok(())
             }
             Self::NoMotion => f.write_str(
                 "no motion was measured: the road ahead shows too little that differs from place to place (darkness, glare, smooth asphalt)",

@@ -3,7 +3,7 @@
 use fingerpost_eval::{DriveTotals, FeatureIdentity, FeatureOutcomes};
 use fingerpost_format::{
     CameraRecord, CameraRecordState, DriveSummary, FeatureOutcome, FeatureSummary, FrameRecord,
-    LaneEdgeRecord, LanesRecord, MarkingRecord, MotionDoubtRecord, TrackState,
+    LaneEdgeRecord, LanesRecord, MarkingRecord, MotionDoubtRecord, SignalsRecord, TrackState,
 };
 
 use crate::made_by_hand::{moved, record, seen};
@@ -87,13 +87,14 @@ fn a_drive_is_so_long_and_so_much_of_it_is_known() {
                     ..record
                 };
             }
-            // A motion that goes on as before is driven on by, and was not measured.
+            // A motion that goes on as before was not measured.
             if (40..60).contains(&frame) { with_quality(record, 0.05, None) } else { record }
         })
         .collect();
     let (drive, features) = summaries(&records);
-    assert_eq!((drive.distance_m, drive.duration_s, drive.mean_speed_mps), (Some(80.0), 8.0, Some(10.0)));
-    assert_eq!((drive.motion_share, drive.lane_share, drive.feature_share), (0.75, 0.25, Some(0.25)));
+    assert_eq!((drive.distance_m, drive.duration_s, drive.mean_speed_mps), (Some(60.0), 8.0, Some(10.0)));
+    assert_eq!(drive.unmeasured_s, 2.0);
+    assert_eq!((drive.motion_share, drive.lane_share, drive.feature_share), (0.75, Some(0.25), Some(0.25)));
     assert_eq!(drive.remarks, ["said before"]);
     let expected = [FeatureOutcome::Arrived, FeatureOutcome::Missed, FeatureOutcome::NotReached];
     assert_eq!(outcomes(&features), expected.map(Some));
@@ -152,4 +153,72 @@ fn a_motion_that_is_not_believed_counts_nowhere_and_leaves_open_what_was_reached
         drive.remarks[1].contains("not believed in 30 of 40 frames") && drive.remarks[1].contains("bonnet")
     );
     assert!(drive.remarks[2].contains("nothing says how far"), "{:?}", drive.remarks);
+}
+
+#[test]
+fn time_without_a_measured_motion_is_said_and_lowers_no_mean_speed() {
+    let unknown = |record: FrameRecord| with_quality(moved(record, 0.0, 0.0), 0.0, None);
+    let unseen = |record: FrameRecord| {
+        let mut record = unknown(record);
+        record.camera.as_mut().unwrap().state = CameraRecordState::Black;
+        record
+    };
+    let doubted = |record| with_quality(record, 1.0, Some(MotionDoubtRecord::NothingToGoBy));
+    let without = |record: FrameRecord| FrameRecord { motion: None, ..record };
+    let broken = |record: FrameRecord| FrameRecord {
+        motion: None,
+        camera: None,
+        error: Some("no picture".to_owned()),
+        ..record
+    };
+    type Change<'a> = &'a dyn Fn(FrameRecord) -> FrameRecord;
+    let seen_again = |record| moved(record, 11.0, 0.0);
+    // What ten frames of a hundred are, and the one behind them; metres and seconds that are left over.
+    let cases: [(&str, Change<'_>, Change<'_>, f64, f64); 6] = [
+        ("covered, then too long a gap", &unseen, &unknown, 89.0, 1.1),
+        ("covered, then found again", &unseen, &seen_again, 100.0, 0.0),
+        ("doubted", &doubted, &|record| record, 90.0, 1.0),
+        ("without a motion", &without, &|record| record, 90.0, 1.0),
+        ("broken", &broken, &without, 89.0, 1.1),
+        ("not measured", &unknown, &|record| record, 90.0, 1.0),
+    ];
+    for (name, change, behind, metres, seconds) in cases {
+        let records: Vec<FrameRecord> = (0..=100)
+            .map(|frame| match frame {
+                40..50 => change(driven(frame, TrackState::NoRoute)),
+                50 => behind(driven(frame, TrackState::NoRoute)),
+                _ => driven(frame, TrackState::NoRoute),
+            })
+            .collect();
+        let drive = summaries(&records).0;
+        assert_eq!((drive.distance_m, drive.unmeasured_s), (Some(metres), seconds), "{name}");
+        assert_eq!(drive.mean_speed_mps, Some(10.0), "{name}");
+        assert_eq!(drive.lane_share, None, "{name}: no lane was looked for");
+    }
+}
+
+/// With the speed of the bus frames are advised by it, and there is nothing to ask for.
+#[test]
+fn a_doubted_motion_asks_for_the_bus_where_it_gave_no_speed() {
+    let with_speed_from = |first: u64| -> DriveSummary {
+        let records: Vec<FrameRecord> = (0..=40)
+            .map(|frame| {
+                let record = driven(frame, TrackState::NoRoute);
+                if frame <= 20 {
+                    return record;
+                }
+                let speed_mps = (frame >= first).then_some(10.0);
+                FrameRecord {
+                    signals: Some(SignalsRecord { speed_mps, ..SignalsRecord::default() }),
+                    ..with_quality(record, 0.0, Some(MotionDoubtRecord::ViewStandsStill))
+                }
+            })
+            .collect();
+        summaries(&records).0
+    };
+    let [never, half, always] = [100, 31, 0].map(with_speed_from);
+    assert!(remark(&never).contains("nothing is advised in them") && remark(&never).contains("--can"));
+    assert!(remark(&half).contains("in the 10 of them") && remark(&half).contains("--can"));
+    assert!(!remark(&always).contains("advised") && !remark(&always).contains("--can"), "{always:?}");
+    assert_eq!((always.distance_m, always.unmeasured_s), (Some(20.0), 2.0));
 }

@@ -60,13 +60,18 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
 fn drive(drive: &DriveSummary) -> Vec<(&'static str, String)> {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let or_unknown = |value: Option<String>| value.unwrap_or_else(|| "not known".to_owned());
+    let (unmeasured_s, duration_s) = (drive.unmeasured_s, drive.duration_s);
+    let distance = |m: f64| {
+        let without = format!(", without {unmeasured_s:.2} s in which it was not measured");
+        format!("{m:.1} m{}", if unmeasured_s > 0.0 { without.as_str() } else { "" })
+    };
     let mut facts = vec![
-        ("distance driven", or_unknown(drive.distance_m.map(|m| format!("{m:.1} m")))),
-        ("duration", format!("{:.1} s", drive.duration_s)),
+        ("distance driven", or_unknown(drive.distance_m.map(distance))),
+        ("duration", format!("{duration_s:.1} s")),
         ("mean speed", or_unknown(drive.mean_speed_mps.map(|mps| format!("{mps:.1} m/s")))),
         ("frames with motion", percent(drive.motion_share)),
-        ("frames with a lane", percent(drive.lane_share)),
     ];
+    facts.extend(drive.lane_share.map(|share| ("frames with a lane", percent(share))));
     facts.extend(drive.feature_share.map(|share| ("frames with a feature", percent(share))));
     facts
 }

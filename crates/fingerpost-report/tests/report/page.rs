@@ -131,6 +131,7 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
         distance_m: Some(59.0),
         duration_s: 6.0,
         mean_speed_mps: Some(9.8),
+        unmeasured_s: 0.12,
         motion_share: 0.98,
         remarks: vec!["the drive ended <early>".to_owned()],
         ..DriveSummary::default()
@@ -167,7 +168,7 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
     let by_presence = page(&Timeline::of(&records, None), Thresholds::OfPresence { detect: 0.9, lost: 0.3 });
     assert!(by_presence.contains("tracked from 0.90") && by_presence.contains("lost below 0.30"));
     for words in [
-        "<dd>59.0 m</dd>",
+        "<dd>59.0 m, without 0.12 s in which it was not measured</dd>",
         "<dd>9.8 m/s</dd>",
         "<dd>98 %</dd>",
         "The drive ended &lt;early&gt;.",
@@ -180,6 +181,7 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
     ] {
         assert!(by_frames.contains(words), "{words}");
     }
+    assert!(!by_frames.contains("frames with a lane"), "none was looked for");
     assert_eq!(by_frames.matches("<tr class=\"missed\">").count(), 1, "what was not reached was not missed");
     closed_tags(&by_frames);
 }
