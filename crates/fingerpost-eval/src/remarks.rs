@@ -18,7 +18,7 @@ pub(crate) enum Remark {
     NoMotion,
     /// The drive ended before the first feature of the route.
     EndedBefore { route_m: f64, first: String, at_m: f64 },
-    /// Features were passed and none was found; the highest P(F).
+    /// Features were passed and none was found; the highest P(F) of those.
     AllMissed { passed: usize, best_p: Option<f64> },
     /// Nothing says how far along the route the drive went.
     PlaceUnknown,
@@ -30,9 +30,9 @@ impl Remark {
     /// Why no feature of the route was found by a vehicle that is believed at `route_m` of it in the end; none where there is none.
     pub(crate) fn no_feature(route_m: Option<f64>, features: &[FeatureSummary]) -> Option<Self> {
         let first = features.first()?;
-        let passed =
-            features.iter().filter(|feature| feature.outcome == Some(FeatureOutcome::Missed)).count();
-        let best_p = features.iter().filter_map(|feature| feature.max_p).reduce(f64::max);
+        let missed = || features.iter().filter(|feature| feature.outcome == Some(FeatureOutcome::Missed));
+        let passed = missed().count();
+        let best_p = missed().filter_map(|feature| feature.max_p).reduce(f64::max);
         Some(match (first.outcome, route_m.zip(first.at_m)) {
             (Some(FeatureOutcome::NotReached), Some((route_m, at_m))) => {
                 let first = format!("{} {}", first.kind.replace('_', " "), first.name).trim_end().to_owned();

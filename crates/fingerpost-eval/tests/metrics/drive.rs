@@ -3,7 +3,7 @@
 use fingerpost_eval::{DriveTotals, FeatureIdentity, FeatureOutcomes};
 use fingerpost_format::{
     CameraRecord, CameraRecordState, DriveSummary, FeatureOutcome, FeatureSummary, FrameRecord,
-    LaneEdgeRecord, LanesRecord, MarkingRecord, MotionDoubtRecord, SignalsRecord, TrackState,
+    LaneEdgeRecord, LanesRecord, MarkingRecord, MotionDoubtRecord, SignalsRecord, SoughtRecord, TrackState,
 };
 
 use crate::made_by_hand::{moved, record, seen};
@@ -221,4 +221,23 @@ fn a_doubted_motion_asks_for_the_bus_where_it_gave_no_speed() {
     assert!(remark(&half).contains("in the 10 of them") && remark(&half).contains("--can"));
     assert!(!remark(&always).contains("advised") && !remark(&always).contains("--can"), "{always:?}");
     assert_eq!((always.distance_m, always.unmeasured_s), (Some(20.0), 2.0));
+}
+
+#[test]
+fn the_best_match_is_one_of_a_feature_that_was_passed() {
+    let mut records: Vec<FrameRecord> = (0..100).map(|frame| driven(frame, TrackState::Searching)).collect();
+    for (frame, id, p) in [(15, 0, 0.31), (95, 2, 0.77)] {
+        records[frame].sought = Some(SoughtRecord {
+            id,
+            p: Some(p),
+            sub: Default::default(),
+            contrast: Default::default(),
+            present: None,
+            forward_m: 10.0,
+            left_m: 0.0,
+        });
+    }
+    let (drive, features) = summaries(&records);
+    assert_eq!(features[2].max_p, Some(0.77));
+    assert!(remark(&drive).contains("P(F) of 0.31"), "{:?}", drive.remarks);
 }
