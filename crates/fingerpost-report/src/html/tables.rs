@@ -96,8 +96,11 @@ fn features_found(features: &[FeatureSummary]) -> Vec<(&'static str, String)> {
 
 /// A remark as a sentence of its own.
 fn sentence(remark: &str) -> String {
+    let stop = if remark.ends_with(['.', '?', '!']) { "" } else { "." };
     let mut letters = remark.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).chain(['.']).collect())
+    letters
+        .next()
+        .map_or(String::new(), |first| first.to_uppercase().chain(letters).chain(stop.chars()).collect())
 }
 
 /// What the run was made from.

@@ -133,7 +133,7 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
         mean_speed_mps: Some(9.8),
         unmeasured_s: 0.12,
         motion_share: 0.98,
-        remarks: vec!["the drive ended <early>".to_owned()],
+        remarks: vec!["the drive ended <early>".to_owned(), "does it begin there?".to_owned()],
         ..DriveSummary::default()
     };
     let outcomes = [FeatureOutcome::Arrived, FeatureOutcome::Missed, FeatureOutcome::NotReached];
@@ -172,6 +172,7 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
         "<dd>9.8 m/s</dd>",
         "<dd>98 %</dd>",
         "The drive ended &lt;early&gt;.",
+        "Does it begin there?</p>",
         "<dd>1 of 2</dd>",
         "features not reached",
         "<td class=\"n\">6.5 m</td>",
