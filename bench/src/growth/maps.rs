@@ -184,7 +184,7 @@ fn staircase(features: usize) -> Result<Route> {
         nodes.push(node(side, corner(step) + on));
         ways.push(road(1 + step as i64, vec![1 + step as i64, side]));
     }
-    let graph = RoadGraph::from_osm_at(&OsmData { nodes, ways }, plane.origin())?;
+    let graph = RoadGraph::from_osm_at(&OsmData { nodes, ways, ..OsmData::default() }, plane.origin())?;
     let ends = [0, steps].map(|step| plane.wgs84_from_map(corner(step)));
     Ok(plan(&graph, &ends, &FeatureOptions::default())?)
 }
