@@ -174,3 +174,28 @@ fn a_standing_vehicle_past_which_others_drive_covers_nothing() {
         assert!(share == 0.0, "frame {frame}: {share}");
     }
 }
+
+#[test]
+fn a_cover_is_hidden_to_the_edge_of_a_picture_that_blocks_do_not_fill() {
+    let bottom: Part = |_, v| v >= 300;
+    let right: Part = |u, _| u >= 500;
+    for (width, height) in [(1241, 376), (650, 470)] {
+        for (name, part) in [("the bottom", bottom), ("the right", right)] {
+            let mut watch = CameraWatch::default();
+            for frame in 0..24 {
+                // Spots that go by.
+                let mut data = Vec::with_capacity(3 * width * height);
+                for (v, u) in (0..height).flat_map(|v| (0..width).map(move |u| (v, u))) {
+                    let spot = ((u + 9 * frame) / 12).wrapping_mul(2_654_435_761)
+                        ^ ((v + 5 * frame) / 12).wrapping_mul(40_503);
+                    data.extend([if part(u, v) { 0 } else { 100 + (spot % 97) as u8 }; 3]);
+                }
+                watch.look_at(&RgbImage::from_vec(width, height, data).unwrap());
+            }
+            let hidden = watch.hidden();
+            for (u, v) in [(width - 1, height - 1), (width / 8, height - 1), (width - 1, height / 8)] {
+                assert_eq!(hidden.hides(u, v), part(u, v), "{name} of {width} x {height}, at {u}, {v}");
+            }
+        }
+    }
+}

@@ -2,7 +2,8 @@
 
 /// Squares of a picture that show what is fixed to the camera in place of the scene: dirt on the lens, a bonnet.
 ///
-/// The squares lie side by side from the top left corner on; what lies beyond the last of a row or column is not hidden.
+/// The squares lie side by side from the top left corner on. The last of a row or column reaches to the picture's edge: what
+/// is left over of a picture whose size is no multiple of theirs belongs to it.
 ///
 /// ```
 /// use fingerpost_vision::picture::HiddenParts;
@@ -10,6 +11,8 @@
 /// hidden.set(1, 0, true);
 /// assert!(hidden.hides(16, 15) && !hidden.hides(15, 15) && !hidden.hides(16, 16) && !hidden.hides(64, 0));
 /// assert_eq!(hidden.share(), 1.0 / 12.0);
+/// hidden.set(3, 2, true);
+/// assert!(hidden.hides(69, 55) && hidden.hides(48, 55) && !hidden.hides(47, 55) && !hidden.hides(69, 31));
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct HiddenParts {
@@ -54,7 +57,9 @@ impl HiddenParts {
     /// Whether the pixel at column `u`, row `v` is hidden.
     #[must_use]
     pub fn hides(&self, u: usize, v: usize) -> bool {
-        self.count > 0 && self.is_hidden(u / self.side_px.max(1), v / self.side_px.max(1))
+        let square =
+            |at_px: usize, squares: usize| (at_px / self.side_px.max(1)).min(squares.saturating_sub(1));
+        self.count > 0 && self.is_hidden(square(u, self.across), square(v, self.down))
     }
 
     /// Whether nothing is hidden.

@@ -13,7 +13,8 @@
 //! does, because daylight leaves nothing black; of a picture in which what moves is dark as well, it tells nothing.
 //!
 //! Limits: an even cover that is not black is not noticed, nor is dirt above the horizon that is not black; where less than a quarter of
-//! what has texture in a third of the picture moves, the camera is held for standing.
+//! what has texture in a third of the picture moves, the camera is held for standing. Where blocks do not fill the picture, the last
+//! ones speak for what is left over at its right and lower edge: a cover that lies there alone is not noticed.
 
 use fingerpost_vision::picture::HiddenParts;
 
