@@ -235,6 +235,11 @@ pub trait MotionEstimator: Send {
         attitude: &AttitudeObservation,
     ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError>;
 
+    /// Whether so much of this view is seen that motion can be measured in it; asked where a part of the picture is covered.
+    fn has_region(&self, _view: &GroundView) -> bool {
+        true
+    }
+
     /// Takes in how the vehicle moved to the frame given last by a feature that is followed; one that measures passes it by.
     fn learn(&mut self, _step: &FeatureStep) {}
 

@@ -187,6 +187,8 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
+    /// Whether a cover leaves too little of the road to read anything out of it.
+    is_covered: bool,
     /// None where height is not looked at.
     height: Option<HeightStage>,
     joining: Joining,
@@ -252,6 +254,7 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::new(camera),
+            is_covered: false,
             height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
             joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
@@ -296,11 +299,16 @@ impl Pipeline {
             let hidden = self.camera_watch.hidden();
             self.view.hide(hidden);
             self.ego.hide(hidden);
-            self.tracker.see_from(self.view.nearest_seen_m());
+            // Too little seen of a picture without a cover is a fault of the configuration, and said as such.
+            self.is_covered =
+                !hidden.is_empty() && (self.view.is_covered() || !self.ego.has_region(&self.view));
+            if !self.is_covered {
+                self.tracker.see_from(self.view.nearest_seen_m());
+            }
             self.view.render(frame, &mut self.ground)?;
         }
         finished(Stage::GroundView);
-        if camera.state == CameraState::Clear && self.view.is_covered() {
+        if camera.state == CameraState::Clear && self.is_covered {
             camera.state = CameraState::NoContrast;
         }
         if camera.state != CameraState::Clear {

@@ -142,6 +142,36 @@ fn nothing_is_read_out_of_a_part_that_is_covered_from_the_start() {
 }
 
 #[test]
+fn frames_whose_road_ahead_is_covered_are_passed_over_until_it_is_wiped_off() {
+    let (camera, simulator) = drive("clear");
+    // The first leaves the outer parts of the nearest road ahead, the others only what lies beside it.
+    let parts: [(Part, CameraState); 3] = [
+        (|u, v| (106..214).contains(&u) && v >= 112, CameraState::Clear),
+        (|u, v| (60..260).contains(&u) && v >= 96, CameraState::NoContrast),
+        (|u, v| (50..270).contains(&u) && v >= 96, CameraState::NoContrast),
+    ];
+    for (index, (part, state)) in parts.into_iter().enumerate() {
+        let mut pipeline = Pipeline::new(&Config::default(), &camera, None, None).unwrap();
+        for frame in 0..60 {
+            let seen = simulator.frame(5 + frame).picture;
+            let picture = if frame < 30 { painted(&seen, part, BLACK, frame) } else { seen };
+            let sensors = Sensors { dt_s: (frame > 0).then_some(1.0 / FPS), ..Sensors::default() };
+            let (output, evidence) = pipeline.step(&picture, sensors, &mut |_| {}).unwrap();
+            if frame == 29 {
+                let validity = evidence.validity.as_slice();
+                let seen = validity.iter().filter(|&&seen| seen != 0).count() as f64 / validity.len() as f64;
+                assert!(seen > 0.05, "{index}: {seen}");
+                assert_eq!(output.camera.state, state, "{index}: {}", output.why);
+            }
+            if frame == 59 {
+                assert_eq!(output.camera.state, CameraState::Clear, "{index}");
+                assert!(output.motion.unwrap().quality > 0.3, "{index}: {:?}", output.motion);
+            }
+        }
+    }
+}
+
+#[test]
 fn on_no_kind_of_day_is_what_shows_the_scene_called_covered() {
     // Dirt on the lens is what these two days have.
     for name in Conditions::names().iter().filter(|name| !["dirty_lens", "dust"].contains(name)) {

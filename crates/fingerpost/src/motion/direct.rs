@@ -299,6 +299,10 @@ impl MotionEstimator for DirectMotion {
         Ok(motion.map(|(motion, doubt)| (MotionOutput { motion, camera, doubt }, &self.evidence)))
     }
 
+    fn has_region(&self, view: &GroundView) -> bool {
+        patch::region(view, &self.config).is_some()
+    }
+
     fn reset(&mut self) {
         self.last = None;
         self.turn = TurnFilter::default();

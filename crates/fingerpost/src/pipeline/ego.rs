@@ -69,6 +69,11 @@ impl Ego {
         self.attitude.hide(hidden);
     }
 
+    /// Whether motion can be measured in what is left of a ground view.
+    pub(super) fn has_region(&self, view: &GroundView) -> bool {
+        self.motion.has_region(view)
+    }
+
     /// Takes one frame in.
     ///
     /// # Errors
