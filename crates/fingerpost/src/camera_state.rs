@@ -8,7 +8,7 @@
 //!
 //! A picture that is that of the frame before to the last bit shows nothing new: a sensor's noise never repeats.
 //!
-//! A part that stays as it is while the rest of the picture moves is covered ([`cover`](self)), and the rest is used.
+//! A part that stays as it is while the rest of the picture moves is covered (`camera_state/cover.rs`), and the rest is used.
 //!
 //! Limits: a blurred picture whose shapes still show is clear. A frozen picture in which the vehicle stood cannot
 //! be told from a standing vehicle whose video repeats its pictures.

@@ -303,7 +303,7 @@ impl Pipeline {
             self.is_covered =
                 !hidden.is_empty() && (self.view.is_covered() || !self.ego.has_region(&self.view));
             if !self.is_covered {
-                self.tracker.see_from(self.view.nearest_seen_m());
+                self.tracker.set_nearest_seen_m(self.view.nearest_seen_m());
             }
             self.view.render(frame, &mut self.ground)?;
         }

@@ -3,14 +3,14 @@
 //! Every few frames each block of the thinned picture is compared with the same block of an older frame, its reference. How
 //! much a block must change when what it shows moves is read off the block itself: moved by a sample in whatever direction, it
 //! changes by the smaller eigenvalue of its gradients' second moments at least (J. Shi and C. Tomasi, "Good features to track",
-//! 1994), in mean squares. A line alone, as a lane's on a straight road, may be moved along itself unseen: it tells nothing. When
-//! blocks that can tell have moved all over the picture, the camera moves, and each block that can tell adds to its log-odds of showing what is
+//! 1994), in mean squares. A line alone, as a lane's on a straight road, may be moved along itself unseen: it says nothing. When
+//! textured blocks have moved all over the picture, the camera moves, and each textured block adds to its log-odds of showing what is
 //! fixed to the camera (an occupancy grid's: A. Elfes, "Using occupancy grids for mobile robot perception", 1989). By how much
 //! says the share of the blocks in its row that moved, and in the rows between it and the horizon, because the road goes by the
-//! faster the nearer it is. Above the horizon what is still may be a cloud, or a tree far ahead: that tells nothing.
+//! faster the nearer it is. Above the horizon what is still may be a cloud, or a tree far ahead: that says nothing.
 //!
-//! A block without texture tells nothing: sky, fog and smooth asphalt do not change either, and are used. Only one that is black by day
-//! does, because daylight leaves nothing black; of a picture in which what moves is dark as well, it tells nothing.
+//! A block without texture says nothing: sky, fog and smooth asphalt do not change either, and are used. Only one that is black by day
+//! does, because daylight leaves nothing black; of a picture in which what moves is dark as well, it says nothing.
 //!
 //! Limits: an even cover that is not black is not noticed, nor is dirt above the horizon that is not black; where less than a quarter of
 //! what has texture in a third of the picture moves, the camera is held for standing. Where blocks do not fill the picture, the last
@@ -22,7 +22,7 @@ use super::{BLACK_BELOW, BLOCK, LEAST_CONTRAST};
 
 /// Frames between two looks: a third of a second at ten frames a second, in which the road has gone by some samples.
 const LOOK_EVERY: usize = 3;
-/// Share of the blocks that can tell that must have moved in each third of the picture: a cover may have more texture than the road.
+/// Share of the textured blocks that must have moved in each third of the picture: a cover may have more texture than the road.
 const LEAST_MOVE: f32 = 0.25;
 /// The same of a row of blocks below the horizon, by which those that have not moved are judged: most of them.
 const ROW_MOVES: f32 = 0.5;
@@ -41,7 +41,7 @@ const COVERED_UNTIL: f32 = 0.0;
 /// Log-odds are bounded, so that dirt that is wiped off is forgotten in a few looks.
 const MOST_LOG_ODDS: f32 = 6.0;
 /// Part of what is known of a cover that stays when its block neither has texture nor is black any more: the cover may be off and the
-/// sky behind it, which itself tells nothing.
+/// sky behind it, which itself says nothing.
 const KEPT: f32 = 0.5;
 /// Variance of a sample over the square of the median difference of samples from the mean of their four neighbours, of white noise.
 const VARIANCE_OF_NOISE: f32 = 1.0 / (1.25 * 0.6745 * 0.6745);
@@ -51,12 +51,12 @@ const NOISE_FACTOR: f32 = 3.0;
 /// more, dusk 45 %, the light of headlights 40 %.
 const DARK_BY_DAY: f32 = 0.1;
 
-/// What a block says of a look.
+/// How a block has changed from its reference.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-enum Told {
-    /// Nothing: it has no texture, and did not change.
+enum BlockChange {
+    /// It has no texture, and did not change: that says nothing.
     #[default]
-    Nothing,
+    Unknown,
     /// It changed, or moved.
     Moved,
     /// It has texture, and stayed as it was.
@@ -71,9 +71,9 @@ struct Block {
     texture: f32,
     has_texture: bool,
     /// Mean square change of its samples from the reference.
-    change: f32,
+    mean_square_change: f32,
     is_black: bool,
-    told: Told,
+    change_kind: BlockChange,
     log_odds: f32,
     is_covered: bool,
 }
@@ -169,10 +169,10 @@ impl CoverWatch {
                     now.iter().zip(before).map(|(&a, &b)| u32::from(a.abs_diff(b)).pow(2)).sum::<u32>();
                 sum += now.iter().map(|&sample| u32::from(sample)).sum::<u32>();
             }
-            block.change = squares as f32 / (BLOCK * BLOCK) as f32;
+            block.mean_square_change = squares as f32 / (BLOCK * BLOCK) as f32;
             block.is_black = sum < u32::from(BLACK_BELOW) * (BLOCK * BLOCK) as u32;
             if !block.is_black {
-                changes.push(block.change);
+                changes.push(block.mean_square_change);
             }
         }
         let least = (LEAST_CONTRAST * LEAST_CONTRAST) as f32;
@@ -186,12 +186,12 @@ impl CoverWatch {
         for block in blocks {
             // A gradient over two samples has half a sample's variance.
             block.has_texture = block.texture > (NOISE_FACTOR * 0.25 * noise).max(least);
-            block.told = match block.has_texture {
-                true if block.change < block.texture => Told::Still,
-                true => Told::Moved,
-                false if block.change > (NOISE_FACTOR * noise).max(least) => Told::Moved,
-                false if block.is_black => Told::Black,
-                false => Told::Nothing,
+            block.change_kind = match block.has_texture {
+                true if block.mean_square_change < block.texture => BlockChange::Still,
+                true => BlockChange::Moved,
+                false if block.mean_square_change > (NOISE_FACTOR * noise).max(least) => BlockChange::Moved,
+                false if block.is_black => BlockChange::Black,
+                false => BlockChange::Unknown,
             };
         }
     }
@@ -201,13 +201,13 @@ fn log_odds(probability: f32) -> f32 {
     libm::logf(probability / (1.0 - probability))
 }
 
-/// How many of the blocks that can tell, less those that are covered, have moved, and how many there are.
+/// How many of the textured blocks, less those that are covered, have moved, and how many there are.
 fn moved_of_all<'a>(blocks: impl Iterator<Item = &'a Block>) -> (f32, f32) {
     let (mut moved, mut all) = (0.0, 0.0);
     for block in blocks.filter(|block| block.has_texture) {
         let scene = 1.0 / (1.0 + libm::expf(block.log_odds));
         all += scene;
-        moved += if block.told == Told::Moved { scene } else { 0.0 };
+        moved += if block.change_kind == BlockChange::Moved { scene } else { 0.0 };
     }
     (moved, all)
 }
@@ -251,26 +251,27 @@ impl CoverWatch {
             let share = below_horizon;
             let still_if_scene = (1.0 - share).max(STILL_IF_SCENE);
             for block in blocks {
-                if block.told == Told::Nothing && block.log_odds > at_first {
+                if block.change_kind == BlockChange::Unknown && block.log_odds > at_first {
                     block.log_odds = at_first + KEPT * (block.log_odds - at_first);
                 }
-                let told = match block.told {
-                    Told::Moved => (1.0 - STILL_IF_FIXED) / (1.0 - STILL_IF_SCENE),
-                    Told::Still if share >= ROW_MOVES => STILL_IF_FIXED / still_if_scene,
-                    Told::Black if is_day => STILL_IF_FIXED / STILL_IF_SCENE,
-                    Told::Still | Told::Black | Told::Nothing => continue,
+                let likelihood_ratio = match block.change_kind {
+                    BlockChange::Moved => (1.0 - STILL_IF_FIXED) / (1.0 - STILL_IF_SCENE),
+                    BlockChange::Still if share >= ROW_MOVES => STILL_IF_FIXED / still_if_scene,
+                    BlockChange::Black if is_day => STILL_IF_FIXED / STILL_IF_SCENE,
+                    BlockChange::Still | BlockChange::Black | BlockChange::Unknown => continue,
                 };
-                block.log_odds = (block.log_odds + libm::logf(told)).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
+                block.log_odds =
+                    (block.log_odds + libm::logf(likelihood_ratio)).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
             }
         }
         true
     }
 
-    /// Whether what can tell has moved all over the picture: in each of three parts side by side that can. What passes a
+    /// Whether what has texture has moved all over the picture: in each of three parts side by side with enough of it. What passes a
     /// standing vehicle is in one or two of them.
     fn camera_moves(&self) -> bool {
         let Self { across, blocks, .. } = self;
-        let mut told = 0;
+        let mut moving_thirds = 0;
         for third in 0..3 {
             let columns = third * across / 3..(third + 1) * across / 3;
             let of_third = blocks.chunks_exact(*across).flat_map(|row| &row[columns.clone()]);
@@ -281,16 +282,18 @@ impl CoverWatch {
             if moved < LEAST_MOVE * all {
                 return false;
             }
-            told += 1;
+            moving_thirds += 1;
         }
-        told > 0
+        moving_thirds > 0
     }
 
     /// Whether hardly any block that moves is dark: then it is the light of day that makes others look black.
     fn is_day(&self, samples: &[u8]) -> bool {
         let Self { columns, across, blocks, .. } = self;
         let (mut dark, mut all) = (0, 0);
-        for (index, _) in blocks.iter().enumerate().filter(|(_, block)| block.told == Told::Moved) {
+        for (index, _) in
+            blocks.iter().enumerate().filter(|(_, block)| block.change_kind == BlockChange::Moved)
+        {
             // The sample in its middle stands for a block.
             let (column, row) = (index % across * BLOCK + BLOCK / 2, index / across * BLOCK + BLOCK / 2);
             dark += usize::from(samples[row * columns + column] < 2 * BLACK_BELOW);

@@ -328,7 +328,7 @@ impl BeliefTracker {
 }
 
 impl FeatureTracker for BeliefTracker {
-    fn see_from(&mut self, nearest_seen_m: f64) {
+    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
         self.view_m[0] = nearest_seen_m;
     }
 

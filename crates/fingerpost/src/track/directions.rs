@@ -150,9 +150,9 @@ fn sighting(stops: &[RouteStop], found: &Followed, tracker: &Tracker) -> Option<
 }
 
 impl FeatureTracker for Directions {
-    fn see_from(&mut self, nearest_seen_m: f64) {
+    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
         for Hypothesis { tracker, .. } in &mut self.hypotheses {
-            tracker.see_from(nearest_seen_m);
+            tracker.set_nearest_seen_m(nearest_seen_m);
         }
     }
 

@@ -239,7 +239,7 @@ fn step_by(before: Option<AtHand>, now: Option<AtHand>) -> Option<FeatureStep> {
 }
 
 impl FeatureTracker for Tracker {
-    fn see_from(&mut self, nearest_seen_m: f64) {
+    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
         self.nearest_seen_m = nearest_seen_m;
     }
 
