@@ -13,7 +13,7 @@ pub enum FrameClock {
     Given,
     /// The rate that the video states.
     Stated,
-    /// A rate that nothing states: [`DEFAULT_PICTURE_FPS`], or what ffmpeg takes for a bare stream of pictures.
+    /// A rate that nothing states: [`DEFAULT_PICTURE_FPS`](crate::DEFAULT_PICTURE_FPS), or what ffmpeg takes for a bare stream of pictures.
     Guessed,
 }
 
