@@ -12,10 +12,20 @@ pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Str
         if word == "--out" {
             arguments.next();
         } else if !word.starts_with("--out=") {
-            words.push(quoted(&word));
+            words.push(quoted(&without_user(&word)));
         }
     }
     words.join(" ")
+}
+
+/// An address without the name and password of its user: pages are passed on.
+fn without_user(word: &str) -> String {
+    let Some((scheme, rest)) = word.split_once("://") else { return word.to_owned() };
+    let (authority, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
+    match authority.rsplit_once('@') {
+        Some((_, host)) => format!("{scheme}://{host}{path}"),
+        None => word.to_owned(),
+    }
 }
 
 /// A word that a shell takes as it is.
@@ -48,6 +58,8 @@ mod tests {
             line(&["fp", "run", "--out=x", "it's", "", "$HOME"]),
             "fingerpost run 'it'\\''s' '' '$HOME'"
         );
+        let camera = line(&["fp", "run", "rtsp://me:p@ss@10.0.0.4:554/a@b", "--map=m@p.osm"]);
+        assert_eq!(camera, "fingerpost run rtsp://10.0.0.4:554/a@b --map=m@p.osm");
         let same = |out: &str| line(&["fp", "run", "drive", "--out", out, "--start-m", "-5"]);
         assert_eq!(same("a"), same("another"));
         assert_eq!(same("a"), "fingerpost run drive --start-m -5");
