@@ -113,10 +113,10 @@ pub struct FeatureSummary {
     #[serde(default)]
     pub kind: String,
     /// Distance along the route to its node, metres; none in results of a program that did not say yet.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub at_m: Option<f64>,
     /// What became of it in a word; none where it was not found and nothing says how far along the route the drive went.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub outcome: Option<FeatureOutcome>,
     /// Frame of its first detection.
     pub detected_frame: Option<u64>,
@@ -126,7 +126,7 @@ pub struct FeatureSummary {
     /// Frame of arrival.
     pub arrived_frame: Option<u64>,
     /// How far ahead its node was then, metres.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub arrived_forward_m: Option<f64>,
     /// Highest P(F) while it was searched for or followed; none where it never came into reach.
     pub max_p: Option<f64>,
