@@ -88,9 +88,9 @@ pub struct FrameOutput {
     pub camera: CameraEvidence,
     /// State and followed feature.
     pub track: TrackOutput,
-    /// Motion since the frame before.
+    /// Motion since the frame before; [`Motion::unknown`] where what was measured is not believed.
     pub motion: Option<Motion>,
-    /// Why that motion is wrong by what else the picture shows; none where nothing speaks against it.
+    /// Why what was measured is wrong by what else the picture shows; none where nothing speaks against it.
     pub motion_doubt: Option<MotionDoubt>,
     /// The vehicle's motion and its driver's intent, from its bus or from the camera.
     pub vehicle: VehicleState,
