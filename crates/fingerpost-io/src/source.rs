@@ -54,6 +54,15 @@ pub enum SourceError {
         /// The rate given, 1/s.
         fps: f64,
     },
+    /// A rate is given of an input that is under way.
+    #[error(
+        "{input} is under way: each of its frames is timed as it is taken, and a rate says nothing of them; leave the rate (--fps) out, or \
+         choose the frames to use (--rate)"
+    )]
+    RateOfLive {
+        /// The input as it was given.
+        input: String,
+    },
     /// A folder that is no recorded drive.
     #[error(transparent)]
     Folder(#[from] PictureFolderError),
@@ -156,11 +165,14 @@ impl FrameSource {
             Ok(Self { input, fps, clock, sampling, is_live: false, ahead: VecDeque::new() })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
+            let is_live = pace != Pace::Waits;
+            if is_live && options.fps.is_some() {
+                return Err(SourceError::RateOfLive { input: input.to_owned() });
+            }
             let video = Video::open(input, &options.programs, options.threads, pace, options.decoder)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
             // What comes of a live input has been chosen already.
             let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
-            let is_live = pace != Pace::Waits;
             let (clock, video_clock) = match (video.timing(), options.fps) {
                 (timing, None) if !is_live => match timing {
                     Timing::Stamps { tick_s } => {
@@ -169,8 +181,8 @@ impl FrameSource {
                     Timing::StatedRate => (FrameClock::Stated, VideoClock::Rate(fps)),
                     Timing::GuessedRate => (FrameClock::Guessed, VideoClock::Rate(fps)),
                 },
-                (_, Some(_)) if !is_live => (FrameClock::Given, VideoClock::Rate(fps)),
-                _ => (FrameClock::Own, VideoClock::Rate(fps)),
+                (_, Some(_)) => (FrameClock::Given, VideoClock::Rate(fps)),
+                (_, None) => (FrameClock::Own, VideoClock::Rate(fps)),
             };
             let upcoming = Upcoming::new();
             let input = Input::Video { video, upcoming, next_index: 0, sampler, clock: video_clock };
