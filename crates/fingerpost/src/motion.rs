@@ -261,9 +261,9 @@ pub trait MotionEstimator: Send {
     fn reset(&mut self);
 }
 
-/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
+/// How clearly a motion is distinguished from one a little longer or shorter by the grey differences that both leave, 0 to 1:
 /// road without texture looks alike however far the vehicle moved.
-pub fn told_apart(left_over: f64, shifted: f64) -> f64 {
+pub fn distinctness(left_over: f64, shifted: f64) -> f64 {
     if left_over.is_finite() && shifted > 0.0 {
         (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
     } else {
