@@ -21,7 +21,7 @@ use fingerpost_vision::picture::RgbImage;
 use nalgebra::Vector3;
 
 use self::angles::{joined, pitch_of_travel, road_angles, yaw_of_travel};
-use self::road_plane::{PlaneFit, RoadPlane};
+use self::road_plane::{AHEAD_M, PlaneFit, RoadPlane};
 use self::way::{Way, typical_way, way};
 
 pub use self::error::CalibrationError;
@@ -125,8 +125,6 @@ const MOST_SIGMA_DEG: f64 = 0.3;
 const MOST_AWAY_DEG: f64 = 60.0;
 /// A thing that moved by less stayed where it was, radians: a few hundredths of a pixel, as far as corners are followed.
 const STILL_RAD: f64 = 1e-4;
-/// Largest share of the height that repeated and missing frames may leave open: all that is seen on the road is off by as much.
-const MOST_OPEN: f64 = 0.1;
 /// A roll that differs from the configured one by more standard deviations is taken over.
 const ROLL_SIGMAS: f64 = 2.0;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -278,16 +276,23 @@ impl MountCalibrator {
         let found = self.looks.iter().filter(|look| look.plane.is_some()).count();
         let way = way.ok_or(CalibrationError::NoRoad { found, needed: LEAST_ROAD })?;
         let open = open(&way);
-        if open > MOST_OPEN {
+        let most = self.most_open();
+        if open > most {
             return Err(CalibrationError::UnevenFrames {
                 frames: self.looks.len(),
                 repeated: way.repeated,
                 missing: way.missing,
                 open,
-                most: MOST_OPEN,
+                most,
             });
         }
         Ok(way.height(way_m, open))
+    }
+
+    /// Largest share of the height that repeated and missing frames may leave open: a height that is off moves what is seen on the road by
+    /// as much as the largest error of the pitch that is trusted moves the farthest road that is looked at.
+    fn most_open(&self) -> f64 {
+        MOST_SIGMA_DEG * DEGREE * AHEAD_M[1] / self.mount.height_m
     }
 
     /// Time from the first frame to the last, seconds.

@@ -35,11 +35,12 @@ pub(crate) fn frames(input: &str, options: &SourceOptions) -> Result<FrameSource
 
 /// Says which stamps of a video are no times.
 pub(crate) fn say_stamp_faults(input: &str, faults: StampFaults) {
-    let StampFaults { back, repeated, missing, first } = faults;
+    let StampFaults { back, stray, repeated, missing, first } = faults;
     if let Some(first) = first {
         output::message(&format!(
-            "{input}: {back} of its frames are stamped before the frame before them, {repeated} with the same time, and {missing} not at \
-             all, frame {first} first; their times are made to go on; give the rate (--fps) where it is constant"
+            "{input}: {back} of its frames are stamped before the frame before them, {stray} after frames that follow them, {repeated} with \
+             the same time, and {missing} not at all, frame {first} first; their times are made to go on; give the rate (--fps) where it \
+             is constant"
         ));
     }
 }

@@ -17,7 +17,7 @@ use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::{RoadGraph, Route};
 use fingerpost_record::live::{LiveView, Origin};
 use fingerpost_record::recording::{MessageEncoder, RecordedFrame, Recording};
-use fingerpost_record::{FrameTime, broken_record};
+use fingerpost_record::{FrameTime, broken_record, motion_doubt};
 use fingerpost_report::{
     COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, KeyFrames, ReportInput, Thresholds, Timeline, report_html,
 };
@@ -195,7 +195,7 @@ impl Recorder {
             encoder: MessageEncoder::default(),
             key_frames: KeyFrames::default(),
             timeline: Timeline::default(),
-            totals: DriveTotals::new(MEASURED_QUALITY),
+            totals: DriveTotals::new(MEASURED_QUALITY, |doubt| motion_doubt(doubt).to_string()),
             mount_faults: Vec::new(),
             camera_frames: BTreeMap::new(),
             last: None,

@@ -29,6 +29,8 @@ pub struct DriveTotals {
     /// Time of the last frame whose picture showed something, seconds: a motion is the one since then.
     shown_at_s: Option<f64>,
     doubts: BTreeMap<MotionDoubtRecord, u64>,
+    /// What is seen where a motion is doubted, as a clause of a sentence.
+    seen_of_doubt: fn(MotionDoubtRecord) -> String,
     /// Frames with a doubted motion in which the bus did not say how fast the vehicle drives.
     doubted_without_speed: u64,
     has_route: bool,
@@ -40,8 +42,9 @@ pub struct DriveTotals {
 }
 
 impl DriveTotals {
-    /// Nothing seen yet; a motion of at least this quality, 0 to 1, was measured.
-    pub fn new(measured_quality: f64) -> Self {
+    /// Nothing seen yet; a motion of at least this quality, 0 to 1, was measured. `seen_of_doubt` says what was seen where one is not
+    /// believed, as a clause of a sentence.
+    pub fn new(measured_quality: f64, seen_of_doubt: fn(MotionDoubtRecord) -> String) -> Self {
         Self {
             measured_quality,
             frames: 0,
@@ -54,6 +57,7 @@ impl DriveTotals {
             measured_s: 0.0,
             shown_at_s: None,
             doubts: BTreeMap::new(),
+            seen_of_doubt,
             doubted_without_speed: 0,
             has_route: false,
             route_m: None,
@@ -142,7 +146,7 @@ impl DriveTotals {
         let frames = self.doubts.values().sum();
         let most = self.doubts.iter().max_by_key(|(_, frames)| **frames);
         let doubted = most.map(|(&doubt, _)| Remark::MotionNotBelieved {
-            doubt,
+            seen: (self.seen_of_doubt)(doubt),
             frames,
             of,
             without_speed: self.doubted_without_speed,

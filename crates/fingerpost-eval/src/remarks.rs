@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use fingerpost_format::{FeatureOutcome, FeatureSummary, MotionDoubtRecord};
+use fingerpost_format::{FeatureOutcome, FeatureSummary};
 
 /// What a reader of a run should know first.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,9 +11,9 @@ pub(crate) enum Remark {
     NothingUsed,
     /// No picture showed anything.
     NothingShown { frames: u64 },
-    /// The motion is wrong by what else the pictures show, in so many frames of those behind another one, and why in most of them; in
-    /// how many of them the bus gave no speed, without which nothing is advised.
-    MotionNotBelieved { doubt: MotionDoubtRecord, frames: u64, of: u64, without_speed: u64 },
+    /// The motion is wrong by what else the pictures show, in so many frames of those behind another one, and what was seen in most of
+    /// them; in how many of them the bus gave no speed, without which nothing is advised.
+    MotionNotBelieved { seen: String, frames: u64, of: u64, without_speed: u64 },
     /// No motion was measured.
     NoMotion,
     /// The drive ended before the first feature of the route.
@@ -52,17 +52,8 @@ impl Display for Remark {
                 f,
                 "nothing was found: in none of the {frames} frames did the camera show anything new (covered, black or frozen)"
             ),
-            Self::MotionNotBelieved { doubt, frames, of, without_speed } => {
-                write!(f, "the motion is not believed in {frames} of {of} frames: ")?;
-                f.write_str(match doubt {
-                    MotionDoubtRecord::ViewStandsStill => {
-                        "what lies in the ground view stands still while the rest of the picture moves, as the bonnet does, what is \
-                         mirrored in it, or smooth asphalt in a compressed video"
-                    }
-                    MotionDoubtRecord::NothingToGoBy => {
-                        "the picture moves, and the ground view does not show how far the vehicle went"
-                    }
-                })?;
+            Self::MotionNotBelieved { seen, frames, of, without_speed } => {
+                write!(f, "the motion is not believed in {frames} of {of} frames: {seen}")?;
                 f.write_str("; how far the vehicle went in these frames is not known")?;
                 match without_speed {
                     0 => {}

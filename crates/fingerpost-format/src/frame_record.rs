@@ -216,16 +216,16 @@ pub struct MotionRecord {
     pub yaw_rad: f64,
     /// 0 (do not believe it) to 1.
     pub quality: f64,
-    /// Why it is wrong by what else the picture shows; none where nothing speaks against it.
+    /// Why what was measured is not believed, so that nothing is known of the motion; none where nothing speaks against it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doubt: Option<MotionDoubtRecord>,
 }
 
-/// Why a motion is wrong: it says that the vehicle stands, and the picture shows that the camera travels.
+/// Why a motion is wrong: it goes less far forward than a vehicle whose camera is seen to travel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionDoubtRecord {
-    /// What lies in the ground view clearly stands still.
+    /// What lies in the ground view clearly shows that motion.
     ViewStandsStill,
     /// The ground view does not show how far the vehicle moved.
     NothingToGoBy,

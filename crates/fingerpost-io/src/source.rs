@@ -54,6 +54,15 @@ pub enum SourceError {
         /// The rate given, 1/s.
         fps: f64,
     },
+    /// A rate is given of an input that is under way.
+    #[error(
+        "{input} is under way: each of its frames is timed as it is taken, and a rate says nothing of them; leave the rate (--fps) out, or \
+         choose the frames to use (--rate)"
+    )]
+    RateOfLive {
+        /// The input as it was given.
+        input: String,
+    },
     /// A folder that is no recorded drive.
     #[error(transparent)]
     Folder(#[from] PictureFolderError),
@@ -118,8 +127,11 @@ pub enum FrameDecoder {
 #[derive(Debug)]
 enum Input {
     Pictures(PictureFrames),
-    Video { video: Video, next_index: u64, sampler: Sampler, clock: VideoClock },
+    Video { video: Video, upcoming: Upcoming, next_index: u64, sampler: Sampler, clock: VideoClock },
 }
+
+/// Pictures of a video that were decoded before their turn, for their stamps.
+type Upcoming = VecDeque<Decoded<Result<VideoPicture, VideoError>>>;
 
 impl FrameSource {
     /// Opens an input: a folder of pictures, a drive folder with the pictures in `frames`, or anything ffmpeg reads (a
@@ -153,11 +165,14 @@ impl FrameSource {
             Ok(Self { input, fps, clock, sampling, is_live: false, ahead: VecDeque::new() })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
+            let is_live = pace != Pace::Waits;
+            if is_live && options.fps.is_some() {
+                return Err(SourceError::RateOfLive { input: input.to_owned() });
+            }
             let video = Video::open(input, &options.programs, options.threads, pace, options.decoder)?;
             let fps = options.fps.unwrap_or_else(|| video.fps());
             // What comes of a live input has been chosen already.
             let sampler = Sampler::new(if pace == Pace::Waits { sampling } else { Sampling::All });
-            let is_live = pace != Pace::Waits;
             let (clock, video_clock) = match (video.timing(), options.fps) {
                 (timing, None) if !is_live => match timing {
                     Timing::Stamps { tick_s } => {
@@ -166,10 +181,11 @@ impl FrameSource {
                     Timing::StatedRate => (FrameClock::Stated, VideoClock::Rate(fps)),
                     Timing::GuessedRate => (FrameClock::Guessed, VideoClock::Rate(fps)),
                 },
-                (_, Some(_)) if !is_live => (FrameClock::Given, VideoClock::Rate(fps)),
-                _ => (FrameClock::Own, VideoClock::Rate(fps)),
+                (_, Some(_)) => (FrameClock::Given, VideoClock::Rate(fps)),
+                (_, None) => (FrameClock::Own, VideoClock::Rate(fps)),
             };
-            let input = Input::Video { video, next_index: 0, sampler, clock: video_clock };
+            let upcoming = Upcoming::new();
+            let input = Input::Video { video, upcoming, next_index: 0, sampler, clock: video_clock };
             Ok(Self { input, fps, clock, sampling, is_live, ahead: VecDeque::new() })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
@@ -297,13 +313,18 @@ impl FrameSource {
                     picture: picture.map_err(FrameError::from),
                 })
             }
-            Input::Video { video, next_index, sampler, clock } => {
+            Input::Video { video, upcoming, next_index, sampler, clock } => {
                 let mut all_decoding = Duration::ZERO;
                 loop {
-                    let Decoded { picture, decoding } = video.next_picture()?;
+                    let Decoded { picture, decoding } =
+                        upcoming.pop_front().or_else(|| video.next_picture())?;
                     all_decoding += decoding;
                     let index = picture.as_ref().map_or(*next_index, |picture| picture.index);
-                    let t_s = clock.time_s(index, picture.as_ref().ok());
+                    let shown = picture.as_ref().ok();
+                    let behind_us = shown
+                        .filter(|picture| clock.asks_for_those_behind(picture))
+                        .and_then(|_| stamps_behind_us(video, upcoming));
+                    let t_s = clock.time_s(index, shown, behind_us);
                     *next_index = index + 1;
                     match picture {
                         Ok(VideoPicture { picture, .. }) if !sampler.wants(index, t_s) => {
@@ -319,6 +340,15 @@ impl FrameSource {
             }
         }
     }
+}
+
+/// Stamps of the next two pictures, microseconds; none where the video ends before, or one has none.
+fn stamps_behind_us(video: &mut Video, upcoming: &mut Upcoming) -> Option<[i64; 2]> {
+    while upcoming.len() < 2 {
+        upcoming.push_back(video.next_picture()?);
+    }
+    let stamp_us = |place: usize| upcoming.get(place)?.picture.as_ref().ok()?.stamp_us;
+    Some([stamp_us(0)?, stamp_us(1)?])
 }
 
 /// What was meant, as far as the name of an input that is not there shows it.

@@ -2,7 +2,7 @@
 //!
 //! Smooth asphalt shows the camera's motion too little: what stands still with the camera, the bonnet or its mirror image,
 //! then makes a vehicle at speed a standing one. A broken line shows the way best of all. How bright both lines are along
-//! the road is laid over how bright they were in the frame before; a motion that lasts in contradicting that is wrong.
+//! the road is superimposed on how bright they were in the frame before; a motion that lasts in contradicting that is wrong.
 
 use fingerpost_geometry::{Camera, Pixel};
 use fingerpost_vision::picture::RgbImage;

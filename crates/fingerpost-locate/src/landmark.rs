@@ -33,8 +33,8 @@ const CLUTTER: f64 = 0.01;
 const OUT_OF_SIGHT_M: f64 = 5.0;
 /// What is farther off than this cannot be the same, standard deviations.
 const REACH_SIGMAS: f64 = 8.0;
-/// Hypotheses that are told apart in a fix, the heaviest; all lighter ones count as being elsewhere.
-const MOST_TOLD_APART: usize = 64;
+/// Hypotheses that a fix resolves, the heaviest; all lighter ones count as being elsewhere.
+const MOST_RESOLVED: usize = 64;
 /// Weights below this part of all are not followed up.
 const LEAST_SHARE: f64 = 1e-9;
 
@@ -316,7 +316,7 @@ impl Belief {
         let Conditioned { mut seeing, log_total, .. } = self.seeing(seen);
         let log_elsewhere = seen.log_elsewhere() - log_total;
         seeing.iter_mut().for_each(|hypothesis| hypothesis.log_weight -= log_total);
-        seeing.extend(self.hypotheses.iter().take(MOST_TOLD_APART).map(|hypothesis| {
+        seeing.extend(self.hypotheses.iter().take(MOST_RESOLVED).map(|hypothesis| {
             let mut unseeing = hypothesis.clone();
             unseeing.log_weight += log_elsewhere;
             unseeing

@@ -315,6 +315,14 @@ fn motion_record(motion: &Motion, doubt: Option<MotionDoubt>) -> MotionRecord {
     }
 }
 
+/// The doubt that a record has.
+pub const fn motion_doubt(record: MotionDoubtRecord) -> MotionDoubt {
+    match record {
+        MotionDoubtRecord::ViewStandsStill => MotionDoubt::ViewStandsStill,
+        MotionDoubtRecord::NothingToGoBy => MotionDoubt::NothingToGoBy,
+    }
+}
+
 /// A number to so many digits behind the point.
 pub fn rounded(value: f64, digits: i32) -> f64 {
     let scale = 10_f64.powi(digits);

@@ -20,6 +20,7 @@ pub mod recording;
 
 pub use fix::fix_status;
 pub use frame::{
-    ANGLE_DIGITS, DIGITS, FrameTime, broken_record, feature_identities, frame_record, kind_name, rounded,
+    ANGLE_DIGITS, DIGITS, FrameTime, broken_record, feature_identities, frame_record, kind_name,
+    motion_doubt, rounded,
 };
 pub use lanes::PIXEL_DIGITS;

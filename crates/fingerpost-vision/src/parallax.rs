@@ -1,6 +1,6 @@
 //! Parallax: how well two views of one place agree when one of them is shifted against the other.
 //!
-//! Two views of a plane are laid over each other through the plane's projective map ([`register`]); what lies off the plane is
+//! Two views of a plane are superimposed through the plane's projective map ([`register`]); what lies off the plane is
 //! then displaced by its parallax, in one direction for all of it (Kumar, Anandan and Hanna, "Direct recovery of shape from
 //! multiple views: a parallax based approach", 1994). So the correlation of the two, over small windows and at several shifts
 //! ([`Correlation::at_shift`]), shows how far off the plane each place lies. What is even along the columns is taken off first

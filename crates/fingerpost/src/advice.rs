@@ -95,7 +95,7 @@ pub struct AdviceSetting<'a> {
 pub struct AdviceInput<'a> {
     /// The vehicle's motion since the frame before; none where there is none.
     pub motion: Option<&'a Motion>,
-    /// Why that motion is not believed; none where it is.
+    /// Why nothing is known of that motion although it was measured; none where it is believed.
     pub motion_doubt: Option<MotionDoubt>,
     /// The vehicle's speed, m/s; none where it is not known.
     pub speed_mps: Option<f64>,
@@ -222,7 +222,7 @@ impl AdviceStage {
     /// Moves the line that is kept with the vehicle.
     fn drive_on(&mut self, input: &AdviceInput<'_>) {
         let Some(led) = &mut self.led else { return };
-        let seen = input.motion.filter(|motion| motion.quality > 0.0 && input.motion_doubt.is_none());
+        let seen = input.motion.filter(|motion| motion.quality > 0.0);
         let (previous_from_current, sigma) = match (seen, input.dt_s) {
             (Some(motion), _) => (motion.previous_from_current, KEPT_SIGMA),
             (None, Some(dt_s)) => {

@@ -1,11 +1,11 @@
 //! Height: which of the ground lies on the road's plane and which is raised, told by parallax and by no colour.
 //!
-//! A pavement lies 6 to 16 cm above the road, and two pictures taken some metres of travel apart show that: laid over each
-//! other through the road's plane, what lies at a height h is displaced along the way d by d h / (H - h), seen from a camera of height
-//! H. Ground views of the last metres are kept (`past_views`); each new one is laid over by one from some way back, after the
+//! A pavement lies 6 to 16 cm above the road, and two pictures taken some metres of travel apart show that: superimposed
+//! through the road's plane, what lies at a height h is displaced along the way d by d h / (H - h), seen from a camera of height
+//! H. Ground views of the last metres are kept (`past_views`); on each new one is superimposed one from some way back, after the
 //! plane's own errors (pitch, roll, the way driven, the road's fall) have been fitted to the strip ahead (`road_plane`), and looked
-//! at as if the ground lay at several heights (`sweep`). How likely that makes each height adds up in a map that lies still on the
-//! road (`height_map`). Across the way a chain of heights with kerbs as its steps tells what has been climbed to (`cross_section`).
+//! at as if the ground lay at several heights (`sweep`). How likely that makes each height adds up in a rolling
+//! grid (`height_map`). Across the way a chain of heights with kerbs as its steps tells what has been climbed to (`cross_section`).
 //!
 //! Limits: it needs some metres of travel and texture across the way. Things that move are not on any height. A kerb is looked for
 //! across the view, so one that crosses the way ahead shows by the ground's height alone.
@@ -13,10 +13,10 @@
 mod cross_section;
 mod height_likelihoods;
 mod height_map;
-mod laid_over;
 mod past_views;
 mod raised_squares;
 mod road_plane;
+mod superimposed;
 mod sweep;
 mod texture_noise;
 
@@ -26,9 +26,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::height_map::HeightMap;
-use self::laid_over::{LaidOver, Raster};
 use self::past_views::{PastView, PastViews, SPACING_M};
 use self::raised_squares::{RaisedSquares, Squares};
+use self::superimposed::{Raster, Superimposed};
 use self::sweep::Sweep;
 use crate::ground_view::{CameraTurn, GroundView};
 use crate::motion::Motion;
@@ -184,18 +184,21 @@ impl HeightStage {
     fn compare(&mut self, raster: Raster, view: &GroundView) {
         let viewpoint = view.viewpoint();
         let Some(older) = self.views.at(self.driven_m, TRAVEL_M) else { return };
-        let mut laid = LaidOver::new(raster, viewpoint, &self.now, older);
-        if laid.turned_rad.abs() > MOST_TURN_RAD || laid.way.norm() < 0.5 * TRAVEL_M {
+        let mut superimposed = Superimposed::new(raster, viewpoint, &self.now, older);
+        if superimposed.turned_rad.abs() > MOST_TURN_RAD || superimposed.way.norm() < 0.5 * TRAVEL_M {
             return;
         }
-        self.sweep.fit_plane(raster, viewpoint, &mut laid, older);
-        let pair =
-            HeightPair { way_m: laid.way.norm(), blocks: laid.fit.blocks, residual_m: laid.fit.residual_m };
+        self.sweep.fit_plane(raster, viewpoint, &mut superimposed, older);
+        let pair = HeightPair {
+            way_m: superimposed.way.norm(),
+            blocks: superimposed.fit.blocks,
+            residual_m: superimposed.fit.residual_m,
+        };
         self.evidence.pair = Some(pair);
-        if laid.fit.blocks < LEAST_BLOCKS {
+        if superimposed.fit.blocks < LEAST_BLOCKS {
             return;
         }
-        let region = self.sweep.sweep(raster, viewpoint, &mut laid, older);
+        let region = self.sweep.sweep(raster, viewpoint, &mut superimposed, older);
         if let Some(likelihoods) = self.sweep.likelihoods(raster) {
             self.map.add(likelihoods, raster, region, viewpoint);
         }

@@ -31,7 +31,7 @@ pub use verge::Verge;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MatchConfig {
-    /// What the masks are laid over.
+    /// What the masks are superimposed on.
     pub surface: MatchedSurface,
     /// Road probability from which a pixel of the binary mask is road.
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -55,7 +55,7 @@ impl Default for MatchConfig {
     }
 }
 
-/// What the masks are laid over.
+/// What the masks are superimposed on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MatchedSurface {
@@ -171,7 +171,7 @@ impl Matcher {
         }
     }
 
-    /// The surface that the masks are laid over: the probabilities themselves, or a road mask by the threshold.
+    /// The surface that the masks are superimposed on: the probabilities themselves, or a road mask by the threshold.
     ///
     /// # Errors
     /// [`PictureError`] when surface and validity differ in size.

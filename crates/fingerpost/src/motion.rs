@@ -10,6 +10,8 @@ mod farneback;
 mod seen_travel;
 mod steady;
 
+use std::fmt::{self, Display, Formatter};
+
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Matrix3, Vector3};
@@ -112,14 +114,31 @@ pub struct MotionOutput {
     pub doubt: Option<MotionDoubt>,
 }
 
-/// Why a motion is wrong: it says that the vehicle stands, and the picture shows that the camera travels.
+/// Why a motion is wrong: it goes less far forward than a vehicle whose camera is seen to travel, as [`SeenTravel`] has it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MotionDoubt {
-    /// What lies in the ground view stands still, clearly so: the bonnet, what is mirrored in it, or asphalt that a video's
+    /// What lies in the ground view clearly shows that motion: the bonnet, what is mirrored in it, or asphalt that a video's
     /// compression keeps where it was.
     ViewStandsStill,
     /// The ground view does not show how far the vehicle moved, and no motion was known that could go on.
     NothingToGoBy,
+}
+
+impl Display for MotionDoubt {
+    /// What was seen, as a clause of a sentence.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ViewStandsStill => write!(
+                f,
+                "the camera is seen to travel, but what lies in the ground view comes nearer by less than {:.0} cm a frame, as the bonnet, \
+                 what is mirrored in it or smooth asphalt in a compressed video does",
+                100.0 * seen_travel::SEEN_TRAVEL_M
+            ),
+            Self::NothingToGoBy => f.write_str(
+                "the camera is seen to travel, but the ground view does not show how far the vehicle went",
+            ),
+        }
+    }
 }
 
 impl From<Motion> for MotionOutput {
@@ -242,9 +261,9 @@ pub trait MotionEstimator: Send {
     fn reset(&mut self);
 }
 
-/// How clearly a motion is told from one a little longer or shorter by the grey differences that both leave, 0 to 1:
+/// How clearly a motion is distinguished from one a little longer or shorter by the grey differences that both leave, 0 to 1:
 /// road without texture looks alike however far the vehicle moved.
-pub fn told_apart(left_over: f64, shifted: f64) -> f64 {
+pub fn distinctness(left_over: f64, shifted: f64) -> f64 {
     if left_over.is_finite() && shifted > 0.0 {
         (2.0 * (1.0 - left_over / shifted)).clamp(0.0, 1.0)
     } else {

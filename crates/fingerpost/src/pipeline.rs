@@ -88,9 +88,9 @@ pub struct FrameOutput {
     pub camera: CameraEvidence,
     /// State and followed feature.
     pub track: TrackOutput,
-    /// Motion since the frame before.
+    /// Motion since the frame before; [`Motion::unknown`] where what was measured is not believed.
     pub motion: Option<Motion>,
-    /// Why that motion is wrong by what else the picture shows; none where nothing speaks against it.
+    /// Why what was measured is wrong by what else the picture shows; none where nothing speaks against it.
     pub motion_doubt: Option<MotionDoubt>,
     /// The vehicle's motion and its driver's intent, from its bus or from the camera.
     pub vehicle: VehicleState,
@@ -325,18 +325,20 @@ impl Pipeline {
 
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
-        let told = height.map(|(height, _)| height).filter(|_| config.height.used == HeightUse::Surface);
-        let input = RoadInput { picture: ground, validity, sample, perspective, motion, height: told };
+        let surface_height =
+            height.map(|(height, _)| height).filter(|_| config.height.used == HeightUse::Surface);
+        let input =
+            RoadInput { picture: ground, validity, sample, perspective, motion, height: surface_height };
         let road = self.detector.detect(input, surface)?;
-        if let Some(height) = told {
+        if let Some(height) = surface_height {
             joining.join(height, surface)?;
         }
         finished(Stage::Road);
 
-        let laid = self.matcher.lay(surface, (&ground.grey, validity))?;
+        let summed = self.matcher.lay(surface, (&ground.grey, validity))?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion, camera: ego.camera, dt_s: ego.dt_s, speed_mps: ego.vehicle.speed_mps };
-        let shown = ShownSurface { surface, seen: validity, laid };
+        let shown = ShownSurface { surface, seen: validity, laid: summed };
         tracker.step(moved, shown, gps_in_map, &mut output.track, track_evidence)?;
         finished(Stage::Match);
 

@@ -20,7 +20,7 @@ mod mixture;
 pub(crate) mod noise;
 #[cfg(test)]
 mod tests;
-mod travel;
+pub(crate) mod travel;
 
 use self::component::Component;
 pub use self::config::RouteProgressConfig;

@@ -16,7 +16,8 @@ use nalgebra::Point2;
 
 use crate::progress::component::{Component, GPS, PROGRESS};
 use crate::progress::noise::Noise;
-use crate::progress::{GpsUse, RouteProgressConfig};
+use crate::progress::travel::Travelled;
+use crate::progress::{GpsUse, RouteProgressConfig, Travel};
 
 #[cfg(test)]
 mod tests;
@@ -42,8 +43,10 @@ pub struct RouteProgress {
     unaided: Option<Component>,
     /// Distance along the route of the feature that was found last, metres.
     found_m: Option<f64>,
-    /// Metres driven since the first frame: the vehicle started on the route, so it is at least this far along.
+    /// Metres that were seen to be driven since the first frame: the vehicle started on the route, so it is at least this far along.
     driven_m: f64,
+    /// What the vehicle can do where its motion is not known.
+    travelled: Travelled,
 }
 
 impl RouteProgress {
@@ -59,6 +62,7 @@ impl RouteProgress {
             unaided: known,
             found_m: None,
             driven_m: 0.0,
+            travelled: Travelled::new(),
         }
     }
 
@@ -96,11 +100,18 @@ impl RouteProgress {
         }
     }
 
-    /// The vehicle moved on by `forward_m`, known to the standard deviation `sigma_m`, metres.
-    pub fn advance(&mut self, forward_m: f64, sigma_m: f64) {
-        self.driven_m += forward_m;
+    /// The vehicle moved on for `dt_s` seconds.
+    pub fn advance(&mut self, travel: Travel, dt_s: f64) {
+        let step = self.travelled.step(travel, dt_s, self.config.drift_share);
         // Drift is one slow error, not noise anew in each frame: its standard deviation grows with the distance.
-        let drift_m = (self.config.drift_share * forward_m.abs()).max(sigma_m);
+        let (forward_m, drift_m) = match (travel, step) {
+            (Travel::Measured { forward_m, sigma_m }, _) => {
+                self.driven_m += forward_m;
+                (forward_m, (self.config.drift_share * forward_m.abs()).max(sigma_m))
+            }
+            (_, Some(step)) => (step.unscaled_m, step.run_added_m),
+            (_, None) => return,
+        };
         for component in self.known.iter_mut().chain(&mut self.doubted).chain(&mut self.unaided) {
             component.move_by(forward_m, drift_m);
         }

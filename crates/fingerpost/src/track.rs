@@ -30,7 +30,7 @@ use crate::feature_masks::{PlacedMasks, node_pixel};
 use crate::feature_model::ArmModel;
 use crate::matching::{LaidSurface, Match};
 use crate::motion::{CameraAttitude, FeatureStep, Motion};
-use crate::progress::GpsUse;
+use crate::progress::{GpsUse, Travel};
 use crate::road_surface::RoadSurface;
 
 pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
@@ -192,7 +192,7 @@ impl TrackEvidence {
 /// How the vehicle moved since the last frame, and how the camera looks now.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Moved<'a> {
-    /// The motion; none where it is not known.
+    /// The motion; none before there is one, as in the first frame.
     pub motion: Option<&'a Motion>,
     /// How the camera is turned against its mount; none where this frame says nothing of it.
     pub camera: Option<CameraAttitude>,
@@ -200,6 +200,35 @@ pub struct Moved<'a> {
     pub dt_s: Option<f64>,
     /// Speed by the vehicle's bus, metres a second, positive forward; none where it says none.
     pub speed_mps: Option<f64>,
+}
+
+/// A motion less sure than this leaves the ground behind, metres: edges of the road are no longer where they are remembered.
+const LEFT_BEHIND_M: f64 = 2.0;
+/// Seconds from frame to frame where no times are known: ten frames a second.
+const FRAME_S: f64 = 0.1;
+/// Standard deviation of a speed that is not the camera's, share of it: wheels wear and slip.
+const SPEED_SIGMA_SHARE: f64 = 0.03;
+/// Standard deviation of the speed of a vehicle that hardly moves, metres a second.
+const SPEED_SIGMA_MPS: f64 = 0.1;
+
+impl Moved<'_> {
+    /// Seconds that it took.
+    fn time_s(&self) -> f64 {
+        self.dt_s.unwrap_or(FRAME_S)
+    }
+
+    /// How far the vehicle came along its way: by the motion, or where that is not known by its bus; none in a first frame.
+    fn travel(&self) -> Option<Travel> {
+        let motion = self.motion?;
+        let sigma_m = motion.covariance[(0, 0)].sqrt();
+        if sigma_m < LEFT_BEHIND_M {
+            return Some(Travel::Measured { forward_m: motion.previous_from_current.translation.x, sigma_m });
+        }
+        Some(self.speed_mps.map_or(Travel::Unknown, |forward_mps| Travel::Speed {
+            forward_mps,
+            sigma_mps: libm::hypot(SPEED_SIGMA_SHARE * forward_mps, SPEED_SIGMA_MPS),
+        }))
+    }
 }
 
 /// What a frame shows of the road.

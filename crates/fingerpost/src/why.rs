@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, Frames, Hundredths, LackWords,
-    LaneWords, MatchWords, MissingWords, MotionDoubtWords, MountContradictionWords, MountFaultWords,
-    SignalsWords, SoughtWords, Threshold, TooTightWords, WaysWords,
+    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords,
+    Threshold, TooTightWords, WaysWords,
 };
 use crate::camera_state::CameraEvidence;
 use crate::centreline::CentrelineEvidence;
@@ -70,7 +70,7 @@ impl Display for Why<'_> {
             write!(f, "{}; ", MountContradictionWords(contradiction))?;
         }
         if let Some(doubt) = self.motion_doubt {
-            write!(f, "{}; ", MotionDoubtWords(doubt))?;
+            write!(f, "the motion is not believed: {doubt}; ")?;
         }
         if let Some(signals) = self.signals {
             write!(f, "{}", SignalsWords(signals))?;

@@ -20,7 +20,7 @@ const ROAD_ROLL_FLOOR_RAD: f64 = 0.7 * DEGREE;
 const USUAL_X_M: f64 = 1.5;
 const X_SIGMA_M: f64 = 1.0;
 /// Median absolute deviation to standard deviation of a Gaussian.
-const MAD_TO_SIGMA: f64 = 1.4826;
+pub(super) const MAD_TO_SIGMA: f64 = 1.4826;
 /// Frames further from the mean count as being there.
 const OUTLIER_SIGMAS: f64 = 3.0;
 const ITERATIONS: usize = 5;

@@ -1,17 +1,24 @@
 //! Frames that repeat the one before, and frames that are missing between two, by how far the vehicle came meanwhile.
 //!
 //! A camera's ways from frame to frame are alike as long as it takes its pictures in time. Where some are whole multiples of the
-//! others, or none at all, and no tyre could have changed the speed so within a frame, it is the recording that was filled or has
-//! lost something: 20 frames a second written as 30, or frames that were dropped on the way.
+//! others, or none at all, and neither a tyre within a frame nor the noise of the ways could have brought that about, it is the
+//! recording that was filled or has lost something: 20 frames a second written as 30, or frames that were dropped on the way.
+//!
+//! A way stands for the whole number of intervals that is nearest to it, as long as its noise leaves that number to be counted.
 //!
 //! Limits: what happens to every frame alike, as every second one lost, does not show, nor a frame that is missing where the road's
 //! motion is too far to be followed.
+
+use super::angles::MAD_TO_SIGMA;
+use super::way::LENGTH_FLOOR;
 
 /// How often the camera's own interval lies between a frame and the one before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Interval {
     /// So often: 0 for a frame that repeats the one before, 2 where one is missing between them.
     Times(u32),
+    /// More often than the noise of the ways lets be counted.
+    Several,
     /// The way cannot be seen.
     Unknown,
     /// The vehicle stands.
@@ -23,10 +30,10 @@ enum Interval {
 pub(super) struct Cadence {
     /// Frames that repeat the one before.
     pub(super) repeated: usize,
-    /// Frames that are missing between others.
+    /// Frames that are missing between others, at least.
     pub(super) missing: usize,
-    /// Intervals of the camera in one of the recording, on the mean; exactly 1 where none is repeated or missing.
-    pub(super) intervals_per_frame: f64,
+    /// Intervals of the camera in one of the recording, on the mean; none where there are more than can be counted.
+    pub(super) intervals_per_frame: Option<f64>,
     /// Share of the frames whose way is not seen and may be that of several intervals: the longer a way, the less of it is seen. Zero
     /// where no frame is missing elsewhere.
     pub(super) unseen_share: f64,
@@ -43,20 +50,17 @@ pub(super) struct SeenWay {
     pub(super) is_still: bool,
 }
 
-/// Frames to either side whose ways a frame's own is compared with: a third of a second at ten a second, in which no drive
-/// changes its speed much.
-const NEIGHBOURS: usize = 3;
 /// Ways of which one is twice the other lie on different sides of this ratio.
 const ONE_OR_TWO: f64 = std::f64::consts::SQRT_2;
-/// Least number of ways that set the camera's own interval, and of how many neighbours one at the least: a single one is an outlier.
+/// Least number of ways that set the camera's own interval: one alone may be an outlier.
 const LEAST_ALIKE: usize = 2;
-const ONE_OF: usize = 3;
 
 impl Cadence {
     /// Of the ways from each frame to the next; `least_jump` is the change of the way from one frame to the next that no tyre brings
     /// about. None where every frame comes once and none is missing.
     pub(super) fn of(seen: &[SeenWay], least_jump: f64) -> Option<Self> {
-        let mut units: Vec<Option<f64>> = (0..seen.len()).map(|frame| unit(seen, frame)).collect();
+        let reach = reach(seen, least_jump);
+        let mut units: Vec<Option<f64>> = (0..seen.len()).map(|frame| unit(seen, frame, reach)).collect();
         // Where too little is seen, as in the nearest place where enough is: first the one before, else the one behind.
         for frame in 1..units.len() {
             units[frame] = units[frame].or(units[frame - 1]);
@@ -64,66 +68,109 @@ impl Cadence {
         for frame in (1..units.len()).rev() {
             units[frame - 1] = units[frame - 1].or(units[frame]);
         }
+        let resolution = Resolution::of(seen, &units, least_jump);
         let mut intervals: Vec<Interval> =
-            seen.iter().zip(&units).map(|(seen, unit)| interval(seen, *unit, least_jump)).collect();
-        mark_repeated(seen, &units, least_jump, &mut intervals);
+            seen.iter().zip(&units).map(|(seen, unit)| resolution.interval(seen, *unit)).collect();
+        mark_repeated(seen, least_jump, &mut intervals);
+        let several = intervals.iter().filter(|interval| **interval == Interval::Several).count();
         let count_of = |of: &dyn Fn(u32) -> usize| -> usize {
             intervals.iter().map(|interval| if let Interval::Times(n) = interval { of(*n) } else { 0 }).sum()
         };
         let repeated = count_of(&|times| usize::from(times == 0));
-        let missing = count_of(&|times| (times as usize).saturating_sub(1));
+        let missing = several + count_of(&|times| (times as usize).saturating_sub(1));
         if repeated + missing == 0 {
             return None;
         }
         let (known, total) = (count_of(&|_| 1), count_of(&|times| times as usize));
-        let intervals_per_frame = total as f64 / known as f64;
-        let ways = units.iter().zip(&intervals).map(|(unit, interval)| match interval {
+        let intervals_per_frame = total as f64 / known.max(1) as f64;
+        let ways = seen.iter().zip(&units).zip(&intervals).map(|((seen, unit), interval)| match interval {
             Interval::Times(times) => unit.unwrap_or_default() * f64::from(*times),
+            Interval::Several => seen.way.unwrap_or_default(),
             Interval::Standing => 0.0,
             Interval::Unknown => unit.unwrap_or_default() * intervals_per_frame,
         });
         let unseen = seen.iter().filter(|seen| seen.way.is_none()).count();
         let unseen_share = if missing > 0 { unseen as f64 / seen.len() as f64 } else { 0.0 };
-        Some(Self { repeated, missing, intervals_per_frame, unseen_share, ways: ways.collect() })
+        Some(Self {
+            repeated,
+            missing,
+            intervals_per_frame: (several == 0).then_some(intervals_per_frame),
+            unseen_share,
+            ways: ways.collect(),
+        })
     }
 }
 
-/// The way of one of the camera's own intervals about a frame: the middle of the shortest ways that are alike. None where too
-/// few are seen.
-fn unit(seen: &[SeenWay], frame: usize) -> Option<f64> {
-    let width = (2 * NEIGHBOURS + 1).min(seen.len());
-    let start = frame.saturating_sub(NEIGHBOURS).min(seen.len() - width);
+/// Frames to either side whose ways a frame's own is compared with: as many as no tyre can change a typical way in so far that one
+/// interval would be taken for two.
+fn reach(seen: &[SeenWay], least_jump: f64) -> usize {
+    let mut ways: Vec<f64> = seen.iter().filter_map(|seen| seen.way).filter(|way| *way > 0.0).collect();
+    let middle = ways.len() / 2;
+    let typical = if ways.is_empty() { 0.0 } else { *ways.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    (((ONE_OR_TWO - 1.0) * typical / least_jump) as usize).max(1)
+}
+
+/// The way of one of the camera's own intervals about a frame: the middle of the shortest ways that are alike and not fewer than half of
+/// its neighbours. None where too few are seen.
+fn unit(seen: &[SeenWay], frame: usize, reach: usize) -> Option<f64> {
+    let width = reach.saturating_mul(2).saturating_add(1).min(seen.len());
+    let start = frame.saturating_sub(reach).min(seen.len() - width);
     let near = &seen[start..start + width];
     let mut ways: Vec<f64> = near.iter().filter_map(|near| near.way).filter(|way| *way > 0.0).collect();
     ways.sort_unstable_by(f64::total_cmp);
     let alike = ways.chunk_by(|shorter, longer| *longer < ONE_OR_TWO * shorter);
     let unit =
-        alike.into_iter().find(|alike| alike.len() >= LEAST_ALIKE && alike.len() * ONE_OF >= ways.len())?;
+        alike.into_iter().find(|alike| alike.len() >= LEAST_ALIKE && 2 * alike.len() + 1 >= ways.len())?;
     unit.get(unit.len() / 2).copied()
 }
 
-fn interval(seen: &SeenWay, unit: Option<f64>, least_jump: f64) -> Interval {
-    match (seen.way, unit) {
-        (Some(way), Some(unit)) if way > 0.0 => {
-            let times = if way - unit > least_jump { (way / unit).round().max(1.0) } else { 1.0 };
-            Interval::Times(times as u32)
+/// What ways can be told from others by.
+#[derive(Debug, Clone, Copy)]
+struct Resolution {
+    /// The change of the way from one frame to the next that no tyre brings about.
+    least_jump: f64,
+    /// Standard deviation of a way, as a share of it.
+    noise: f64,
+    /// The standard deviations by which the noisiest of so many ways is expected to be off.
+    most_sigmas: f64,
+}
+
+impl Resolution {
+    /// By the ways that are alike to the middle of their neighbours.
+    fn of(seen: &[SeenWay], units: &[Option<f64>], least_jump: f64) -> Self {
+        let ratios = seen.iter().zip(units).filter_map(|(seen, unit)| Some(seen.way? / (*unit)?));
+        let alike = ratios.filter(|ratio| (1.0 / ONE_OR_TWO..ONE_OR_TWO).contains(ratio));
+        let mut off: Vec<f64> = alike.map(|ratio| (ratio - 1.0).abs()).collect();
+        let middle = off.len() / 2;
+        let noise = if off.is_empty() { 0.0 } else { *off.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        // Of n values of a Gaussian the largest is near to this.
+        let most_sigmas = (2.0 * libm::log(off.len().max(1) as f64)).sqrt();
+        Self { least_jump, noise: (MAD_TO_SIGMA * noise).max(LENGTH_FLOOR), most_sigmas }
+    }
+
+    fn interval(&self, seen: &SeenWay, unit: Option<f64>) -> Interval {
+        match (seen.way, unit) {
+            (Some(way), Some(unit)) if way > 0.0 => {
+                let least_jump = self.least_jump.max(self.most_sigmas * self.noise * unit);
+                let times = if way - unit > least_jump { (way / unit).round().max(1.0) } else { 1.0 };
+                // The noise of a longer way is more than half an interval.
+                let is_countable = times <= 1.0 || times * self.noise <= 0.5;
+                if is_countable { Interval::Times(times as u32) } else { Interval::Several }
+            }
+            (Some(_), _) => Interval::Standing,
+            (None, _) => Interval::Unknown,
         }
-        (Some(_), _) => Interval::Standing,
-        (None, _) => Interval::Unknown,
     }
 }
 
-/// Marks still frames between others that move as repeated, where the vehicle could neither have stopped nor started so. What
+/// Marks still frames between others that are seen to move as repeated, where the vehicle could neither have stopped nor started so. What
 /// follows them may make up for them; where its way is unknown, so are they.
-fn mark_repeated(seen: &[SeenWay], units: &[Option<f64>], least_jump: f64, intervals: &mut [Interval]) {
+fn mark_repeated(seen: &[SeenWay], least_jump: f64, intervals: &mut [Interval]) {
     let mut start = 0;
     for run in seen.chunk_by(|a, b| a.is_still == b.is_still) {
         let end = start + run.len();
         if run.first().is_some_and(|seen| seen.is_still) {
-            let moves_on = |frame: Option<usize>| {
-                let frame = frame.filter(|frame| *frame < seen.len())?;
-                seen[frame].way.or(units[frame]).map(|way| way > least_jump)
-            };
+            let moves_on = |frame: Option<usize>| Some(seen.get(frame?)?.way? > least_jump);
             let beside = [moves_on(start.checked_sub(1)), moves_on(Some(end))];
             let is_repeated =
                 beside.iter().flatten().all(|moves| *moves) && beside.iter().any(Option::is_some);
@@ -171,7 +218,7 @@ mod tests {
             let (seen, rounds) = (drive(&pattern), 60);
             let found = Cadence::of(&seen, 0.1).unwrap();
             assert_eq!((found.repeated, found.missing), (repeated * rounds, missing * rounds), "{pattern:?}");
-            assert!((found.intervals_per_frame - per_frame).abs() < 1e-9, "{pattern:?}");
+            assert!((found.intervals_per_frame.unwrap() - per_frame).abs() < 1e-9, "{pattern:?}");
             let whole: f64 = seen.iter().filter_map(|seen| seen.way).sum();
             let found: f64 = found.ways.iter().sum();
             assert!((found / whole - 1.0).abs() < 0.04, "{pattern:?}: {found} of {whole}");
@@ -182,8 +229,36 @@ mod tests {
     fn what_is_not_seen_after_a_repeated_frame_is_not_believed_to_be_one_interval() {
         let found = Cadence::of(&drive(&[MOVED, MOVED, MOVED, STILL, times(2.0), MOVED, STILL, UNSEEN]), 0.1)
             .unwrap();
-        assert!((found.intervals_per_frame - 1.0).abs() < 1e-9, "{found:?}");
+        assert!((found.intervals_per_frame.unwrap() - 1.0).abs() < 1e-9, "{found:?}");
         assert!((found.ways.iter().sum::<f64>() - 480.0).abs() < 1.0, "{found:?}");
+    }
+
+    #[test]
+    fn a_stand_behind_frames_that_are_not_seen_is_one() {
+        // Whether the vehicle slowed down meanwhile, nobody saw.
+        for stand in [[UNSEEN, UNSEEN, STILL], [UNSEEN, STILL, STILL], [STILL, STILL, STILL]] {
+            let moved = [MOVED; 20];
+            assert_eq!(Cadence::of(&[&moved[..], &[UNSEEN; 3], &stand, &[UNSEEN]].concat(), 0.1), None);
+            assert_eq!(Cadence::of(&[&[UNSEEN], &stand[..], &[UNSEEN; 3], &moved].concat(), 0.1), None);
+        }
+        let beside = [&[MOVED; 20][..], &[STILL], &[UNSEEN], &[MOVED; 20]].concat();
+        assert_eq!(Cadence::of(&beside, 0.1), None, "what follows it is not known to be one interval");
+        let found = Cadence::of(&[&[MOVED; 20][..], &[STILL], &[MOVED; 20]].concat(), 0.1).unwrap();
+        assert_eq!(found.repeated, 1);
+    }
+
+    #[test]
+    fn a_way_of_more_intervals_than_its_noise_lets_be_counted_leaves_the_time_unknown() {
+        let noisy = |i: i32| times(1.0 + 0.1 * f64::from(i * 7 % 11 - 5) / 5.0);
+        for (way, is_known) in [(3.0, true), (30.0, false), (1e12, false)] {
+            let mut seen: Vec<SeenWay> = (5..105).map(noisy).collect();
+            seen[50] = times(way);
+            let found = Cadence::of(&seen, 0.1).unwrap();
+            assert_eq!(found.intervals_per_frame.is_some(), is_known, "{found:?}");
+            let whole: f64 = seen.iter().filter_map(|seen| seen.way).sum();
+            let ways: f64 = found.ways.iter().sum();
+            assert!((ways / whole - 1.0).abs() < 0.02, "{ways} of {whole}");
+        }
     }
 
     #[test]
@@ -197,6 +272,12 @@ mod tests {
         let noisy: Vec<SeenWay> =
             (0..200).map(|i| times(1.0 + 0.2 * f64::from(i * 7 % 11 - 5) / 5.0)).collect();
         assert_eq!(Cadence::of(&noisy, 0.098), None);
+        // Fast frames change their speed less than their noise.
+        assert_eq!(Cadence::of(&noisy, 0.01), None);
+        let noisier: Vec<SeenWay> = (0..200)
+            .map(|i| times(1.0 + 0.3 * f64::from(i * 7 % 11 - 5) / 5.0 + if i % 40 == 0 { 0.3 } else { 0.0 }))
+            .collect();
+        assert_eq!(Cadence::of(&noisier, 0.01), None);
         // Two frames whose road was mistaken for something far, alike by chance and in each other's neighbourhood.
         let mistaken =
             [times(0.07), times(0.2), MOVED, MOVED, MOVED, MOVED, times(0.07), MOVED, MOVED, MOVED];

@@ -8,6 +8,8 @@
 use fingerpost::attitude::{CameraMotion, RayPair};
 use nalgebra::{Matrix3, Vector3};
 
+use super::angles::MAD_TO_SIGMA;
+
 /// The plane as one pair of frames shows it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RoadPlane {
@@ -34,12 +36,11 @@ pub(super) struct PlaneFit {
 }
 
 /// The road that is looked at, metres ahead of the camera and to its sides.
-const AHEAD_M: [f64; 2] = [2.0, 25.0];
+pub(super) const AHEAD_M: [f64; 2] = [2.0, 25.0];
 const ASIDE_M: f64 = 3.5;
 const LEAST_PAIRS: usize = 12;
 const ITERATIONS: usize = 12;
 const WEIGHT_SIGMAS: f64 = 2.0;
-const MAD_TO_SIGMA: f64 = 1.4826;
 /// Least standard deviation of a flow along its line, radians: a few hundredths of a pixel.
 const SIGMA_FLOOR_RAD: f64 = 1e-4;
 /// Standard deviation of the normal about the one that is expected, radians: keeps a road without texture near it.

@@ -8,7 +8,7 @@ use super::road_plane::RoadPlane;
 use super::{Estimated, LEAST_ROAD, Look};
 
 /// Share of a measured length that texture and waves of the road leave uncertain.
-const LENGTH_FLOOR: f64 = 0.01;
+pub(super) const LENGTH_FLOOR: f64 = 0.01;
 
 /// What a tyre holds at the most, m/s²: as much as gravity presses on it.
 const MOST_ACCELERATION_MPS2: f64 = 9.806_65;
@@ -64,7 +64,10 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Optio
     }
     let cadence = Cadence::of(&seen, least_jump);
     let (repeated, missing) = cadence.as_ref().map_or((0, 0), |cadence| (cadence.repeated, cadence.missing));
-    let time_share = cadence.as_ref().map_or(0.0, |cadence| (1.0 - cadence.intervals_per_frame).abs());
+    // Where the intervals cannot be counted, any time may have passed.
+    let time_share = cadence.as_ref().map_or(0.0, |cadence| {
+        cadence.intervals_per_frame.map_or(1.0, |intervals_per_frame| (1.0 - intervals_per_frame).abs())
+    });
     let unseen_share = cadence.as_ref().map_or(0.0, |cadence| cadence.unseen_share);
     let steps = match cadence {
         Some(cadence) => cadence.ways,

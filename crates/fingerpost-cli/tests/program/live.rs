@@ -43,6 +43,16 @@ fn a_camera_that_is_faster_than_the_method_loses_frames_that_are_counted() {
 }
 
 #[test]
+fn a_rate_given_of_what_is_under_way_is_refused() {
+    for (input, live) in [("rtsp://camera/1", &[][..]), ("http://camera/mjpeg", &["--live"])] {
+        let (stub, out) = (camera(), TempDir::new().unwrap());
+        let mut run = stub.run_on(Path::new(input), out.path());
+        let called = Called::from(run.args(["--fps", "25"]).args(live).output().unwrap());
+        called.refused(1, &[input, "is under way", "--fps"]);
+    }
+}
+
+#[test]
 fn frames_that_nobody_wants_are_not_counted_as_lost() {
     let (stub, out) = (camera(), TempDir::new().unwrap());
     let mut run = stub.run_on(Path::new("rtsp://camera/1"), out.path());

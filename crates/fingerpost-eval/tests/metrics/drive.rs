@@ -42,7 +42,7 @@ fn summaries(records: &[FrameRecord]) -> (DriveSummary, Vec<FeatureSummary>) {
         .collect();
     let has_route = records.iter().any(|record| record.state != TrackState::NoRoute);
     let mut outcomes = FeatureOutcomes::new(if has_route { &features } else { &[] });
-    let mut totals = DriveTotals::new(MEASURED);
+    let mut totals = DriveTotals::new(MEASURED, |doubt| format!("{doubt:?} was seen"));
     for record in records {
         outcomes.add(record);
         totals.add(record);
@@ -145,7 +145,8 @@ fn a_motion_that_is_not_believed_counts_nowhere_and_leaves_open_what_was_reached
     assert_eq!(drive.motion_doubts, [(doubt, 30)].into());
     assert_eq!(outcomes(&features), [None; 3], "nobody knows how far it came");
     assert!(
-        drive.remarks[1].contains("not believed in 30 of 40 frames") && drive.remarks[1].contains("bonnet")
+        drive.remarks[1].contains("not believed in 30 of 40 frames")
+            && drive.remarks[1].contains("frames: ViewStandsStill was seen;")
     );
     assert!(drive.remarks[2].contains("nothing says how far"), "{:?}", drive.remarks);
 }

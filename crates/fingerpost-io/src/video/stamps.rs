@@ -1,8 +1,10 @@
 //! The times of a video's frames, from the stamps that they came with.
 //!
 //! A stamp counts ticks of its container, milliseconds in Matroska: of a constant rate it is a rounded time. One that is the constant
-//! rate's rounded is taken for that; every other one is believed as it is. One that does not come after the stamp before it is counted,
-//! and the frame's time still goes on: recordings that were joined begin anew.
+//! rate's rounded is taken for that; every other one is believed as it is, unless both of the stamps behind it lie before it and go on
+//! from the one before it: then it is the one that strays. One that strays, or does not come after the stamp before it, is counted, and
+//! the frame's time still goes on: recordings that were joined begin anew. Limits: several in a row that stray together are believed, and so
+//! is one among the last two frames.
 
 /// Seconds of the units that ffmpeg's stamps are counted in here.
 const US_PER_S: f64 = 1e6;
@@ -26,6 +28,8 @@ pub(crate) enum Timing {
 pub struct StampFaults {
     /// Frames whose stamp lies before the last one; their time is a frame's duration after that one's.
     pub back: u64,
+    /// Frames whose stamp is later than those of the two frames that follow them; their time is halfway between their neighbours'.
+    pub stray: u64,
     /// Frames with the same stamp as the last one, and so the same time.
     pub repeated: u64,
     /// Frames without a stamp; their time is a frame's duration after the last one's.
@@ -63,17 +67,51 @@ impl StampClock {
         self.faults
     }
 
-    /// Time of the frame with that index and stamp, seconds since the first frame. To be asked for one frame after the other.
-    pub(crate) fn time_s(&mut self, index: u64, stamp_us: Option<i64>) -> f64 {
-        let t_s = match stamp_us {
-            Some(stamp_us) => self.stamped_s(index, stamp_us),
+    /// Whether a stamp is that of the constant rate, which needs none of those behind it to be believed.
+    pub(crate) fn is_even(&self, index: u64, stamp_us: i64) -> bool {
+        self.zero_us.is_some_and(|zero_us| self.even_s(index, stamp_us.saturating_sub(zero_us)).is_some())
+    }
+
+    /// Time of the frame with that index and stamp, seconds since the first frame, given the stamps of the two frames behind it where they
+    /// are known. To be asked for one frame after the other.
+    pub(crate) fn time_s(&mut self, index: u64, stamp_us: Option<i64>, behind_us: Option<[i64; 2]>) -> f64 {
+        let last_us = self.last.and_then(|last| last.stamp_us);
+        let contradicting = |stamp_us: i64| {
+            behind_us.filter(|[next_us, after_us]| {
+                last_us.is_none_or(|last_us| last_us < *next_us) && next_us < after_us && *after_us < stamp_us
+            })
+        };
+        let (t_s, believed_us) = match stamp_us.map(|stamp_us| (stamp_us, contradicting(stamp_us))) {
+            Some((stamp_us, None)) => (self.stamped_s(index, stamp_us), Some(stamp_us)),
+            Some((_, Some([next_us, _]))) => {
+                self.note(index, |faults| &mut faults.stray);
+                (self.halfway_s(next_us), None)
+            }
             None => {
                 self.note(index, |faults| &mut faults.missing);
-                self.next_s()
+                (self.next_s(), None)
             }
         };
-        self.last = Some(Last { t_s, stamp_us: stamp_us.or(self.last.and_then(|last| last.stamp_us)) });
+        self.last = Some(Last { t_s, stamp_us: believed_us.or(last_us) });
         t_s
+    }
+
+    /// Halfway from the frame before to the one with the next stamp, seconds.
+    fn halfway_s(&self, next_us: i64) -> f64 {
+        match self.last {
+            Some(Last { t_s, stamp_us: Some(last_us) }) => {
+                t_s + 0.5 * next_us.saturating_sub(last_us) as f64 / US_PER_S
+            }
+            _ => self.next_s(),
+        }
+    }
+
+    /// The time of the constant rate that a time since the first frame is rounded from; none where it is another.
+    fn even_s(&self, index: u64, since_us: i64) -> Option<f64> {
+        let even_s = index as f64 / self.fps;
+        // Rounded to ticks by the container, and to microseconds here.
+        let is_rounded = (since_us as f64 / US_PER_S - even_s).abs() <= self.tick_s / 2.0 + 1.0 / US_PER_S;
+        is_rounded.then_some(even_s)
     }
 
     /// When a frame would come next at the mean rate, seconds.
@@ -84,11 +122,8 @@ impl StampClock {
     fn stamped_s(&mut self, index: u64, stamp_us: i64) -> f64 {
         let next_us = (self.next_s() * US_PER_S).round() as i64;
         let zero_us = *self.zero_us.get_or_insert(stamp_us.saturating_sub(next_us));
-        let since_s = stamp_us.saturating_sub(zero_us) as f64 / US_PER_S;
-        let even_s = index as f64 / self.fps;
-        // Rounded to ticks by the container, and to microseconds here.
-        let is_rounded = (since_s - even_s).abs() <= self.tick_s / 2.0 + 1.0 / US_PER_S;
-        let own_s = if is_rounded { even_s } else { since_s };
+        let since_us = stamp_us.saturating_sub(zero_us);
+        let own_s = self.even_s(index, since_us).unwrap_or(since_us as f64 / US_PER_S);
         let Some(Last { t_s: last_s, stamp_us: Some(last_us) }) = self.last else { return own_s };
         let step_us = stamp_us.saturating_sub(last_us);
         match step_us {
@@ -121,8 +156,12 @@ mod tests {
     /// Times of frames with these stamps, milliseconds, at 10 frames a second, and what was wrong.
     fn times(stamps_ms: &[Option<i64>]) -> (Vec<f64>, StampFaults) {
         let mut clock = StampClock::new(10.0, 0.001);
-        let stamps = (0..).zip(stamps_ms);
-        let times = stamps.map(|(index, ms)| clock.time_s(index, ms.map(|ms| 1000 * ms))).collect::<Vec<_>>();
+        let stamp_us = |index: usize| stamps_ms.get(index).copied().flatten().map(|ms| 1000 * ms);
+        let times = (0..stamps_ms.len()).map(|index| {
+            let behind_us = stamp_us(index + 1).zip(stamp_us(index + 2)).map(<[i64; 2]>::from);
+            clock.time_s(index as u64, stamp_us(index), behind_us)
+        });
+        let times = times.collect::<Vec<_>>();
         (times.into_iter().map(|t_s| (t_s * 1000.0).round() / 1000.0).collect(), clock.faults())
     }
 
@@ -143,14 +182,15 @@ mod tests {
             for index in 0..1000_u64 {
                 let even_s = index as f64 / fps;
                 let stamp_us = ((even_s / tick_s).round() * tick_s * 1e6).round() as i64;
-                assert_eq!(clock.time_s(index, Some(stamp_us)), even_s, "{fps} {index}");
+                assert_eq!(clock.time_s(index, Some(stamp_us), None), even_s, "{fps} {index}");
+                assert!(clock.is_even(index, stamp_us) && !clock.is_even(index, stamp_us + 1_000_000));
             }
             assert_eq!(clock.faults(), StampFaults::default());
         }
         // A frame that a camera left out is a whole tick.
         let mut clock = StampClock::new(25.0, 0.04);
         assert_eq!(
-            [(0, 0), (1, 80_000), (2, 120_000)].map(|(i, us)| clock.time_s(i, Some(us))),
+            [(0, 0), (1, 80_000), (2, 120_000)].map(|(i, us)| clock.time_s(i, Some(us), None)),
             [0.0, 0.08, 0.12]
         );
     }
@@ -177,10 +217,34 @@ mod tests {
     }
 
     #[test]
+    fn a_stamp_far_ahead_of_those_behind_it_moves_no_other_frame() {
+        let even = [0, 100, 200, 300, 400, 500, 600];
+        let uneven = [0, 130, 190, 320, 400, 540, 600];
+        for (stamps, at) in [(even, 0), (even, 1), (even, 4), (uneven, 3), (uneven, 4)] {
+            for far_ms in [5000, 1_000_000_000] {
+                let mut faulty = stamps.map(Some);
+                faulty[at] = Some(stamps[at] + far_ms);
+                let (found, faults) = times(&faulty);
+                let wanted: Vec<f64> = stamps.iter().map(|ms| *ms as f64 / 1000.0).collect();
+                let strayed = StampFaults { stray: 1, first: Some(at as u64), ..StampFaults::default() };
+                assert_eq!(faults, strayed, "{faulty:?}");
+                for (index, (found_s, wanted_s)) in found.iter().zip(&wanted).enumerate() {
+                    let most_s = if index == at { 0.05 } else { 0.0 };
+                    assert!((found_s - wanted_s).abs() <= most_s, "{faulty:?}: {found:?}");
+                }
+                assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
+            }
+        }
+        // A pause, and recordings that were joined, are as they are.
+        assert_eq!(times(&[0, 100, 9000, 9100, 9200].map(Some)).1, StampFaults::default());
+        assert_eq!(times(&[7000, 7100, 7200, 0, 100].map(Some)).1.stray, 0);
+    }
+
+    #[test]
     fn absurd_stamps_are_no_panic() {
         let mut clock = StampClock::new(10.0, 0.001);
         for (index, us) in (0..).zip([i64::MIN, i64::MAX, 0, i64::MIN, i64::MAX]) {
-            assert!(clock.time_s(index, Some(us)).is_finite());
+            assert!(clock.time_s(index, Some(us), Some([us, i64::MAX])).is_finite());
         }
     }
 }

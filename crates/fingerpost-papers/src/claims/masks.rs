@@ -94,7 +94,7 @@ impl MaskReading {
     /// Reads the route's next feature where it is, or where nothing is.
     ///
     /// # Errors
-    /// [`ReadingError`] when a mask cannot be drawn or laid over the surface.
+    /// [`ReadingError`] when a mask cannot be drawn or superimposed on the surface.
     pub fn read(&mut self, surface: &RoadSurface, truth: &TruthRecord) -> Result<(), ReadingError> {
         let vehicle = map_from_vehicle(truth);
         let along_m = self.line.nearest(vehicle.translation.vector.into()).along_m;

@@ -12,7 +12,7 @@ use fingerpost::attitude::AttitudeObservation;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::{
     FarnebackMotionConfig, FlowModel, FlowSample, FlowStart, Motion, MotionError, MotionEstimator,
-    MotionEvidence, MotionOutput, SeenTravel, mean_flow, told_apart,
+    MotionEvidence, MotionOutput, SeenTravel, distinctness, mean_flow,
 };
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::farneback::{Farneback, FarnebackError, FarnebackParams};
@@ -195,7 +195,7 @@ impl FarnebackMotion {
         let left_over = difference(&motion).unwrap_or(f64::INFINITY);
         let shifted = [-TELL_SHIFT_M, TELL_SHIFT_M]
             .map(|shift| difference(&(Isometry2::translation(shift, 0.0) * motion)).unwrap_or(0.0));
-        let quality = fitted.accepted * told_apart(left_over, shifted[0].min(shifted[1]));
+        let quality = fitted.accepted * distinctness(left_over, shifted[0].min(shifted[1]));
         self.last = motion;
         self.last_difference = if left_over.is_finite() { left_over.max(1.0) } else { 0.0 };
         let places = self.pairs.iter().map(|pair| {

@@ -53,7 +53,7 @@ impl Because<'_> {
         f.write_str("stop: ")?;
         match stop {
             Stop::MotionNotBelieved => f.write_str(
-                "the picture moves and the motion says that the vehicle stands, so nothing is known of where it goes",
+                "the motion is not believed, and the bus gives no speed, so nothing is known of where the vehicle goes",
             ),
             Stop::NoLine => f.write_str("lost, neither driving line, lane nor road's middle is known"),
             Stop::Strayed { index } => {

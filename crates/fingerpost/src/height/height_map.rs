@@ -1,13 +1,13 @@
-//! What has been seen of the ground's height about the vehicle: how likely each height is, in cells that lie still.
+//! What has been seen of the ground's height about the vehicle: how likely each height is, in a rolling grid.
 
 use fingerpost_geometry::GroundGrid;
 use nalgebra::{Point2, Vector2};
 
 use super::height_likelihoods::{HeightLikelihoods, UNIT};
-use super::laid_over::{Raster, Region};
+use super::superimposed::{Raster, Region};
 use crate::ground_view::Viewpoint;
 use crate::motion::Motion;
-use crate::still_cells::StillCells;
+use crate::rolling_grid::RollingGrid;
 
 /// Heights that are told apart, and the step between them, metres.
 pub(super) const HEIGHTS: usize = 24;
@@ -27,7 +27,7 @@ pub(super) type Below = [u8; HEIGHTS];
 /// The map.
 #[derive(Debug, Default)]
 pub(super) struct HeightMap {
-    cells: StillCells<Heights>,
+    cells: RollingGrid<Heights>,
     grid: Option<GroundGrid>,
 }
 

@@ -1,6 +1,6 @@
 //! The road's plane as two ground views show it: what displaces level ground between them.
 //!
-//! Two views that are laid over each other by the ego-motion and the camera's attitude do not agree quite even on level road. An
+//! Two views that are superimposed by the ego-motion and the camera's attitude do not agree quite even on level road. An
 //! error of the way driven displaces all of it alike; one of the pitch, which is both views', by 2 x d / h a radian at a place x
 //! ahead after a way d, seen from a height h; a change of pitch between them by x^2 / h; roll, or a road that falls to one side, by
 //! y d / h, and a change of it by x y / h. So the displacement is a + b x + c x^2 + (e + f x) y, fitted to what blocks of the road ahead

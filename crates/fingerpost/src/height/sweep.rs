@@ -6,9 +6,9 @@ use fingerpost_vision::picture::Plane;
 use super::ASIDE_M;
 use super::height_likelihoods::HeightLikelihoods;
 use super::height_map::{HEIGHT_STEP_M, HEIGHTS, LOWEST_M, height_m};
-use super::laid_over::{LaidOver, Raster, Region};
 use super::past_views::PastView;
 use super::road_plane::{Displaced, PlaneFit};
+use super::superimposed::{Raster, Region, Superimposed};
 use super::texture_noise::TextureNoise;
 use crate::ground_view::Viewpoint;
 
@@ -22,7 +22,7 @@ pub(super) const REACH_M: f64 = 12.0;
 const STRIP_M: f64 = 1.5;
 /// Displacements of the strip that are looked at, metres either way.
 const STRIP_SEARCH_M: f64 = 0.4;
-/// Times that the strip is laid over anew and the plane fitted.
+/// Times that the strip is superimposed anew and the plane fitted.
 const FIT_ROUNDS: usize = 2;
 /// Spacing of the blocks of the strip that displacements are taken from, metres.
 const BLOCKS_M: [f64; 2] = [0.4, 0.5];
@@ -111,7 +111,7 @@ impl Sweep {
         &mut self,
         raster: Raster,
         viewpoint: Viewpoint,
-        laid: &mut LaidOver,
+        superimposed: &mut Superimposed,
         older: &PastView,
     ) {
         let strip = region(raster, viewpoint, STRIP_M);
@@ -127,7 +127,7 @@ impl Sweep {
         let shifts = || (-most..=most).step_by(step as usize);
         for _ in 0..FIT_ROUNDS {
             self.noise = TextureNoise::default();
-            self.lay(raster, laid, strip, older);
+            self.superimpose(raster, superimposed, strip, older);
             let pair = (&self.part, &self.older);
             correlate(
                 &mut self.correlation,
@@ -155,7 +155,8 @@ impl Sweep {
                     }
                 }
             }
-            laid.fit = PlaneFit::of(&self.blocks, &laid.fit, laid.way.norm(), viewpoint.height_m);
+            superimposed.fit =
+                PlaneFit::of(&self.blocks, &superimposed.fit, superimposed.way.norm(), viewpoint.height_m);
         }
     }
 
@@ -164,20 +165,20 @@ impl Sweep {
         &mut self,
         raster: Raster,
         viewpoint: Viewpoint,
-        laid: &mut LaidOver,
+        superimposed: &mut Superimposed,
         older: &PastView,
     ) -> Region {
         let all = self.all;
-        self.lay(raster, laid, all, older);
+        self.superimpose(raster, superimposed, all, older);
         let [across_m, down_m] = raster.cell_m();
-        let way_m = laid.way.norm();
+        let way_m = superimposed.way.norm();
         let displaced_m = |height_m: f64| way_m * height_m / (viewpoint.height_m - height_m);
         let step_m = displaced_m(HEIGHT_STEP_M).max(down_m);
         let first = (displaced_m(LOWEST_M) / step_m).floor() as isize;
         let highest = displaced_m(height_m(HEIGHTS - 1)) / step_m;
         let last = (highest.ceil() as isize).min(first + MOST_SHIFTS as isize - 1);
         self.shifts = Shifts { first, last, step_m, way_m, camera_m: viewpoint.height_m };
-        let along = laid.way / way_m.max(f64::EPSILON) * step_m;
+        let along = superimposed.way / way_m.max(f64::EPSILON) * step_m;
         let cells = |shift: isize| {
             let shift = shift as f64;
             [(along.x * shift / down_m).round() as isize, (along.y * shift / across_m).round() as isize]
@@ -196,12 +197,18 @@ impl Sweep {
         reached_all.then_some(&*likelihoods)
     }
 
-    fn lay(&mut self, raster: Raster, laid: &mut LaidOver, region: Region, older: &PastView) {
-        laid.over(region);
+    fn superimpose(
+        &mut self,
+        raster: Raster,
+        superimposed: &mut Superimposed,
+        region: Region,
+        older: &PastView,
+    ) {
+        superimposed.over(region);
         if self.registered.size() != (region.columns, region.rows) {
             self.registered.reset(region.columns, region.rows, UNSEEN);
         }
-        register(&older.grey, laid, &mut self.registered);
+        register(&older.grey, superimposed, &mut self.registered);
         let half = (TREND_M / raster.cell_m()[1]).round() as usize;
         self.detrending.detrend(&self.registered, half, &mut self.older.values);
         self.correlation.scales(&self.older.values, window(raster), 0.0, &mut self.older.scales);

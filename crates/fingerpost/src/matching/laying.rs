@@ -1,4 +1,4 @@
-//! What the masks are laid over, as a stage of its own.
+//! What the masks are superimposed on, as a stage of its own.
 
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::error::PictureError;
@@ -8,7 +8,7 @@ use fingerpost_vision::span::RowSums;
 use super::{LaidSurface, MatchConfig, Matcher};
 use crate::road_surface::RoadSurface;
 
-/// A way to make of a frame's road surface what feature masks are laid over: equations 1 and 2 of paper 1 then read it.
+/// A way to make of a frame's road surface what feature masks are superimposed on: equations 1 and 2 of paper 1 then read it.
 ///
 /// [`Matcher`] lays them over the probabilities, or over road and no road by a threshold. Another may weigh the pixels first.
 pub trait FeatureMatcher: Send {
@@ -35,7 +35,7 @@ impl FeatureMatcher for Matcher {
 }
 
 impl<'a> LaidSurface<'a> {
-    /// Sums of any values from 0 to 255 as what masks are laid over on the raster `grid`; `grey` are those of the ground view's
+    /// Sums of any values from 0 to 255 as what masks are superimposed on on the raster `grid`; `grey` are those of the ground view's
     /// grey values, where there are any. Sums and raster must have the same size.
     pub const fn over(
         config: &'a MatchConfig,

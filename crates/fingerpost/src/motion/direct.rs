@@ -1,7 +1,7 @@
 //! Motion by aligning the ground patch itself.
 //!
 //! The road is a plane and the vehicle moves on it in three degrees of freedom, so nothing need be known of where single
-//! pixels go: the strip of road ahead is laid over that of the frame before, and forward, left and yaw are changed until
+//! pixels go: the strip of road ahead is superimposed on that of the frame before, and forward, left and yaw are changed until
 //! the grey values agree, from coarse to fine ([`fingerpost_vision::alignment`] has the sources). The camera's pitch and
 //! roll against the road are fitted beside them ([`super::camera_turn`]), and a change of the light; kerbs, cars and walls
 //! are told from the road by weights, and by lying beside the path. The motion of the frame

@@ -11,7 +11,7 @@ use crate::attitude::AttitudeObservation;
 const TRAVELS: u32 = 3;
 const MOST: u32 = 4;
 /// Shortest step in a frame that shows in which direction the camera travels, metres.
-const SEEN_TRAVEL_M: f64 = 0.03;
+pub(super) const SEEN_TRAVEL_M: f64 = 0.03;
 
 /// Two for each frame in which the camera was seen to travel, less one for each since in which it was not.
 #[derive(Debug, Clone, Copy, Default)]

@@ -26,9 +26,9 @@ pub(super) struct Ego {
 
 /// What they say after a frame.
 pub(super) struct EgoFrame<'a> {
-    /// Since the last frame that showed something.
+    /// Since the last frame that showed something; nothing is known of one that is not believed.
     pub(super) motion: Option<Motion>,
-    /// Why it is wrong by what else the picture shows.
+    /// Why what was measured of it is not believed.
     pub(super) motion_doubt: Option<MotionDoubt>,
     /// How the camera is turned against its mount.
     pub(super) camera: Option<CameraAttitude>,
@@ -82,14 +82,17 @@ impl Ego {
         let since_shown_s = dt_s.map(|dt_s| dt_s + unseen_s.unwrap_or(0.0));
         let (seen, motion_evidence) = self.motion.estimate(view, ground, &attitude)?.unzip();
         let is_gap = since_shown_s.is_some_and(|since_s| since_s > LONGEST_STEP_S);
-        let motion = seen.map(|seen| if is_gap { Motion::unknown() } else { seen.motion });
+        let motion_doubt = seen.and_then(|seen| seen.doubt).filter(|_| !is_gap);
+        let motion = seen.map(|seen| match motion_doubt {
+            None if !is_gap => seen.motion,
+            _ => Motion::unknown(),
+        });
         // A frame whose picture shows nothing still lets the suspension swing back.
-        if let Some(motion) = &motion {
+        if let Some(motion) = motion.as_ref().filter(|_| motion_doubt.is_none()) {
             self.mount.observe(&attitude, motion);
         }
-        let motion_doubt = seen.and_then(|seen| seen.doubt).filter(|_| !is_gap);
         // A motion over frames that showed nothing took longer than this frame.
-        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none() && motion_doubt.is_none());
+        let of_frame = motion.as_ref().filter(|_| unseen_s.is_none());
         let (vehicle, signals_evidence) =
             self.signals.step(SignalsInput { samples: signals, motion: of_frame, dt_s });
         finished(Stage::Motion);

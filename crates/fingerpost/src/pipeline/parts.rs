@@ -66,7 +66,7 @@ pub struct Parts {
     pub road_detector: Option<Box<dyn RoadDetector>>,
     /// What measures how the vehicle moves on the road.
     pub motion_estimator: Option<Box<dyn MotionEstimator>>,
-    /// What makes of the road surface what feature masks are laid over.
+    /// What makes of the road surface what feature masks are superimposed on.
     pub matcher: Option<Box<dyn FeatureMatcher>>,
     /// What finds the lane; it is asked whatever `lanes.finder` says.
     pub lane_finder: Option<Box<dyn LaneDetector>>,

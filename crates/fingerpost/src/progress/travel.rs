@@ -36,18 +36,18 @@ const UNIFORM_WIDTH: f64 = 3.464_101_615_137_754_6;
 
 /// What a step adds to the progress.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Step {
-    pub(super) dt_s: f64,
+pub(crate) struct Step {
+    pub(crate) dt_s: f64,
     /// Distance that errs by the scale error, metres.
-    pub(super) measured_m: f64,
+    pub(crate) measured_m: f64,
     /// Distance that does not, metres.
-    pub(super) unscaled_m: f64,
+    pub(crate) unscaled_m: f64,
     /// Noise of this step alone, metres.
-    pub(super) white_sigma_m: f64,
+    pub(crate) white_sigma_m: f64,
     /// Standard deviation that has added up, in one direction, over the run of steps before this one, metres.
-    pub(super) run_before_m: f64,
+    pub(crate) run_before_m: f64,
     /// What this step adds to it, metres.
-    pub(super) run_added_m: f64,
+    pub(crate) run_added_m: f64,
 }
 
 /// Steps in a row whose error goes in one direction.
@@ -63,7 +63,7 @@ enum Run {
 
 /// The range of the vehicle's speed, and what has added up.
 #[derive(Debug, Clone)]
-pub(super) struct Travelled {
+pub(crate) struct Travelled {
     /// Least and greatest speed that the vehicle may have now, metres a second.
     within_mps: [f64; 2],
     fastest_mps: f64,
@@ -71,12 +71,12 @@ pub(super) struct Travelled {
 }
 
 impl Travelled {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { within_mps: [0.0, TOWN_MPS], fastest_mps: TOWN_MPS, run: Run::Measured }
     }
 
     /// What `travel` over `dt_s` seconds adds; none where no time passed or the time is no number.
-    pub(super) fn step(&mut self, travel: Travel, dt_s: f64, scale_sigma: f64) -> Option<Step> {
+    pub(crate) fn step(&mut self, travel: Travel, dt_s: f64, scale_sigma: f64) -> Option<Step> {
         if dt_s.is_nan() || dt_s <= 0.0 {
             return None;
         }

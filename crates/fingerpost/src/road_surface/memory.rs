@@ -1,7 +1,7 @@
 //! Memory: the road of the last seconds, carried along under the vehicle.
 //!
 //! Paper 2, section 7.1: what the camera cannot see from here was often seen before. Another detector's probabilities are
-//! gathered in a [`RoadMap`] of log-odds that lies still on the road while the vehicle moves over it (S. Thrun, W. Burgard
+//! gathered in a [`RoadMap`] of log-odds, which stays fixed in the odometry frame while the vehicle moves over it (S. Thrun, W. Burgard
 //! and D. Fox, "Probabilistic Robotics", 2005, chapter 9). Where the picture shows the road now, picture and memory are
 //! fused; where it does not, the memory stands alone and the surface says that it is remembered.
 //!

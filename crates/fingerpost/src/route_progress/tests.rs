@@ -10,12 +10,38 @@ fn route() -> Polyline {
 fn dead_reckoning_grows_unsure_and_a_feature_ends_it() {
     let mut progress = RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
     for _ in 0..100 {
-        progress.advance(1.0, 0.0);
+        progress.advance(Travel::Measured { forward_m: 1.0, sigma_m: 0.0 }, 0.1);
     }
     let (mean, sigma) = progress.belief_m().unwrap();
     assert!((mean - 110.0).abs() < 1e-9 && (sigma - 6.0).abs() < 1e-6, "{mean} {sigma}");
     progress.observe(105.0, 0.4);
     assert!((progress.belief_m().unwrap().0 - 105.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_way_that_is_not_known_is_any_that_a_vehicle_can_have_driven() {
+    let driven = |travel: Travel| {
+        let mut progress = RouteProgress::new(&RouteProgressConfig::default(), Some(10.0));
+        for _ in 0..10 {
+            progress.advance(Travel::Measured { forward_m: 0.8, sigma_m: 0.01 }, 0.1);
+        }
+        let (before_m, before_sigma_m) = progress.belief_m().unwrap();
+        for _ in 0..20 {
+            progress.advance(travel, 0.1);
+        }
+        let (mean_m, sigma_m) = progress.belief_m().unwrap();
+        (mean_m - before_m, sigma_m - before_sigma_m, progress.at_least_m())
+    };
+    // At 8 m/s: 4 m to a stand, or 23 m with 4 m/s² up to 50 km/h.
+    let (mean_m, added_m, at_least_m) = driven(Travel::Unknown);
+    let ([least_m, most_m], uniform) = ([4.0, 23.0], 12_f64.sqrt());
+    assert!((mean_m - 0.5 * (least_m + most_m)).abs() < 1.0, "{mean_m}");
+    assert!((added_m - (most_m - least_m) / uniform).abs() < 1.0, "{added_m}");
+    assert!(at_least_m < 18.0 + least_m, "{at_least_m}");
+    let (mean_m, added_m, _) = driven(Travel::Speed { forward_mps: 8.0, sigma_mps: 0.26 });
+    assert!((mean_m - 16.0).abs() < 1e-9 && (added_m - 0.52).abs() < 1e-9, "{mean_m} {added_m}");
+    let (mean_m, added_m, _) = driven(Travel::Measured { forward_m: 0.0, sigma_m: 0.0 });
+    assert!(mean_m.abs() < 1e-9 && added_m.abs() < 1e-9, "a stand is known");
 }
 
 #[test]
@@ -31,7 +57,7 @@ fn a_feature_that_is_not_where_it_was_expected_leaves_a_doubt_that_the_next_one_
         let mut progress = start();
         progress.observe_found(30.0, 18.0, sigma_m);
         progress.observe(18.1, sigma_m);
-        progress.advance(20.0, 0.0);
+        progress.advance(Travel::Measured { forward_m: 20.0, sigma_m: 0.0 }, 0.1);
         progress
     };
     assert_eq!(means(&surprised()), [38.1, 30.0]);
@@ -67,7 +93,7 @@ fn gps_places_a_vehicle_that_knew_nothing() {
 #[test]
 fn without_a_start_the_distance_driven_is_the_least() {
     let mut progress = RouteProgress::new(&RouteProgressConfig::default(), None);
-    progress.advance(40.0, 0.0);
+    progress.advance(Travel::Measured { forward_m: 40.0, sigma_m: 0.0 }, 0.1);
     assert!((progress.at_least_m() - 36.4).abs() < 1e-9);
 }
 
@@ -78,7 +104,7 @@ fn drive(start_m: f64, off_m: impl Fn(f64) -> f64) -> RouteProgress {
     for second in 1..=50 {
         for _ in 0..10 {
             progress.elapse(0.1);
-            progress.advance(0.8, 0.0);
+            progress.advance(Travel::Measured { forward_m: 0.8, sigma_m: 0.0 }, 0.1);
         }
         let t_s = f64::from(second);
         progress.observe_gps(&straight, Point2::new(8.0 * t_s + off_m(t_s), 1.0));
@@ -126,7 +152,7 @@ fn a_feature_says_how_far_gps_is_off() {
     let straight = Polyline::new([Point2::new(0.0, 0.0), Point2::new(1000.0, 0.0)]).unwrap();
     for second in 1..=5 {
         progress.elapse(1.0);
-        progress.advance(8.0, 0.0);
+        progress.advance(Travel::Measured { forward_m: 8.0, sigma_m: 0.0 }, 0.1);
         progress.observe_gps(&straight, Point2::new(415.0 + 8.0 * f64::from(second), 1.0));
     }
     let (mean_m, sigma_m) = progress.belief_m().unwrap();

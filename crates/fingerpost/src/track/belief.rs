@@ -75,14 +75,6 @@ const NEWS_M: f64 = 0.25;
 const STEERED_RAD: f64 = 0.052;
 /// A tracked feature is lost when its place is less sure than the bound for tracking by this factor, so that it does not come and go.
 const LOST_SIGMA_FACTOR: f64 = 1.6;
-/// A motion less sure than this leaves the ground behind, metres: edges of the road are no longer where they are remembered.
-pub(super) const LEFT_BEHIND_M: f64 = 2.0;
-/// Seconds from frame to frame where no times are known: ten frames a second.
-pub(super) const FRAME_S: f64 = 0.1;
-/// Standard deviation of a speed that is not the camera's, share of it: wheels wear and slip.
-const SPEED_SIGMA_SHARE: f64 = 0.03;
-/// Standard deviation of the speed of a vehicle that hardly moves, metres a second.
-const SPEED_SIGMA_MPS: f64 = 0.1;
 /// Probability from which all features lie behind.
 const DONE: f64 = 0.5;
 
@@ -123,21 +115,14 @@ impl BeliefTracker {
             self.shown = ShownRoad::new(&turn, self.viewpoint);
             self.attitude_sigma_rad = sigma_rad;
         }
-        let Some(motion) = moved.motion else { return };
-        let step = &motion.previous_from_current;
-        let sigma_m = motion.covariance[(0, 0)].sqrt();
-        let dt_s = moved.dt_s.unwrap_or(FRAME_S);
-        if sigma_m < LEFT_BEHIND_M {
-            self.route.advance(Travel::Measured { forward_m: step.translation.x, sigma_m }, dt_s);
+        let Some((motion, travel)) = moved.motion.zip(moved.travel()) else { return };
+        self.route.advance(travel, moved.time_s());
+        if let Travel::Measured { .. } = travel {
+            let step = &motion.previous_from_current;
             self.memory.carry(step);
             self.route.carry(step);
             self.since_update_m = self.since_update_m.map(|since_m| since_m + step.translation.vector.norm());
         } else {
-            let by_bus = |forward_mps: f64| Travel::Speed {
-                forward_mps,
-                sigma_mps: libm::hypot(SPEED_SIGMA_SHARE * forward_mps, SPEED_SIGMA_MPS),
-            };
-            self.route.advance(moved.speed_mps.map_or(Travel::Unknown, by_bus), dt_s);
             self.leave_ground();
         }
     }

@@ -13,7 +13,6 @@ use nalgebra::{Isometry2, Point2};
 
 use self::searching::edges_by_which_it_is_told;
 use super::alignment::Aligner;
-use super::belief::{FRAME_S, LEFT_BEHIND_M};
 use super::candidates::CandidateSearch;
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
@@ -151,11 +150,9 @@ impl Tracker {
             }
             filter.place(now.shown_from_road(filter.pose()));
         };
-        self.progress.elapse(moved.dt_s.unwrap_or(FRAME_S));
-        if let Some(motion) = moved.motion {
-            // Of a gap in the pictures the progress knows nothing better than that the vehicle stood.
-            let sigma_m = Some(motion.covariance[(0, 0)].sqrt()).filter(|sigma_m| *sigma_m < LEFT_BEHIND_M);
-            self.progress.advance(motion.previous_from_current.translation.x, sigma_m.unwrap_or(0.0));
+        self.progress.elapse(moved.time_s());
+        if let Some(travel) = moved.travel() {
+            self.progress.advance(travel, moved.time_s());
         }
         if let Some(passing) = &mut self.passing {
             predict(&mut passing.filter);

@@ -12,7 +12,6 @@ use crate::fix::FixEvidence;
 use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::matching::{Match, Participation};
-use crate::motion::MotionDoubt;
 use crate::mount::{MountAngle, MountContradiction, MountFault};
 use crate::track::{Followed, Lack, Missing, RouteStop, Sought};
 use crate::vehicle_signals::{Disagreement, SignalsEvidence};
@@ -64,22 +63,6 @@ impl Display for MountContradictionWords<'_> {
             by_rad.to_degrees(),
             most_rad.to_degrees()
         )
-    }
-}
-
-/// A motion that is wrong by what else the picture shows, as a sentence has it.
-pub(super) struct MotionDoubtWords(pub(super) MotionDoubt);
-
-impl Display for MotionDoubtWords {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.0 {
-            MotionDoubt::ViewStandsStill => {
-                "the motion is not believed: what lies in the ground view stands still while the rest of the picture moves"
-            }
-            MotionDoubt::NothingToGoBy => {
-                "the motion is not believed: the picture moves, and the ground view does not show how far the vehicle went"
-            }
-        })
     }
 }
 

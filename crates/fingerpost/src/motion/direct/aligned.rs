@@ -10,7 +10,7 @@ use super::gauss_newton::{Estimate, Prior, align};
 use super::patch::{Level, Patch};
 use super::plane_warp::{Displacement, Views};
 use super::start::cost;
-use crate::motion::told_apart;
+use crate::motion::distinctness;
 
 /// Shift along the road that a good motion must be told from by the picture, metres.
 const TELL_SHIFT_M: f64 = 0.3;
@@ -47,7 +47,7 @@ impl Aligned {
         }
         let finest = patch.levels.get(patch.finest)?;
         let (cost, shifted) = costs(finest, residuals, (&estimate, views));
-        let quality = quality(&estimate, told_apart(cost, shifted));
+        let quality = quality(&estimate, distinctness(cost, shifted));
         Some(Self { estimate, cost, quality, stands_still: 0.0 })
     }
 }

@@ -1,4 +1,4 @@
-//! A map of the road about the vehicle: log-odds of road in square cells that lie still on the road.
+//! A map of the road about the vehicle: log-odds of road in a rolling grid.
 //!
 //! Cells are read between their centres and written at the nearest.
 
@@ -9,7 +9,7 @@ use nalgebra::{Isometry2, Point2};
 
 use super::sensor_model::{MAX_UNITS, SensorModel};
 use crate::ground_view::GroundView;
-use crate::still_cells::StillCells;
+use crate::rolling_grid::RollingGrid;
 
 /// Bits behind the point of places counted in cells or pixels.
 const PLACE_BITS: u32 = 16;
@@ -22,14 +22,14 @@ pub(super) struct RoadMap {
     grid: Option<GroundGrid>,
     /// Pixels of the view along a cell.
     side_px: usize,
-    map: StillCells<i16>,
+    map: RollingGrid<i16>,
     /// Evidence that a row of the view gives, in 256ths.
     row_trust: Vec<i32>,
 }
 
 impl RoadMap {
     pub(super) fn new(model: SensorModel) -> Self {
-        Self { model, grid: None, side_px: 1, map: StillCells::default(), row_trust: Vec::new() }
+        Self { model, grid: None, side_px: 1, map: RollingGrid::default(), row_trust: Vec::new() }
     }
 
     /// Pixels of the view along a cell.

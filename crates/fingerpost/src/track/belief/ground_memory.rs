@@ -1,4 +1,4 @@
-//! What has been seen of the ground about the vehicle: a map of log-odds of road that lies still on the road.
+//! What has been seen of the ground about the vehicle: a map of log-odds of road, fixed in the odometry frame.
 //!
 //! A feature stands still on the ground while the vehicle moves towards it, so the evidence for it is kept there and not in
 //! the belief: each cell holds the mean of what was seen of it, the nearest looks counting most, and a hundred looks from the

@@ -1,4 +1,4 @@
-//! How one ground view is laid over a later one, through the road's plane.
+//! How one ground view is superimposed on a later one, through the road's plane.
 
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::parallax::Registration;
@@ -57,9 +57,9 @@ pub(super) struct Region {
     pub(super) columns: usize,
 }
 
-/// An older view laid over part of a newer one.
+/// An older view superimposed on part of a newer one.
 #[derive(Debug)]
-pub(super) struct LaidOver {
+pub(super) struct Superimposed {
     raster: Raster,
     region: Region,
     foot_x_m: f64,
@@ -71,7 +71,7 @@ pub(super) struct LaidOver {
     pub(super) turned_rad: f64,
 }
 
-impl LaidOver {
+impl Superimposed {
     pub(super) fn new(raster: Raster, viewpoint: Viewpoint, newer: &PastView, older: &PastView) -> Self {
         let older_from_newer = older.odometry_from_vehicle.inv_mul(&newer.odometry_from_vehicle);
         let older_shown_from_newer_shown = older.turn.shown_from_road(viewpoint)
@@ -96,7 +96,7 @@ impl LaidOver {
     }
 }
 
-impl Registration for LaidOver {
+impl Registration for Superimposed {
     fn along_row(&self, row: usize) -> [[f32; 2]; 3] {
         let ahead_m = self.raster.ahead_m((self.region.first_row + row) as f64);
         let left_m = self.raster.left_m(self.region.first_column as f64);

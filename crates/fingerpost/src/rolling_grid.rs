@@ -1,4 +1,4 @@
-//! Square cells about the vehicle that lie still on the road while it moves over them.
+//! A rolling grid: square cells about the vehicle that stay fixed in the odometry frame while it moves over them.
 //!
 //! They are a torus: a cell that falls out of reach on one side becomes, emptied, one that comes into reach on the other, so
 //! that memory is bounded and nothing is ever moved or resampled.
@@ -12,7 +12,7 @@ const MAX_SIDE: usize = 2048;
 
 /// The cells, and how the vehicle lies in them.
 #[derive(Debug)]
-pub(crate) struct StillCells<T> {
+pub(crate) struct RollingGrid<T> {
     /// Side, a power of two; the cell of map place (x, y) is in column x and row y modulo the side.
     pub(crate) cells: Plane<T>,
     pub(crate) cell_m: f64,
@@ -23,7 +23,7 @@ pub(crate) struct StillCells<T> {
     corner: [i64; 2],
 }
 
-impl<T> Default for StillCells<T> {
+impl<T> Default for RollingGrid<T> {
     fn default() -> Self {
         Self {
             cells: Plane::default(),
@@ -35,7 +35,7 @@ impl<T> Default for StillCells<T> {
     }
 }
 
-impl<T: Copy + Default> StillCells<T> {
+impl<T: Copy + Default> RollingGrid<T> {
     /// Empty cells under the whole of a view, whichever way it lies.
     pub(crate) fn lie_under(&mut self, grid: &GroundGrid, cell_m: f64) {
         self.cell_m = cell_m;
