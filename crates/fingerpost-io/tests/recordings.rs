@@ -72,6 +72,23 @@ fn messages_that_were_packed_one_by_one_are_unpacked() {
     for cut in 0..packed.len() {
         assert!(decode(Schema::RosImage, &packed[..cut]).is_err(), "{cut}");
     }
+    // In several frames, with one between that is skipped, and one whose end is missing or is followed by what is no frame.
+    let (first, second) = message.split_at(20);
+    let [first, second] = [first, second].map(|part| compress_to_vec(part, CompressionLevel::Fastest));
+    let skipped = [0x50, 0x2a, 0x4d, 0x18, 3, 0, 0, 0, 9, 9, 9];
+    for frames in [
+        vec![&first[..], &second],
+        vec![&first, &skipped, &second],
+        vec![&skipped, &first, &second, &skipped],
+    ] {
+        assert_eq!(decode(Schema::RosImage, &frames.concat()), decode(Schema::RosImage, &message));
+        let ends: Vec<usize> = (0..=frames.len()).map(|count| frames[..count].concat().len()).collect();
+        for cut in (1..frames.concat().len()).filter(|cut| !ends.contains(cut)) {
+            assert!(decode(Schema::RosImage, &frames.concat()[..cut]).is_err(), "{cut}");
+        }
+        let cause = decode(Schema::RosImage, &[frames.concat(), b"and what is no frame".to_vec()].concat());
+        assert!(cause.unwrap_err().to_string().contains("ros2 bag convert"));
+    }
     let cause = decode(Schema::RosImage, &packed[..8]).unwrap_err().to_string();
     assert!(cause.contains("Zstandard") && cause.contains("ros2 bag convert"), "{cause}");
     // A few thousand bytes that stand for more than any record has.
