@@ -111,7 +111,7 @@ fn motion_is_read_with_its_frame() {
         decode(Schema::RosImu, &cdr.0).unwrap().content
     };
     let measured = |acceleration_mps2| {
-        let frame_id = "imu_optical".to_owned();
+        let frame_id = "imu_optical".into();
         Content::Inertial(Some(Inertial { frame_id, angular_rps: [0.1, -0.2, 0.3], acceleration_mps2 }))
     };
     assert_eq!(unit(0.0, 0.01), measured(Some([1.0, -9.8, 2.0])));
@@ -122,7 +122,7 @@ fn motion_is_read_with_its_frame() {
     let twist = Cdr::new().header("base_link").doubles(&moves);
     let odometry = Cdr::new().header("odom").text("base_link").doubles(&[0.0; 43]).doubles(&moves);
     for (schema, cdr) in [(Schema::RosTwistStamped, twist), (Schema::RosOdometry, odometry)] {
-        let (frame_id, linear_mps) = ("base_link".to_owned(), [8.0, 0.1, 0.2]);
+        let (frame_id, linear_mps) = ("base_link".into(), [8.0, 0.1, 0.2]);
         let expected = Content::Twist(Twist { frame_id, linear_mps, angular_rps: [0.3, 0.4, 0.5] });
         assert_eq!(decode(schema, &cdr.0).unwrap().content, expected, "{schema:?}");
     }
@@ -138,7 +138,7 @@ fn static_transforms_turn_what_a_sensor_measures() {
         panic!("transforms were expected")
     };
     let mut frames = Frames::default();
-    frames.add(transforms);
+    frames.add(transforms).unwrap();
     let [forward, left, up] = frames.axes("imu").in_vehicle([0.0, 0.3, 0.1]);
     assert!(forward.abs() < 1e-12 && (left + 0.1).abs() < 1e-12 && (up - 0.3).abs() < 1e-12);
     // A count beyond the message's end asks for no memory.
