@@ -48,6 +48,8 @@ struct SignalFacts {
     signal: String,
     quantity: &'static str,
     samples: usize,
+    /// Messages that say that it has no value.
+    without_value: u64,
     samples_per_s: f64,
     min: Option<f64>,
     max: Option<f64>,
@@ -72,9 +74,9 @@ pub(crate) fn can(args: &CanArgs) -> Result<()> {
         log.last_s - log.first_s,
         log.unreadable_lines
     ));
-    for SignalFacts { signal, quantity, samples, samples_per_s, min, max } in &facts {
+    for SignalFacts { signal, quantity, samples, samples_per_s, min, max, .. } in &facts {
         let range =
-            min.zip(*max).map_or("it never came".to_owned(), |(min, max)| format!("{min:.4} to {max:.4}"));
+            min.zip(*max).map_or("no value came".to_owned(), |(min, max)| format!("{min:.4} to {max:.4}"));
         output::message(&format!(
             "{quantity} ({signal}): {samples} samples, {samples_per_s:.1} a second, {range}"
         ));
@@ -95,14 +97,15 @@ const fn quantity(meaning: Meaning) -> &'static str {
 }
 
 fn facts(signals: &CanSignals, log: &SignalLog) -> Vec<SignalFacts> {
-    let facts = signals.layouts.iter().zip(&signals.meanings).zip(&log.samples);
-    let facts = facts.map(|((layout, meaning), samples)| {
+    let facts = signals.layouts.iter().zip(&signals.meanings).zip(&log.samples).zip(&log.no_values);
+    let facts = facts.map(|(((layout, meaning), samples), no_values)| {
         let values: Vec<f64> = samples.iter().filter_map(|sample| meaning.number(sample.value)).collect();
         let length_s = (log.last_s - log.first_s).max(f64::MIN_POSITIVE);
         SignalFacts {
             signal: layout.name.clone(),
             quantity: quantity(*meaning),
             samples: samples.len(),
+            without_value: no_values.count(),
             samples_per_s: if log.frames > 1 { samples.len() as f64 / length_s } else { 0.0 },
             min: values.iter().copied().min_by(f64::total_cmp),
             max: values.iter().copied().max_by(f64::total_cmp),

@@ -143,7 +143,12 @@ pub(crate) enum CanFeed {
     Log(LogFeed),
     /// From a bus.
     #[cfg(all(feature = "socketcan", target_os = "linux"))]
-    Bus { signals: CanSignals, listener: fingerpost_io::CanListener },
+    Bus {
+        signals: CanSignals,
+        listener: fingerpost_io::CanListener,
+        /// Signals of which it is not said yet that their sender gives no value.
+        unsaid: Vec<usize>,
+    },
 }
 
 impl CanFeed {
@@ -159,7 +164,8 @@ impl CanFeed {
     #[cfg(all(feature = "socketcan", target_os = "linux"))]
     fn open_bus(interface: &str, signals: CanSignals) -> Result<Self> {
         let listener = fingerpost_io::CanListener::open(interface, signals.layouts.clone())?;
-        Ok(Self::Bus { signals, listener })
+        let unsaid = (0..signals.layouts.len()).collect();
+        Ok(Self::Bus { signals, listener, unsaid })
     }
 
     #[cfg(not(all(feature = "socketcan", target_os = "linux")))]
@@ -174,7 +180,13 @@ impl CanFeed {
         match self {
             Self::Log(log) => log.at(t_s),
             #[cfg(all(feature = "socketcan", target_os = "linux"))]
-            Self::Bus { signals, listener } => signals.samples(|signal| listener.newest(signal)),
+            Self::Bus { signals, listener, unsaid } => {
+                for signal in unsaid.extract_if(.., |signal| listener.no_values(*signal) > 0) {
+                    let name = &signals.layouts[signal].name;
+                    output::message(&format!("{name}: its sender says that it has no value (SAE J1939-71)"));
+                }
+                signals.samples(|signal| listener.newest(signal))
+            }
         }
     }
 }
@@ -194,10 +206,29 @@ fn what_came(log: &SignalLog, layouts: &[SignalLayout]) -> String {
     )
 }
 
-/// Says which signals of a log never came, and which several senders say.
+/// What is to be said of each signal in order whose messages say that it has no value.
+fn without_values(layouts: &[SignalLayout], log: &SignalLog) -> impl Iterator<Item = Option<String>> {
+    layouts.iter().zip(&log.samples).zip(&log.no_values).map(|((layout, samples), no_values)| {
+        let first_s = no_values.first_s? - log.first_s;
+        Some(format!(
+            "{} has no value in {} of {} messages: {} say that it is not available and {} that it is in error (SAE J1939-71), the first \
+             {first_s:.1} s after the log's first frame",
+            layout.name,
+            no_values.count(),
+            no_values.count() + samples.len() as u64,
+            no_values.not_available,
+            no_values.errors
+        ))
+    })
+}
+
+/// Says which signals of a log never came or have no value, and which several senders say.
 pub(crate) fn say_what_is_missing(path: &Path, layouts: &[SignalLayout], log: &SignalLog) {
-    for ((layout, samples), senders) in layouts.iter().zip(&log.samples).zip(&log.senders) {
-        if samples.is_empty() {
+    let signals = layouts.iter().zip(&log.samples).zip(&log.senders).zip(without_values(layouts, log));
+    for (((layout, samples), senders), without_value) in signals {
+        if let Some(said) = without_value {
+            output::message(&format!("{}: {said}", path.display()));
+        } else if samples.is_empty() {
             let what = what_came(log, std::slice::from_ref(layout));
             output::message(&format!("{}: no frame has {}; {what}", path.display(), layout.name));
         }
@@ -228,6 +259,10 @@ impl LogFeed {
     fn read(path: &Path, signals: CanSignals, config: &CanConfig) -> Result<Self> {
         let log = SignalLog::read(path, config.interface.as_deref(), &signals.layouts)?;
         if log.samples.iter().all(Vec::is_empty) {
+            let without: Vec<String> = without_values(&signals.layouts, &log).flatten().collect();
+            if !without.is_empty() {
+                bail!("{} says no value of any signal: {}", path.display(), without.join("; "));
+            }
             let names: Vec<&str> = signals.layouts.iter().map(|layout| layout.name.as_str()).collect();
             bail!(
                 "{} has no frame with {}; {}; see can.interface of the configuration and whether the DBC file is this vehicle's",

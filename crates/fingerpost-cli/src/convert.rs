@@ -1,8 +1,11 @@
 //! `fingerpost convert`: others' recordings as drives.
 
+mod frames_of_topic;
 mod kept_messages;
 mod kitti;
+mod measured;
 mod messages;
+mod passed_over;
 mod recorded_drive;
 mod recorded_motion;
 

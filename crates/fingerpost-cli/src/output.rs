@@ -5,13 +5,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost_format::{DriveSummary, ErrorQuantiles, FeatureOutcome, StageTime, Summary};
+use fingerpost_map::escaped;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use log::{Level, LevelFilter, log_enabled};
 use serde::Serialize;
 
 use crate::verbosity::MESSAGES;
 
-/// A message on standard error, unless it is to be quiet.
+/// A message of one line on standard error, unless it is to be quiet.
 pub(crate) fn message(text: &str) {
     log::info!(target: MESSAGES, "{text}");
 }
@@ -23,32 +24,9 @@ pub(crate) fn error(text: &str) {
 
 /// A line on standard error. Where nobody can read it any more, the program goes on without saying it.
 ///
-/// Much of what is said comes from files and arguments: what would steer a terminal, break a line unseen, turn the
-/// direction of writing or hide in it is written as its code; lines and tabs stay.
+/// Much of what is said comes from files and arguments, whose names may hold line breaks and what steers a terminal.
 pub(crate) fn line(text: &str) {
-    let _ = writeln!(io::stderr(), "{}", harmless(text));
-}
-
-fn harmless(text: &str) -> String {
-    let is_layout = |c: char| matches!(c, '\n' | '\t');
-    let mut shown = String::with_capacity(text.len());
-    for c in text.chars() {
-        if (c.is_control() && !is_layout(c)) || is_unseen(c) {
-            shown.extend(c.escape_unicode());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
-}
-
-/// Whether a character shows nothing of itself: Unicode's marks of direction, separators of lines and paragraphs, joiners and
-/// fillers without width, annotations, and tags. The joiners U+200C and U+200D are letters' forms in Persian and Indian names.
-const fn is_unseen(c: char) -> bool {
-    matches!(c,
-        '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}' | '\u{180b}'..='\u{180f}'
-        | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}'
-        | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
+    let _ = writeln!(io::stderr(), "{}", escaped(text));
 }
 
 /// Data on standard output, as one JSON object on a line.
@@ -64,7 +42,9 @@ pub(crate) fn print_text(text: &str) -> Result<()> {
 
 /// An error with everything that led to it on one line; causes that a message already holds are not said twice.
 pub(crate) fn cause_chain(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |chain, cause| match chain {
+    // TOML's parser draws the place of an error below its message.
+    let one_line = |text: String| text.trim_end().lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    error.chain().map(|cause| one_line(cause.to_string())).fold(String::new(), |chain, cause| match chain {
         chain if chain.is_empty() => cause,
         chain if chain.contains(&cause) => chain,
         chain => format!("{chain}: {cause}"),
@@ -164,39 +144,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_character_of_a_message_steers_the_terminal() {
-        for c in (0..=char::MAX as u32).filter_map(char::from_u32) {
-            let shown = harmless(&format!("a{c}b"));
-            let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
-            assert!(!shown.chars().any(|c| steers(c) || is_unseen(c)), "U+{:04X}", c as u32);
-            // What is replaced can be told from what it was, and all else stays.
-            let is_replaced = steers(c) || is_unseen(c);
-            let expected = if is_replaced { format!("a\\u{{{:x}}}b", c as u32) } else { format!("a{c}b") };
-            assert_eq!(shown, expected);
-        }
-        for c in [
-            '\u{2028}',
-            '\u{2029}',
-            '\u{feff}',
-            '\u{e0001}',
-            '\u{e007f}',
-            '\u{200b}',
-            '\u{202e}',
-            '\u{9b}',
-            '\u{7f}',
-        ] {
-            assert!(harmless(&c.to_string()).is_ascii(), "U+{:04X}", c as u32);
-        }
-        assert_eq!(harmless("\u{1b}[31m"), "\\u{1b}[31m");
-        assert_eq!(harmless("user\u{202e}gpj.exe"), "user\\u{202e}gpj.exe");
-        assert_eq!(harmless("Straße 東京 \n\tx"), "Straße 東京 \n\tx");
-    }
-
-    #[test]
     fn a_cause_that_is_said_is_not_said_again() {
         let error = anyhow::anyhow!("disk full").context("a.txt cannot be written (disk full)");
         assert_eq!(cause_chain(&error), "a.txt cannot be written (disk full)");
         let error = anyhow::anyhow!("disk full").context("the run ended");
         assert_eq!(cause_chain(&error), "the run ended: disk full");
+    }
+
+    #[test]
+    fn an_error_is_one_line_whatever_it_is_of() {
+        let torn: toml::de::Error = "a = [".parse::<toml::Table>().unwrap_err();
+        assert!(torn.to_string().contains('\n'));
+        for error in [
+            anyhow::Error::new(torn).context("camera.toml is none"),
+            anyhow::anyhow!("a\nfingerpost: results in b cannot be read"),
+        ] {
+            let chain = cause_chain(&error);
+            assert!(!chain.contains('\n') && escaped(&chain) == chain, "{chain}");
+        }
     }
 }

@@ -87,6 +87,9 @@ fn intrinsics(matrix: [f64; 9]) -> Result<Intrinsics, CameraFileError> {
     }
 }
 
+/// Names of the fisheye lens of Kannala and Brandt, in ROS, Kalibr, OpenCV and this project.
+pub(crate) const KANNALA_BRANDT_NAMES: [&str; 4] = ["equidistant", "equi", "fisheye", "kannala_brandt"];
+
 /// The lens of a model's name and coefficients, by the names of ROS, OpenCV, Kalibr and viewers' messages.
 fn distortion(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
     let used = |most| without_zeros_behind(coefficients, most);
@@ -95,7 +98,7 @@ fn distortion(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFil
         "plumb_bob" | "rational_polynomial" | "radtan" => {
             Ok(Distortion::brown_conrady(used(BROWN_CONRADY_COEFFICIENTS))?)
         }
-        "equidistant" | "equi" | "fisheye" | "kannala_brandt" => {
+        model if KANNALA_BRANDT_NAMES.contains(&model) => {
             Ok(Distortion::kannala_brandt(used(KANNALA_BRANDT_COEFFICIENTS))?)
         }
         "none" | "" if used(0).is_empty() => Ok(Distortion::None),

@@ -17,7 +17,10 @@ use fingerpost_geometry::Mount;
 use yaml_rust2::{Event, Yaml, YamlLoader, parser::Parser, yaml::Hash};
 
 use self::keys::Key;
-use crate::{CameraFileError, CameraInfo, CameraRemark, PictureKind, ReadCamera, camera_file::MountTable};
+use crate::{
+    CameraFileError, CameraInfo, CameraRemark, PictureKind, ReadCamera, camera_file::MountTable,
+    camera_info::KANNALA_BRANDT_NAMES,
+};
 
 /// Bytes of a calibration: calibration programs write two thousand, with every picture's corners a hundred thousand.
 const MOST_BYTES: usize = 1 << 20;
@@ -134,7 +137,18 @@ fn check_whole_picture(root: &Hash) -> Result<(), CameraFileError> {
             return Err(CameraFileError::PartOfPicture { key });
         }
     }
-    let Some(Yaml::Hash(region)) = value_at(root, &["roi"]) else { return Ok(()) };
+    let region = match value_at(root, &["roi"]) {
+        None | Some(Yaml::Null) => return Ok(()),
+        Some(Yaml::Hash(region)) if region.keys().all(|key| key.as_str().is_some_and(keys::is_of_region)) => {
+            region
+        }
+        Some(_) => {
+            let keys = keys::OF_REGION.join(", ");
+            return Err(parse_error(format!(
+                "`roi` must be a mapping of {keys}; delete it if the picture is whole"
+            )));
+        }
+    };
     let side = |key: &str| value_at(region, &[key]).map_or(Ok(0.0), |value| number(value, key));
     let offset = [side("x_offset")?, side("y_offset")?];
     let region_px = [side("width")?, side("height")?];
@@ -142,7 +156,7 @@ fn check_whole_picture(root: &Hash) -> Result<(), CameraFileError> {
     let of_no_size = region_px.iter().all(|side| side.abs() < 1.0);
     // A region of no size is the whole picture.
     let is_whole = of_no_size || region_px.map(|side| side as usize) == [width, height];
-    if offset.iter().any(|start| *start > 0.0) || !is_whole {
+    if !offset.iter().all(|start| start.abs() < 1.0) || !is_whole {
         return Err(CameraFileError::PartOfPicture { key: "roi" });
     }
     Ok(())
@@ -193,15 +207,24 @@ fn matrix(root: &Hash) -> Result<[f64; 9], CameraFileError> {
 /// Model and coefficients; empty where the file says nothing of a lens.
 fn distortion(root: &Hash) -> Result<(String, Vec<f64>), CameraFileError> {
     let coefficients = numbers_of(root, Key::Coefficients)?;
-    let is_fisheye = value_at(root, &["fisheye_model"])
-        .map(|flag| number(flag, "fisheye_model"))
-        .transpose()?
-        .is_some_and(|flag| flag > 0.5);
+    let is_fisheye = match value_at(root, &["fisheye_model"]) {
+        None | Some(Yaml::Null) => None,
+        Some(Yaml::Integer(0) | Yaml::Boolean(false)) => Some(false),
+        Some(Yaml::Integer(1) | Yaml::Boolean(true)) => Some(true),
+        Some(_) => return Err(parse_error("fisheye_model must be 0 or 1".to_owned())),
+    };
     let model = match value_at(root, &["distortion_model"]) {
         Some(Yaml::String(model)) => Some(model.as_str()),
-        Some(Yaml::Null) | None => is_fisheye.then_some("equidistant"),
+        Some(Yaml::Null) | None => (is_fisheye == Some(true)).then_some("equidistant"),
         Some(_) => return Err(parse_error("distortion_model must be a word".to_owned())),
     };
+    // Where both are there, one of them says which lens the coefficients are of.
+    if let (Some(is_fisheye), Some(model)) = (is_fisheye, model)
+        && is_fisheye != KANNALA_BRANDT_NAMES.contains(&model)
+    {
+        let (first, second) = ("fisheye_model".to_owned(), "distortion_model".to_owned());
+        return Err(CameraFileError::Contradiction { first, second });
+    }
     match (model, coefficients) {
         (None, None) => Ok((String::new(), Vec::new())),
         // OpenCV names no model; these are the coefficients of its calibration.

@@ -132,6 +132,71 @@ fn distortion_models_are_told_apart() {
 }
 
 #[test]
+fn a_fisheye_flag_beside_a_model_says_the_same_or_is_refused() {
+    let with = |model: &str, flag: &str| {
+        let coefficients = if model == "none" { "[]" } else { "[0.01, -0.002, 0.0003, -0.00004]" };
+        let text = ROS.replace("[-0.26, 0.08, -0.0003, 0.0004, 0]", coefficients).replace("plumb_bob", model);
+        format!("fisheye_model: {flag}\n{text}")
+    };
+    for (model, flags) in [
+        ("equidistant", ["1", "true"]),
+        ("fisheye", ["1", "~"]),
+        ("plumb_bob", ["0", "false"]),
+        ("none", ["0", "~"]),
+    ] {
+        for flag in flags {
+            let plain = with(model, flag).replace(&format!("fisheye_model: {flag}\n"), "");
+            assert_eq!(lens_of(&with(model, flag)), lens_of(&plain), "{model} {flag}");
+        }
+    }
+    for (model, flag) in [
+        ("plumb_bob", "1"),
+        ("rational_polynomial", "true"),
+        ("none", "1"),
+        ("equidistant", "0"),
+        ("equi", "false"),
+    ] {
+        let said = refusal(&with(model, flag));
+        assert!(
+            said.contains("`fisheye_model`") && said.contains("`distortion_model`"),
+            "{model} {flag}: {said}"
+        );
+    }
+    for flag in ["0.5", "2", "-1", "yes please", "[1]", ".nan"] {
+        assert!(refusal(&with("equidistant", flag)).contains("0 or 1"), "{flag}");
+    }
+}
+
+#[test]
+fn a_region_is_the_whole_picture_or_refused_however_it_is_written() {
+    let with = |region: &str| format!("{ROS}roi: {region}\n");
+    for whole in [
+        "~",
+        "{}",
+        "{x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false}",
+        "{do_rectify: true}",
+    ] {
+        lens_of(&with(whole));
+    }
+    for region in [
+        "[0, 0, 640, 480]",
+        "[10, 20, 300, 200]",
+        "[]",
+        "[[0, 0], [640, 480]]",
+        "10 20 300 200",
+        "5",
+        "{x: 10, y: 20, w: 300, h: 200}",
+        "{x_offset: 0, y_offset: 0, right: 100}",
+        "{x_offset: 12}",
+        "{y_offset: -12}",
+        "{x_offset: .nan}",
+        "{width: 300, height: 200}",
+    ] {
+        assert!(refusal(&with(region)).contains("`roi`"), "{region}");
+    }
+}
+
+#[test]
 fn a_tail_of_zeros_behind_a_models_coefficients_is_none() {
     let fisheye = ROS.replace("plumb_bob", "equidistant");
     let with = |list: &str| fisheye.replace("[-0.26, 0.08, -0.0003, 0.0004, 0]", list);

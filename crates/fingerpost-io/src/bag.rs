@@ -22,6 +22,7 @@
 mod cdr;
 mod choice;
 mod foxglove_messages;
+mod frame_names;
 mod frames;
 mod message;
 mod packed_message;
@@ -36,7 +37,8 @@ mod zstd_chunks;
 
 pub use cdr::CdrError;
 pub use choice::{Choice, ChoiceError, Wanted, is_rectified};
-pub use frames::{Axes, AxesSource, Frames, StaticTransform};
+pub use frame_names::FrameNameError;
+pub use frames::{Axes, AxesSource, Frames, KnownAxes, StaticTransform};
 pub use message::{
     Content, GpsPosition, Inertial, Message, MessageError, Twist, TwistError, VehicleMotion, decode,
 };

@@ -17,7 +17,8 @@ mod log;
 pub use candump::{CanLogError, CanLogFrames, parse_candump_line, read_can_log};
 pub use database::{CanDatabase, CanDatabaseError, UnknownSignal};
 pub use frame::{CanFrame, CanId, LogFrame};
-pub use layout::SignalLayout;
+pub use j1939::NoValue;
+pub use layout::{SignalLayout, SignalReading};
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use listener::{CanListener, CanListenerError};
-pub use log::{SignalLog, SignalSample};
+pub use log::{NoValues, SignalLog, SignalSample};

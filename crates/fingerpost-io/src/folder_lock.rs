@@ -122,12 +122,8 @@ fn holder(file: &mut File) -> String {
     let read = file.take(MOST_HOLDER_BYTES).read_to_string(&mut text);
     match read.ok().and_then(|_| serde_json::from_str::<Holder>(&text).ok()) {
         Some(Holder { pid, command, since }) => {
-            format!("process {pid} ({}) since {}", printable(&command), printable(&since))
+            format!("process {pid} ({}) since {}", command.escape_debug(), since.escape_debug())
         }
         None => "another process".to_owned(),
     }
-}
-
-fn printable(text: &str) -> String {
-    text.chars().map(|letter| if letter.is_control() { '?' } else { letter }).collect()
 }

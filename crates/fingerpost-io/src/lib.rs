@@ -48,8 +48,8 @@ mod whole_file;
 pub use bag_files::{BagFilesError, bag_files, open_bag};
 pub use camera::{CameraReadError, read_camera};
 pub use can::{
-    CanDatabase, CanDatabaseError, CanFrame, CanId, CanLogError, CanLogFrames, LogFrame, SignalLayout,
-    SignalLog, SignalSample, UnknownSignal, parse_candump_line, read_can_log,
+    CanDatabase, CanDatabaseError, CanFrame, CanId, CanLogError, CanLogFrames, LogFrame, NoValue, NoValues,
+    SignalLayout, SignalLog, SignalReading, SignalSample, UnknownSignal, parse_candump_line, read_can_log,
 };
 #[cfg(all(feature = "socketcan", target_os = "linux"))]
 pub use can::{CanListener, CanListenerError};

@@ -3,7 +3,7 @@
 // Functions shared by tests fail their test by panicking.
 #![allow(clippy::unwrap_used)]
 
-use fingerpost_io::bag::{RecordsError, Survey, survey};
+use fingerpost_io::bag::{Content, Frames, Records, RecordsError, Schema, Survey, Twist, decode, survey};
 use mcap::MAGIC;
 use mcap::records::op;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
@@ -183,5 +183,97 @@ fn what_is_larger_than_any_record_is_named_and_asks_for_no_memory() {
         let bytes = file(&record(op::CHUNK, &[&sizes[..], &[0; 8]].concat()));
         let said = survey([&bytes[..]]).cut_short.unwrap();
         assert!(matches!(said, RecordsError::TooLarge { what: "chunk", .. }), "{said:?}");
+    }
+}
+
+/// A message's header at a time of zero.
+fn header(frame_id: &str) -> Vec<u8> {
+    let mut cdr = [&[0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &text(frame_id)].concat();
+    cdr.resize(4 + (cdr.len() - 4).next_multiple_of(8), 0);
+    cdr
+}
+
+/// What is kept of a recording's motion: as `convert` keeps it.
+fn kept_motion(bytes: &[u8]) -> (Frames, Vec<Twist>, u64) {
+    let (mut frames, mut twists, mut refused) = (Frames::default(), Vec::new(), 0);
+    for record in Records::new(bytes).map_while(Result::ok) {
+        let schema = Schema::named(&record.schema).unwrap();
+        let kept = match decode(schema, &record.data).map(|message| message.content) {
+            Ok(Content::Twist(twist)) => frames.shared_name(&twist.frame_id).map(|frame_id| {
+                twists.push(Twist { frame_id, ..twist });
+            }),
+            Ok(Content::Transforms(transforms)) => frames.add(transforms),
+            Ok(_) => Ok(()),
+            Err(_) => {
+                refused += 1;
+                continue;
+            }
+        };
+        refused += u64::from(kept.is_err());
+    }
+    (frames, twists, refused)
+}
+
+#[test]
+fn frames_are_named_in_bounded_memory_however_many_and_long_their_names_are() {
+    let begin = [
+        schema(1, Schema::RosTwistStamped.name()),
+        schema(2, Schema::RosTransforms.name()),
+        channel(1, 1, "/twist", "cdr"),
+        channel(2, 2, "/tf_static", "cdr"),
+    ]
+    .concat();
+    let of_channel = |channel: u16, data: &[u8]| {
+        record(op::MESSAGE, &[&channel.to_le_bytes()[..], &[0; 20], data].concat())
+    };
+    let twist = |frame_id: &str| of_channel(1, &[header(frame_id), vec![0; 48]].concat());
+    // One that turns nothing: a quaternion's last number is one.
+    let transform = |parent: &str, child: &str| {
+        let mut cdr = [&[0, 1, 0, 0, 1, 0, 0, 0][..], &header(parent)[4..]].concat();
+        cdr.extend(text(child));
+        cdr.resize(4 + (cdr.len() - 4).next_multiple_of(8), 0);
+        cdr.extend([0; 48]);
+        cdr.extend(1.0_f64.to_le_bytes());
+        of_channel(2, &cdr)
+    };
+    let long = |i: u32| format!("{i:06}{}", "A".repeat(LONG_NAME_BYTES));
+    let longest = |i: u32| format!("{i:06}{}", "A".repeat(249));
+    let all: [(Vec<u8>, u64, usize); 4] = [
+        ((0..40).flat_map(|i| twist(&long(i))).collect(), 40, 0),
+        ((0..40).flat_map(|i| transform("base_link", &long(i))).collect(), 40, 0),
+        ((0..70_000).flat_map(|i| twist(&longest(i))).collect(), 70_000 - 65_536, 65_536),
+        ((0..70_000).flat_map(|_| twist(&longest(7))).collect(), 0, 70_000),
+    ];
+    for (messages, expected_refused, expected_twists) in all {
+        let bytes = file(
+            &[
+                begin.clone(),
+                chunk(&messages, "zstd", &compress_to_vec(&messages[..], CompressionLevel::Fastest)),
+            ]
+            .concat(),
+        );
+        let unpacked_bytes = messages.len() as u64;
+        let mut found = None;
+        let taken = allocation_counter::measure(|| found = Some(kept_motion(&bytes)));
+        let (_frames, twists, refused) = found.unwrap();
+        assert_eq!((refused, twists.len()), (expected_refused, expected_twists));
+        // Beside the chunk, packed and unpacked, and the decoder's window: what is kept of messages and names.
+        let kept_bytes = 3 * 80 * twists.len() as u64 + 65_536 * 400;
+        let most_bytes = 4 * unpacked_bytes + kept_bytes;
+        assert!(taken.bytes_max < most_bytes.min(MOST_BYTES), "{} bytes", taken.bytes_max);
+        assert!((taken.bytes_current.unsigned_abs()) < kept_bytes, "{} bytes", taken.bytes_current);
+    }
+}
+
+#[test]
+fn a_message_of_more_transforms_than_frames_is_refused_before_any_is_read() {
+    for count in [65_537_u32, 1 << 20, u32::MAX] {
+        let mut cdr = [&[0, 1, 0, 0][..], &count.to_le_bytes()].concat();
+        cdr.resize(100 << 20, 0);
+        let taken = allocation_counter::measure(|| {
+            let said = decode(Schema::RosTransforms, &cdr).unwrap_err().to_string();
+            assert!(said.contains(&count.to_string()) && said.contains("65536"), "{said}");
+        });
+        assert!(taken.bytes_max < 1000, "{} bytes", taken.bytes_max);
     }
 }

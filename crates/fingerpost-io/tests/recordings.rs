@@ -72,6 +72,23 @@ fn messages_that_were_packed_one_by_one_are_unpacked() {
     for cut in 0..packed.len() {
         assert!(decode(Schema::RosImage, &packed[..cut]).is_err(), "{cut}");
     }
+    // In several frames, with one between that is skipped, and one whose end is missing or is followed by what is no frame.
+    let (first, second) = message.split_at(20);
+    let [first, second] = [first, second].map(|part| compress_to_vec(part, CompressionLevel::Fastest));
+    let skipped = [0x50, 0x2a, 0x4d, 0x18, 3, 0, 0, 0, 9, 9, 9];
+    for frames in [
+        vec![&first[..], &second],
+        vec![&first, &skipped, &second],
+        vec![&skipped, &first, &second, &skipped],
+    ] {
+        assert_eq!(decode(Schema::RosImage, &frames.concat()), decode(Schema::RosImage, &message));
+        let ends: Vec<usize> = (0..=frames.len()).map(|count| frames[..count].concat().len()).collect();
+        for cut in (1..frames.concat().len()).filter(|cut| !ends.contains(cut)) {
+            assert!(decode(Schema::RosImage, &frames.concat()[..cut]).is_err(), "{cut}");
+        }
+        let cause = decode(Schema::RosImage, &[frames.concat(), b"and what is no frame".to_vec()].concat());
+        assert!(cause.unwrap_err().to_string().contains("ros2 bag convert"));
+    }
     let cause = decode(Schema::RosImage, &packed[..8]).unwrap_err().to_string();
     assert!(cause.contains("Zstandard") && cause.contains("ros2 bag convert"), "{cause}");
     // A few thousand bytes that stand for more than any record has.
@@ -94,7 +111,7 @@ fn motion_is_read_with_its_frame() {
         decode(Schema::RosImu, &cdr.0).unwrap().content
     };
     let measured = |acceleration_mps2| {
-        let frame_id = "imu_optical".to_owned();
+        let frame_id = "imu_optical".into();
         Content::Inertial(Some(Inertial { frame_id, angular_rps: [0.1, -0.2, 0.3], acceleration_mps2 }))
     };
     assert_eq!(unit(0.0, 0.01), measured(Some([1.0, -9.8, 2.0])));
@@ -105,7 +122,7 @@ fn motion_is_read_with_its_frame() {
     let twist = Cdr::new().header("base_link").doubles(&moves);
     let odometry = Cdr::new().header("odom").text("base_link").doubles(&[0.0; 43]).doubles(&moves);
     for (schema, cdr) in [(Schema::RosTwistStamped, twist), (Schema::RosOdometry, odometry)] {
-        let (frame_id, linear_mps) = ("base_link".to_owned(), [8.0, 0.1, 0.2]);
+        let (frame_id, linear_mps) = ("base_link".into(), [8.0, 0.1, 0.2]);
         let expected = Content::Twist(Twist { frame_id, linear_mps, angular_rps: [0.3, 0.4, 0.5] });
         assert_eq!(decode(schema, &cdr.0).unwrap().content, expected, "{schema:?}");
     }
@@ -121,7 +138,7 @@ fn static_transforms_turn_what_a_sensor_measures() {
         panic!("transforms were expected")
     };
     let mut frames = Frames::default();
-    frames.add(transforms);
+    frames.add(transforms).unwrap();
     let [forward, left, up] = frames.axes("imu").in_vehicle([0.0, 0.3, 0.1]);
     assert!(forward.abs() < 1e-12 && (left + 0.1).abs() < 1e-12 && (up - 0.3).abs() < 1e-12);
     // A count beyond the message's end asks for no memory.

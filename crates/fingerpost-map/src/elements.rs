@@ -1,7 +1,8 @@
 //! The elements of a file on their way into [`OsmData`]: which of several with one number counts.
 //!
 //! Histories hold every version of an element, and maps of several dates or areas that were put together hold some twice: the
-//! newest version counts, and none where that one is a deletion; of copies with one version the first. A file whose numbers
+//! newest version counts, and none where that one is a deletion; of copies with one version the first. A deletion is newer than an element
+//! of its version: editors mark it without counting the version up. A file whose numbers
 //! ascend, as nearly all do, is read once. Any other is read again, for the versions of the elements that are in question
 //! alone, so that versions take no memory where nobody needs them.
 
@@ -11,7 +12,8 @@ use crate::osm::{OsmBarrier, OsmData, OsmError, OsmNode, OsmWay};
 use crate::osm_budget::Budget;
 use crate::{LatLon, MapNoticeKind, notice::Notices};
 
-/// What a file says of an element's age.
+/// What a file says of an element's age, in the order of time: by the number, and of one number what is deleted comes last, because
+/// editors keep the number of an element that they delete.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Version {
     /// Its number, ascending with time; 0 where the file does not say it.

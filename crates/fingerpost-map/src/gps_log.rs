@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use crate::gpx::{DAY_S, POINT_BYTES, parse_time_s};
 use crate::passed_over::{PassedOver, UnreadPlace};
-use crate::text_encoding::text_of;
+use crate::text_encoding::{DecodedText, text_of};
 use crate::{GpxError, GpxPoint, GpxTrack, LatLon, parse_gpx_within};
 
 /// What a log holds.
@@ -95,7 +95,8 @@ enum Line {
 /// # Errors
 /// [`GpsLogError`] when there is no position in it, or too many.
 pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog, GpsLogError> {
-    let text = text_of(bytes);
+    // A replaced letter is in a name, which is not used, or in a number, which is then said to be none.
+    let DecodedText { text, .. } = text_of(bytes);
     if text.trim_start().starts_with('<') {
         let GpxTrack { points, passed_over } = parse_gpx_within(&text, memory_bytes)?;
         return Ok(GpsLog { points, damaged: passed_over, unchecked: 0 });

@@ -49,6 +49,7 @@ pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
 pub use gps_log::{GpsLog, GpsLogError, parse_gps_log_within};
 pub use gpx::{GpxError, GpxPoint, GpxTrack, parse_gpx, parse_gpx_within};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
+pub use label::escaped;
 pub use leaving::{LEAVES_WITHIN_M, leaves_after_m};
 pub use match_track::match_track;
 pub use notice::{MapNotice, MapNoticeKind};

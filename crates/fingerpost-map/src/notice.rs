@@ -12,6 +12,8 @@ pub enum MapNoticeKind {
     Remark,
     /// Elements that stand in the map more than once, in versions or as copies.
     RepeatedElement,
+    /// Letters of an encoding that is not read.
+    Letter,
     /// XML elements that no OpenStreetMap file has there.
     UnknownElement,
     /// Nodes of roads that lie at one place and that no way joins.
@@ -54,6 +56,11 @@ impl MapNoticeKind {
                 "repeated_element",
                 "nodes and ways that stand in the map again, as in a history or where extracts overlap",
                 "of versions the newest counts, of copies the first",
+            ],
+            Self::Letter => [
+                "letter",
+                "letters that are not UTF-8",
+                "they are replaced, and what they stand in may not be understood: write the map again in UTF-8",
             ],
             Self::UnknownElement => ["unknown_element", "elements not understood", "they are passed over"],
             Self::UnjoinedNodes => [
@@ -114,8 +121,13 @@ pub(crate) struct Notices(BTreeMap<MapNoticeKind, (usize, String)>);
 impl Notices {
     /// Counts one; `first` says where and what, and is asked for the first of its kind alone.
     pub(crate) fn add(&mut self, kind: MapNoticeKind, first: impl FnOnce() -> String) {
+        self.add_many(kind, 1, first);
+    }
+
+    /// Counts several of one kind.
+    pub(crate) fn add_many(&mut self, kind: MapNoticeKind, more: usize, first: impl FnOnce() -> String) {
         let (count, _) = self.0.entry(kind).or_insert_with(|| (0, cleaned(&first())));
-        *count += 1;
+        *count += more;
     }
 
     /// One a kind, in the order of the kinds.

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use thiserror::Error;
 
 use crate::elements::gather;
+use crate::text_encoding::{first_letter, text_of};
 use crate::{LatLon, MapNotice, osm_pbf, osm_xml};
 
 /// A node: a place with a number.
@@ -81,7 +82,7 @@ pub enum OsmError {
     /// XML that is not well formed or holds values that cannot be read.
     #[error("the OSM XML is broken at byte {at_byte}: {cause}; export or download it again")]
     Xml {
-        /// Where reading stopped, bytes from the start.
+        /// Where reading stopped, bytes from the start of the text in UTF-8.
         at_byte: u64,
         /// What is wrong there.
         cause: String,
@@ -152,14 +153,13 @@ impl OsmData {
     /// # Errors
     /// Empty, packed or foreign bytes, and those of [`Self::from_xml`] and [`Self::from_pbf`].
     pub fn from_bytes_within(bytes: &[u8], memory_bytes: usize) -> Result<Self, OsmError> {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
         if bytes.is_empty() {
             Err(OsmError::Empty)
         } else if bytes.get(PBF_NAME_AT..).is_some_and(|rest| rest.starts_with(b"OSMHeader")) {
             Self::from_pbf(bytes, memory_bytes)
-        } else if text.starts_with(b"<") {
+        } else if first_letter(bytes) == Some(b'<') {
             Self::from_xml(bytes, memory_bytes)
-        } else if text.starts_with(b"{") {
+        } else if first_letter(bytes) == Some(b'{') {
             Err(OsmError::Json)
         } else if bytes.starts_with(b"BZh") {
             Err(OsmError::Packed { packer: "bzip2", command: "bunzip2 FILE" })
@@ -171,7 +171,8 @@ impl OsmData {
         }
     }
 
-    /// Reads OSM XML (`<osm>` with `<node>` and `<way>`) into at most `memory_bytes`.
+    /// Reads OSM XML (`<osm>` with `<node>` and `<way>`), in UTF-8 or UTF-16, into at most `memory_bytes`. Letters of another encoding are
+    /// replaced, and counted among the notices.
     ///
     /// # Errors
     /// [`OsmError::Empty`], [`OsmError::TooLarge`], and [`OsmError::Xml`] for XML that is cut short, not well formed, no OSM document, or holds
@@ -180,7 +181,8 @@ impl OsmData {
         if bytes.is_empty() {
             return Err(OsmError::Empty);
         }
-        gather(memory_bytes, |elements| osm_xml::read(bytes, elements))
+        let decoded = text_of(bytes);
+        gather(memory_bytes, |elements| osm_xml::read(&decoded, elements))
     }
 
     /// Reads OSM PBF into at most `memory_bytes`.

@@ -1,13 +1,17 @@
 //! OSM XML, as editors, osmium and Overpass write it: `<osm>` with `<node>`, `<way>` and what servers say in a `<remark>`.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use quick_xml::events::{BytesStart, Event};
+use quick_xml::escape::resolve_predefined_entity;
+use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::reader::Reader;
 
 use crate::access::BARRIER_KEYS;
 use crate::elements::{Elements, Version};
+use crate::label::ELLIPSIS;
 use crate::osm::{OsmError, OsmWay};
+use crate::text_encoding::DecodedText;
 use crate::xml_attributes::{Attributes, MOST_DEPTH};
 use crate::{LatLon, MapNoticeKind};
 
@@ -18,11 +22,14 @@ const PASSED_OVER: [&str; 9] =
 const MOST_REMARK_BYTES: usize = 1000;
 
 /// Gives nodes and highways to `elements`, in the document's order.
-pub(crate) fn read(bytes: &[u8], elements: &mut Elements) -> Result<(), OsmError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| OsmError::Xml {
-        at_byte: error.valid_up_to() as u64,
-        cause: "not UTF-8 text".to_owned(),
-    })?;
+pub(crate) fn read(document: &DecodedText<'_>, elements: &mut Elements) -> Result<(), OsmError> {
+    let DecodedText { text, replaced } = document;
+    let copied_bytes = if let Cow::Owned(text) = text { text.capacity() } else { 0 };
+    elements.budget.take(copied_bytes)?;
+    if *replaced > 0 && elements.are_taken() {
+        let first = || format!("byte {}", text.find(char::REPLACEMENT_CHARACTER).unwrap_or_default());
+        elements.notices.add_many(MapNoticeKind::Letter, *replaced, first);
+    }
     let mut reader = Reader::from_str(text);
     let mut document = Document { elements, depth: 0, is_osm: false, open: Open::Nothing, taken_bytes: 0 };
     loop {
@@ -34,14 +41,25 @@ pub(crate) fn read(bytes: &[u8], elements: &mut Elements) -> Result<(), OsmError
             Ok(Event::Text(text)) => document.text(&text),
             Ok(Event::CData(text)) => document.text(&text),
             // A reference stands between two texts, as in &quot;.
-            Ok(Event::GeneralRef(_)) => document.text("\""),
+            Ok(Event::GeneralRef(reference)) => document.text(&referred(&reference)),
             Ok(Event::Eof) => break,
             Ok(_) => Ok(()),
             Err(error) => Err(error.to_string().into()),
         };
         step.map_err(|fault| fault.at(at_byte))?;
     }
-    document.finish().map_err(|fault| fault.at(bytes.len() as u64))
+    document.finish().map_err(|fault| fault.at(text.len() as u64))?;
+    elements.budget.give_back(copied_bytes);
+    Ok(())
+}
+
+/// What a reference stands for: a letter by its number or by its name in XML; itself, where it is neither.
+fn referred(reference: &BytesRef<'_>) -> String {
+    if let Ok(Some(letter)) = reference.resolve_char_ref() {
+        return letter.to_string();
+    }
+    let known = resolve_predefined_entity(reference);
+    known.map_or_else(|| format!("&{};", &**reference), str::to_owned)
 }
 
 /// Why reading ends.
@@ -156,11 +174,17 @@ impl Document<'_> {
         Ok(())
     }
 
+    /// Takes text between tags, as much of a remark as is kept; an ellipsis stands for the rest.
     fn text(&mut self, text: &str) -> Result<(), Fault> {
         if let Open::Remark(remark) = &mut self.open
-            && remark.len() + text.len() <= MOST_REMARK_BYTES
+            && remark.len() < MOST_REMARK_BYTES
         {
-            remark.push_str(text);
+            let kept = text.floor_char_boundary(MOST_REMARK_BYTES - remark.len());
+            remark.push_str(&text[..kept]);
+            if kept < text.len() {
+                remark.truncate(remark.floor_char_boundary(MOST_REMARK_BYTES - ELLIPSIS.len_utf8()));
+                remark.push(ELLIPSIS);
+            }
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Histories, maps that were put together, deleted elements and places on ways: in XML and in PBF the same data.
 
-// Functions shared by tests fail their test by unwrapping.
-#![allow(clippy::unwrap_used)]
+// Functions shared by tests fail their test by panicking.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod pbf_bytes;
 
@@ -254,4 +254,106 @@ fn what_a_server_says_of_a_map_is_kept() {
     );
     let refused = OsmData::from_bytes(b" {\"version\": 0.6, \"elements\": []}").unwrap_err();
     assert_eq!(refused, OsmError::Json);
+}
+
+#[test]
+fn a_deletion_is_newer_than_an_element_of_its_version() {
+    for version in [0, 1, 7] {
+        let both = [
+            [Node(1, version, Some(10)), Node(1, version, None)],
+            [Way(7, version, Some("track")), Way(7, version, None)],
+        ];
+        for [there, deleted] in both {
+            for order in [vec![there, deleted], vec![deleted, there], vec![there, deleted, there]] {
+                let (nodes, ways, _) = read(&order);
+                assert!(nodes.is_empty() && ways.is_empty(), "{order:?}");
+            }
+            // One that was made again has a version of its own.
+            let again = match there {
+                Node(id, _, lat) => Node(id, version + 1, lat),
+                Way(id, _, class) => Way(id, version + 1, class),
+            };
+            for order in [[there, deleted, again], [again, deleted, there], [deleted, again, there]] {
+                let (nodes, ways, _) = read(&order);
+                assert_eq!(nodes.len() + ways.len(), 1, "{order:?}");
+            }
+        }
+    }
+    // As editors write it.
+    let text = "<osm><node id='1' version='3' lat='1' lon='2'/><node id='1' version='3' action='delete' lat='1' lon='2'/></osm>";
+    assert!(OsmData::from_bytes(text.as_bytes()).unwrap().nodes.is_empty());
+}
+
+/// The remark of a map with this inside.
+fn remark(inner: &str) -> String {
+    let data = OsmData::from_bytes(format!("<osm><remark>{inner}</remark></osm>").as_bytes()).unwrap();
+    let [remark] = data.notices.as_slice() else { panic!("{:?}", data.notices) };
+    remark.first.clone()
+}
+
+#[test]
+fn references_in_a_remark_are_what_they_stand_for() {
+    for (inner, expected) in [
+        ("a &amp; b &lt;c&gt; &quot;d&quot; &apos;e&apos;", "a & b <c> \"d\" 'e'"),
+        ("&#x27;out of memory&#39; &#228;&#x1F697;", "'out of memory' ä🚗"),
+        ("&amp;quot; stays", "&quot; stays"),
+        ("&nbsp;&unknown; &#xD800; &#99999999;", "&nbsp;&unknown; &#xD800; &#99999999;"),
+        ("a&#10;fingerpost: b&#27;[2J", "a fingerpost: b[2J"),
+    ] {
+        assert_eq!(remark(inner), expected, "{inner}");
+    }
+}
+
+#[test]
+fn a_remark_that_is_too_long_ends_in_an_ellipsis() {
+    for inner in [
+        "long ".repeat(1000),
+        "ö".repeat(501),
+        "&quot;".repeat(1001),
+        format!("{}&amp;{}", "x".repeat(999), "y".repeat(5)),
+        format!("begins{}ends", " ".repeat(2000)),
+        format!("{}<b/>{}", "x ".repeat(600), "y".repeat(5)),
+    ] {
+        let shown = remark(&inner);
+        assert!(shown.ends_with('…') && shown.chars().count() <= 200, "{shown}");
+        assert!(shown.starts_with(['l', 'ö', '"', 'x', 'b']), "{shown}");
+    }
+    assert_eq!(remark(&"x".repeat(200)), "x".repeat(200));
+}
+
+#[test]
+fn a_map_is_read_in_every_encoding_that_a_track_is() {
+    let name = "Straße 東京 🚗";
+    let text = format!(
+        "<?xml version='1.0'?><osm><node id='1' lat='1' lon='2'/><node id='2' lat='1' lon='3'/>\
+         <way id='7'><nd ref='1'/><nd ref='2'/><tag k='highway' v='track'/><tag k='name' v='{name}'/></way></osm>"
+    );
+    let expected = OsmData::from_bytes(text.as_bytes()).unwrap();
+    assert_eq!((expected.ways[0].tags["name"].as_str(), expected.notices.len()), (name, 0));
+    let units = || text.encode_utf16();
+    for mark in [None, Some(0xFEFF)] {
+        let little: Vec<u8> = mark.into_iter().chain(units()).flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = mark.into_iter().chain(units()).flat_map(u16::to_be_bytes).collect();
+        let marked = [mark.map_or(&b""[..], |_| b"\xef\xbb\xbf"), text.as_bytes()].concat();
+        for bytes in [little, big, marked] {
+            assert_eq!(OsmData::from_bytes(&bytes).unwrap(), expected);
+            // What it takes in UTF-8 counts where it is copied.
+            assert!(matches!(OsmData::from_bytes_within(&bytes, 100), Err(OsmError::TooLarge { .. })));
+            assert!(matches!(OsmData::from_bytes(&bytes[..bytes.len() / 2]), Err(OsmError::Xml { .. })));
+        }
+    }
+    // Latin-1: the letters that are none are counted.
+    let latin: Vec<u8> = text
+        .replace(name, "Stra\u{df}e \u{e9}")
+        .chars()
+        .map(|c| u8::try_from(u32::from(c)).unwrap())
+        .collect();
+    let read = OsmData::from_bytes(&latin).unwrap();
+    assert_eq!(read.ways[0].tags["name"], "Stra\u{fffd}e \u{fffd}");
+    let [letters] = read.notices.as_slice() else { panic!("{:?}", read.notices) };
+    assert_eq!((letters.kind, letters.count), (MapNoticeKind::Letter, 2));
+    let at: usize = letters.first.strip_prefix("byte ").unwrap().parse().unwrap();
+    assert_eq!(latin[at], 0xDF);
+    let json: Vec<u8> = "{\"elements\": []}".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(OsmData::from_bytes(&json), Err(OsmError::Json));
 }

@@ -53,9 +53,15 @@ pub(crate) struct TopicCount {
     /// Those that cannot be used.
     pub(crate) refused: u64,
     pub(crate) last_refusal: Option<String>,
+    /// What the first of those that are used is taken for without its saying so.
+    pub(crate) guess: Option<String>,
 }
 
 impl TopicCount {
+    pub(crate) fn guess(&mut self, assumed: impl FnOnce() -> String) {
+        self.guess.get_or_insert_with(assumed);
+    }
+
     pub(crate) fn refuse(&mut self, cause: String) {
         self.refused += 1;
         self.last_refusal = Some(cause);
@@ -70,6 +76,7 @@ struct Watched {
     /// What was refused when diagnostics were sent last.
     refused: u64,
     is_said: bool,
+    is_guess_said: bool,
 }
 
 /// The method after a frame.
@@ -100,6 +107,7 @@ impl Health {
             topic: topic.clone(),
             refused: 0,
             is_said: false,
+            is_guess_said: false,
         });
         Self {
             node: node.to_owned(),
@@ -134,7 +142,7 @@ impl Health {
         };
     }
 
-    /// What is to be said of inputs that have fallen silent, never come or come again.
+    /// What is to be said of inputs that have fallen silent, never come, come again or are used by a guess.
     pub(crate) fn changes(&mut self, now: Instant, count: impl Fn(Input) -> TopicCount) -> Vec<String> {
         let began = self.began;
         let mut said = Vec::new();
@@ -155,6 +163,10 @@ impl Health {
                 said.push(format!("{name}: {topic} has come again"));
             }
             watched.is_said = is_silent;
+            if let Some(assumed) = count.guess.filter(|_| !watched.is_guess_said) {
+                watched.is_guess_said = true;
+                said.push(format!("{name}: {topic}: {assumed}"));
+            }
         }
         said
     }
@@ -271,6 +283,20 @@ mod tests {
         assert!(at(8.0, Some(7.0)).is_empty());
         assert!(at(9.0, Some(7.0))[0].contains("silent for 2.0 s"));
         assert!(at(9.1, Some(7.0)).is_empty());
+    }
+
+    #[test]
+    fn a_guess_is_said_once() {
+        let began = Instant::now();
+        let mut health = health(began);
+        let mut at = |guess: Option<&str>| {
+            let guess = guess.map(str::to_owned);
+            let count = |_| TopicCount { last: Some(began), guess: guess.clone(), ..TopicCount::default() };
+            health.changes(began, count)
+        };
+        assert!(at(None).is_empty());
+        assert_eq!(at(Some("a body's")), ["pictures: /camera: a body's"]);
+        assert!(at(Some("a body's")).is_empty());
     }
 
     #[test]

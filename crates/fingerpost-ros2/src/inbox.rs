@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use fingerpost_format::CameraInfo;
-use fingerpost_io::bag::{Content, Frames, GpsPosition, Message, Picture, VehicleMotion};
+use fingerpost_io::bag::{AxesSource, Content, Frames, GpsPosition, Message, Picture, VehicleMotion};
 
 use crate::health::{Input, TopicCount};
 
@@ -149,8 +149,19 @@ impl State {
             Content::Calibration(calibration) => self.calibration = Some(calibration),
             Content::Gps(Some(position)) => keep(&mut self.gps, stamp("position")?, position),
             Content::Twist(twist) => {
-                let motion = twist.of_vehicle(&Frames::default()).map_err(|cause| cause.to_string())?;
+                // Transforms are not listened to, so that the frame's name says all.
+                let axes = Frames::default().axes(&twist.frame_id);
+                let motion = twist.of_vehicle(&axes).map_err(|cause| cause.to_string())?;
                 keep(&mut self.twist, stamp("twist")?, motion);
+                if axes.source() == AxesSource::Guessed {
+                    self.counts[Input::Twist as usize].guess(|| {
+                        format!(
+                            "it is in frame {:?}, {}; where it is not, have its sender give it in base_link",
+                            twist.frame_id,
+                            axes.source().words()
+                        )
+                    });
+                }
             }
             Content::Gps(None) | Content::Picture(_) | Content::Inertial(_) | Content::Transforms(_) => {}
         }
@@ -189,8 +200,12 @@ mod tests {
     }
 
     fn twist(stamp_ns: u64, speed_mps: f64) -> Result<Message, String> {
+        twist_in("base_link", stamp_ns, speed_mps)
+    }
+
+    fn twist_in(frame_id: &str, stamp_ns: u64, speed_mps: f64) -> Result<Message, String> {
         let content = Content::Twist(Twist {
-            frame_id: "base_link".to_owned(),
+            frame_id: frame_id.into(),
             linear_mps: [speed_mps, 0.0, 0.0],
             angular_rps: [0.0; 3],
         });
@@ -216,6 +231,26 @@ mod tests {
         inbox.put(Input::Twist, twist(200 * MS, 4.0));
         inbox.put(Input::Pictures, picture(1500 * MS));
         assert!(all(&inbox)[0].twist.is_none(), "a twist of more than a second ago");
+    }
+
+    #[test]
+    fn a_twist_in_an_unknown_frame_is_used_and_said_to_be_a_guess() {
+        for (frames, guessed) in [
+            (vec!["base_link", "base_footprint", "front_optical"], None),
+            (vec!["base_link", "gps_antenna", "other"], Some("\"gps_antenna\"")),
+            (vec![""], Some("\"\"")),
+        ] {
+            let inbox = Inbox::new(5);
+            for (at, frame_id) in (1..).zip(&frames) {
+                inbox.put(Input::Twist, twist_in(frame_id, at * MS, 2.0));
+            }
+            inbox.put(Input::Pictures, picture(50 * MS));
+            assert!(all(&inbox)[0].twist.is_some());
+            let said = inbox.count(Input::Twist).guess;
+            assert_eq!(said.is_some(), guessed.is_some(), "{said:?}");
+            let said = said.unwrap_or_default();
+            assert!(guessed.is_none_or(|name| said.contains(name) && said.contains("vehicle's")), "{said}");
+        }
     }
 
     #[test]

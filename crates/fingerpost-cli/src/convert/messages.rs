@@ -122,7 +122,7 @@ fn convert(input: &Path, files: &[PathBuf], args: &RecordingArgs) -> Result<()> 
         }
     };
     let interrupt = preparation.work_begins();
-    let drive = read(files, &choice, RecordedDrive::new(&args.out, camera, source), &interrupt)?;
+    let drive = read(files, &choice, RecordedDrive::new(&args.out, camera, source, &choice), &interrupt)?;
     let converted = drive.finish(input)?;
     if let Some(cause) = &cut_short {
         output::message(&format!("{cause}; what came before is converted"));
@@ -199,7 +199,7 @@ fn read(
             let message = match decode(schema, &record.data) {
                 Ok(message) => message,
                 Err(cause) => {
-                    drive.pass_over(format!("{}: {cause}", record.topic));
+                    drive.pass_over(|| format!("{}: {cause}", record.topic));
                     continue;
                 }
             };

@@ -11,6 +11,7 @@ use fingerpost_eval::{
     evaluate_lanes, evaluate_tusimple, lane_picture_px, mean_of_lanes,
 };
 use fingerpost_format::{FromJson, Summary, TuSimpleRecord, from_json_lines};
+use fingerpost_map::escaped;
 use fingerpost_report::{SurfacePlot, surface_svg};
 use serde::Serialize;
 
@@ -156,7 +157,7 @@ pub(super) fn lanes(args: &LanesArgs) -> Result<()> {
     let mean = mean_of_lanes(&evaluations);
     let mut text: String = clips
         .iter()
-        .map(|clip| clip_table(&clip.run.display().to_string(), &clip.evaluation, &measure))
+        .map(|clip| clip_table(&escaped(&clip.run.display().to_string()), &clip.evaluation, &measure))
         .collect::<Vec<_>>()
         .join("\n");
     if let Some(mean) = mean.as_ref().filter(|mean| mean.clips > 1) {
@@ -210,7 +211,7 @@ fn picture_px(run: &Path) -> Result<Option<[u32; 2]>> {
 /// The table: on standard output, unless data has that.
 fn say(args: &LanesArgs, text: &str) -> Result<()> {
     if args.json {
-        output::message(text);
+        text.lines().for_each(output::message);
         Ok(())
     } else {
         output::print_text(text)

@@ -393,3 +393,30 @@ fn times_of_a_gps_track_that_say_nothing_are_not_believed() {
     let called = run(&point(0, "1970-01-01T02:00:00Z")).done();
     assert!(called.stderr.contains("none of the 1 GPS positions was used"), "{}", called.stderr);
 }
+
+/// Whatever a file is called, what is said of it is on its own lines.
+#[test]
+#[cfg(unix)]
+fn a_line_break_in_a_files_name_forges_no_line() {
+    let folder = TempDir::new().unwrap();
+    let forged = "fingerpost: results in elsewhere";
+    for line_break in ["\n", "\r\n", "\u{2028}", "\u{85}", "\u{b}"] {
+        let name = folder.path().join(format!("drive{line_break}{forged}"));
+        // A map that is empty, one that is none, and a configuration that is no TOML.
+        for (text, arguments) in [
+            (
+                "<osm><remark>cut</remark></osm>",
+                vec!["route", "--out", "r.geojson", "--from", "47,9", "--to", "47,9.1", "--map"],
+            ),
+            ("no map", vec!["route", "--out", "r.geojson", "--from", "47,9", "--to", "47,9.1", "--map"]),
+            ("a = [", vec!["can", "x.log", "--dbc", "x.dbc", "--config"]),
+        ] {
+            fs::write(&name, text).unwrap();
+            let called: Called = command().args(&arguments).arg(&name).output().unwrap().into();
+            called.refused(1, &["elsewhere"]);
+            assert!(called.stderr.lines().all(|line| !line.starts_with(forged)), "{}", called.stderr);
+            assert!(!called.stderr.contains(['\r', '\u{2028}', '\u{85}', '\u{b}']), "{}", called.stderr);
+        }
+        fs::remove_file(&name).unwrap();
+    }
+}

@@ -102,3 +102,34 @@ fn wrong_names_are_answered_with_what_to_do() {
         .refused(1, &["SocketCAN"].map(|word| if cfg!(feature = "socketcan") { "nosuchbus0" } else { word }));
     call_line(&format!("{line} --can x")).refused(2, &["--dbc"]);
 }
+
+#[test]
+fn what_has_no_value_in_j1939_is_counted_said_and_not_used() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path().display();
+    // Wheel-based vehicle speed of CCVS1 (65265), from anyone.
+    let dbc = "VERSION \"\"\n\nBU_: E\n\nBO_ 2566844926 CCVS1: 8 E\n SG_ SPEED : 8|16@1+ (0.00390625,0) [0|250] \"km/h\" E\n";
+    fs::write(folder.path().join("truck.dbc"), dbc).unwrap();
+    fs::write(folder.path().join("can.toml"), "[can]\nspeed = \"CCVS1.SPEED\"\n").unwrap();
+    let log = |messages: &[&str]| {
+        let lines = messages.iter().enumerate();
+        let lines = lines.map(|(i, id)| format!("({}.0) can0 {id}\n", 100 + i));
+        fs::write(folder.path().join("truck.log"), lines.collect::<String>()).unwrap();
+    };
+    let line = format!("{at}/truck.log --dbc {at}/truck.dbc --config {at}/can.toml");
+    // 64 km/h, by the engine at two priorities; not available and in error from another address.
+    log(&["18FEF100#000040FFFFFFFFFF", "0CFEF100#000040", "18FEF10B#00FFFF", "18FEF10B#0012FE"]);
+    let called = call_line(&format!("can {line} --out {at}/signals.csv --json")).done();
+    let facts: serde_json::Value = serde_json::from_str(&called.stdout).unwrap();
+    assert_eq!((facts[0]["samples"].as_u64(), facts[0]["without_value"].as_u64()), (Some(2), Some(2)));
+    assert!(facts[0]["max"].as_f64().is_some_and(|mps| (mps - 64.0 / 3.6).abs() < 1e-9), "{facts}");
+    let said = &called.stderr;
+    assert!(said.contains("no value in 2 of 4 messages: 1 say that it is not available and 1"), "{said}");
+    assert!(said.contains("2.0 s after") && said.contains("several senders, 18FEF100, 18FEF10B,"), "{said}");
+    assert_eq!(fs::read_to_string(folder.path().join("signals.csv")).unwrap().lines().count(), 3);
+
+    log(&["18FEF100#00FFFF", "18FEF100#00FFFF"]);
+    let (drive, out) = (Drive::get(), folder.path().join("run"));
+    call_line(&format!("{} --can {line}", drive.run_line(&drive.path(), &out)))
+        .refused(1, &["says no value of any signal", "2 of 2 messages"]);
+}

@@ -34,6 +34,7 @@ mod networks;
 mod outputs;
 mod papers;
 mod program;
+mod recorded_measurements;
 mod recording;
 mod running;
 mod sampling;

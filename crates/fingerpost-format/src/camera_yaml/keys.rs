@@ -98,6 +98,14 @@ const WITHOUT_EFFECT: &[&str] = &[
 const READ_AS_SPELT: &[&str] =
     &["camera_model", "distortion_model", "fisheye_model", "binning_x", "binning_y", "roi", "mount"];
 
+/// Keys of a region of the picture (ROS `sensor_msgs/RegionOfInterest`).
+pub(super) const OF_REGION: [&str; 5] = ["x_offset", "y_offset", "height", "width", "do_rectify"];
+
+/// Whether a key is one of a region's.
+pub(super) fn is_of_region(name: &str) -> bool {
+    OF_REGION.contains(&name)
+}
+
 /// Parts of the names of what describes a lens.
 const OF_LENS: &[&str] = &[
     "dist",

@@ -1,10 +1,13 @@
 //! What a message says.
 
+use std::sync::Arc;
+
 use fingerpost_format::CameraInfo;
 use thiserror::Error;
 
 use super::cdr::CdrError;
-use super::frames::{self, Frames, StaticTransform};
+use super::frame_names::{FrameNameError, MOST_FRAMES};
+use super::frames::{self, Axes, StaticTransform};
 use super::picture::{Picture, PictureError};
 use super::schema::Schema;
 use super::{foxglove_messages, packed_message, ros_messages};
@@ -48,7 +51,7 @@ pub struct GpsPosition {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Twist {
     /// Name of the frame; empty where the message names none.
-    pub frame_id: String,
+    pub frame_id: Arc<str>,
     /// Speed along its axes, m/s.
     pub linear_mps: [f64; 3],
     /// Turn about its axes, rad/s.
@@ -73,7 +76,7 @@ pub enum TwistError {
     )]
     OnGround {
         /// The frame.
-        frame_id: String,
+        frame_id: Arc<str>,
     },
     /// It holds what is no number.
     #[error("a speed or yaw rate is no number; its sender is at fault")]
@@ -81,15 +84,14 @@ pub enum TwistError {
 }
 
 impl Twist {
-    /// How the vehicle moves, where `frames` describes the twist's frame or its name does.
+    /// How the vehicle moves, by the axes of the twist's frame.
     ///
     /// # Errors
     /// [`TwistError`] when the frame is on the ground, or what it says is no number.
-    pub fn of_vehicle(&self, frames: &Frames) -> Result<VehicleMotion, TwistError> {
+    pub fn of_vehicle(&self, axes: &Axes) -> Result<VehicleMotion, TwistError> {
         if frames::is_on_ground(&self.frame_id) {
-            return Err(TwistError::OnGround { frame_id: self.frame_id.clone() });
+            return Err(TwistError::OnGround { frame_id: Arc::clone(&self.frame_id) });
         }
-        let axes = frames.axes(&self.frame_id);
         let ([speed_mps, ..], [.., yaw_rate_rps]) =
             (axes.in_vehicle(self.linear_mps), axes.in_vehicle(self.angular_rps));
         if speed_mps.is_finite() && yaw_rate_rps.is_finite() {
@@ -103,8 +105,8 @@ impl Twist {
 /// What an inertial unit measures, along the axes of its frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inertial {
-    /// Name of the frame.
-    pub frame_id: String,
+    /// Name of the frame; empty where the message names none.
+    pub frame_id: Arc<str>,
     /// Turn about its axes, rad/s.
     pub angular_rps: [f64; 3],
     /// Acceleration against free fall along its axes, m/s²: upwards by gravity where it stands. None where it measures none.
@@ -137,6 +139,17 @@ pub enum MessageError {
     Packed {
         /// What the decoder says.
         cause: String,
+    },
+    /// The name of a frame in it is none.
+    #[error(transparent)]
+    FrameName(#[from] FrameNameError),
+    /// It holds more transforms than there may be frames.
+    #[error(
+        "a message has {count} transforms, more than the {MOST_FRAMES} frames that a recording may have; its sender is at fault"
+    )]
+    Transforms {
+        /// How many it says that it has.
+        count: u32,
     },
     /// Its picture cannot be used.
     #[error(transparent)]

@@ -1,8 +1,11 @@
 //! ROS 2 messages in CDR. Source: the `.msg` files of ROS 2 `common_interfaces`, whose fields stand here in their order.
 
+use std::sync::Arc;
+
 use fingerpost_format::CameraInfo;
 
 use super::cdr::{Cdr, CdrError};
+use super::frame_names::{MOST_FRAMES, bounded};
 use super::frames::StaticTransform;
 use super::message::{Content, GpsPosition, Inertial, Message, MessageError, Twist};
 use super::picture::{Picture, PixelLayout};
@@ -29,10 +32,13 @@ pub(crate) fn decode(schema: Schema, data: &[u8]) -> Result<Message, MessageErro
         ),
         Schema::RosCameraInfo => camera_info(&mut cdr, &of_schema)?,
         Schema::RosNavSatFix => nav_sat_fix(&mut cdr).map_err(of_schema)?,
-        Schema::RosImu => imu(&mut cdr, frame_id).map_err(of_schema)?,
-        Schema::RosOdometry => odometry(&mut cdr).map_err(of_schema)?,
-        Schema::RosTransforms => transforms(&mut cdr).map_err(of_schema)?,
-        _ => twist(&mut cdr, frame_id).map_err(of_schema)?,
+        Schema::RosImu => imu(&mut cdr, bounded(frame_id)?).map_err(of_schema)?,
+        Schema::RosOdometry => {
+            let child_frame_id = odometry_frame(&mut cdr).map_err(of_schema)?;
+            twist(&mut cdr, bounded(child_frame_id)?).map_err(of_schema)?
+        }
+        Schema::RosTransforms => transforms(&mut cdr, &of_schema)?,
+        _ => twist(&mut cdr, bounded(frame_id)?).map_err(of_schema)?,
     };
     Ok(Message { stamp_ns, content })
 }
@@ -106,7 +112,7 @@ fn nav_sat_fix(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
     Ok(Content::Gps((status >= 0).then_some(GpsPosition { lat_deg, lon_deg })))
 }
 
-fn imu(cdr: &mut Cdr<'_>, frame_id: &str) -> Result<Content, CdrError> {
+fn imu(cdr: &mut Cdr<'_>, frame_id: Arc<str>) -> Result<Content, CdrError> {
     let _orientation: [f64; 4] = cdr.array()?;
     let _orientation_covariance: [f64; 9] = cdr.array()?;
     let angular_rps = cdr.array()?;
@@ -116,33 +122,45 @@ fn imu(cdr: &mut Cdr<'_>, frame_id: &str) -> Result<Content, CdrError> {
     // A first element of -1 says that there is no such measurement.
     let is_measured = |[first, ..]: [f64; 9]| first >= 0.0;
     let acceleration_mps2 = is_measured(acceleration_covariance).then_some(acceleration_mps2);
-    let inertial = Inertial { frame_id: frame_id.to_owned(), angular_rps, acceleration_mps2 };
+    let inertial = Inertial { frame_id, angular_rps, acceleration_mps2 };
     Ok(Content::Inertial(is_measured(turn_covariance).then_some(inertial)))
 }
 
 /// `geometry_msgs/Twist`: linear, angular. What may follow is its covariance.
-fn twist(cdr: &mut Cdr<'_>, frame_id: &str) -> Result<Content, CdrError> {
+fn twist(cdr: &mut Cdr<'_>, frame_id: Arc<str>) -> Result<Content, CdrError> {
     let (linear_mps, angular_rps) = (cdr.array()?, cdr.array()?);
-    Ok(Content::Twist(Twist { frame_id: frame_id.to_owned(), linear_mps, angular_rps }))
+    Ok(Content::Twist(Twist { frame_id, linear_mps, angular_rps }))
 }
 
-/// `nav_msgs/Odometry`: the child frame, in which the twist is, and the pose with its covariance come before it.
-fn odometry(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
+/// `nav_msgs/Odometry` up to its twist: the child frame, in which that is, and the pose with its covariance.
+fn odometry_frame<'a>(cdr: &mut Cdr<'a>) -> Result<&'a str, CdrError> {
     let child_frame_id = cdr.text()?;
     let _pose: [f64; 7] = cdr.array()?;
     let _covariance: [f64; 36] = cdr.array()?;
-    twist(cdr, child_frame_id)
+    Ok(child_frame_id)
 }
 
 /// `tf2_msgs/TFMessage`: as many `geometry_msgs/TransformStamped` as stands before them.
-fn transforms(cdr: &mut Cdr<'_>) -> Result<Content, CdrError> {
-    let count = cdr.u32()?;
+fn transforms(
+    cdr: &mut Cdr<'_>,
+    of_schema: &impl Fn(CdrError) -> MessageError,
+) -> Result<Content, MessageError> {
+    let count = cdr.u32().map_err(of_schema)?;
+    if count as usize > MOST_FRAMES {
+        return Err(MessageError::Transforms { count });
+    }
     let mut transforms = Vec::new();
     for _ in 0..count {
-        let parent = header(cdr)?.frame_id.to_owned();
-        let child = cdr.text()?.to_owned();
-        let _translation: [f64; 3] = cdr.array()?;
-        transforms.push(StaticTransform { parent, child, parent_from_child: cdr.array()? });
+        let (parent, child, parent_from_child) = transform(cdr).map_err(of_schema)?;
+        let (parent, child) = (bounded(parent)?, bounded(child)?);
+        transforms.push(StaticTransform { parent, child, parent_from_child });
     }
     Ok(Content::Transforms(transforms))
+}
+
+/// `geometry_msgs/TransformStamped`: parent, child and rotation.
+fn transform<'a>(cdr: &mut Cdr<'a>) -> Result<(&'a str, &'a str, [f64; 4]), CdrError> {
+    let (parent, child) = (header(cdr)?.frame_id, cdr.text()?);
+    let _translation: [f64; 3] = cdr.array()?;
+    Ok((parent, child, cdr.array()?))
 }

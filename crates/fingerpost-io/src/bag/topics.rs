@@ -11,6 +11,8 @@ use super::records::RecordsError;
 /// Bytes of all names of a recording together: 65,536 channels, as many as MCAP can number, of 256 bytes each, which is one more than DDS
 /// allows a topic.
 pub(super) const MOST_NAMES_BYTES: usize = 1 << 24;
+/// Bytes of a single name that is kept by itself: as many as DDS allows a topic.
+pub(super) const MOST_NAME_BYTES: usize = 255;
 /// Characters of a name that a message shows.
 const SHOWN_CHARS: usize = 80;
 

@@ -8,6 +8,11 @@ use mcap::{McapError, McapResult};
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
+/// How a frame begins: 0xFD2FB528, lowest byte first; and a skippable one: 0x184D2A50 to 0x184D2A5F (RFC 8878, 3.1.1 and 3.1.2).
+const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
+const SKIPPABLE_MAGIC: [u8; 3] = [0x2A, 0x4D, 0x18];
+/// Bytes by which what comes out of a whole message grows: those of the largest block (RFC 8878, 3.1.1.2.4).
+const STEP_BYTES: usize = 128 << 10;
 /// Bytes of a block's header, and of the checksum at a frame's end.
 const BLOCK_HEADER_BYTES: usize = 3;
 const CHECKSUM_BYTES: usize = 4;
@@ -23,6 +28,11 @@ const SKIPPED_HEADER_BYTES: usize = 8;
 pub(super) struct ZstdChunks {
     decoder: FrameDecoder,
     next: Next,
+}
+
+/// Whether bytes begin as a frame does, a skippable one too.
+pub(super) fn begins_frame(data: &[u8]) -> bool {
+    data.starts_with(&MAGIC) || matches!(data, [0x50..=0x5F, rest @ ..] if rest.starts_with(&SKIPPABLE_MAGIC))
 }
 
 /// What the next byte belongs to.
@@ -45,6 +55,31 @@ enum Next {
 impl ZstdChunks {
     pub(super) fn new() -> Self {
         Self { decoder: FrameDecoder::new(), next: Next::Frame }
+    }
+
+    /// What frames behind each other hold, in no more than `most_bytes`.
+    ///
+    /// # Errors
+    /// Words when they hold more, cannot be unpacked, or end in the middle of one.
+    pub(super) fn whole(mut self, packed: &[u8], most_bytes: usize) -> Result<Vec<u8>, String> {
+        let (mut read, mut wrote, mut out) = (0, 0, Vec::new());
+        loop {
+            out.resize(wrote + STEP_BYTES, 0);
+            let DecompressResult { consumed, wrote: more } =
+                self.decompress(&packed[read..], &mut out[wrote..]).map_err(|cause| cause.to_string())?;
+            (read, wrote) = (read + consumed, wrote + more);
+            if wrote > most_bytes {
+                return Err(format!("it holds more than {most_bytes} bytes"));
+            }
+            if consumed == 0 && more == 0 {
+                break;
+            }
+        }
+        if read < packed.len() || !matches!(self.next, Next::Frame) {
+            return Err("it ends in the middle of a frame".to_owned());
+        }
+        out.truncate(wrote);
+        Ok(out)
     }
 
     /// Takes in one header, block or part of what is skipped from the start of `source`, and gives the bytes that it took; none

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::bits::BitField;
 use super::frame::{CanFrame, CanId};
+use super::j1939::{self, NoValue};
 
 /// How a signal's bits are to be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,10 +59,28 @@ pub struct SignalLayout {
     pub(super) conditions: Vec<Condition>,
 }
 
+/// What a frame says of a signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SignalReading {
+    /// Its value, scaled as the DBC file says.
+    Value(f64),
+    /// That there is none.
+    NoValue(NoValue),
+}
+
+impl SignalReading {
+    /// The value, if there is one.
+    pub const fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::NoValue(_) => None,
+        }
+    }
+}
+
 impl SignalLayout {
-    /// The signal's value in a frame, scaled as the DBC file says; none where the frame is another message, is too short or
-    /// holds other multiplexed signals.
-    pub fn decode(&self, frame: &CanFrame) -> Option<f64> {
+    /// What a frame says of the signal; none where the frame is another message, is too short or holds other multiplexed signals.
+    pub fn decode(&self, frame: &CanFrame) -> Option<SignalReading> {
         if !self.is_in(frame.id) {
             return None;
         }
@@ -74,12 +93,34 @@ impl SignalLayout {
             return None;
         }
         let raw = match self.reading {
-            Reading::Unsigned => self.bits.unsigned(data)? as f64,
+            Reading::Unsigned => {
+                let raw = self.bits.unsigned(data)?;
+                if let Some(no_value) = j1939::no_value(raw, self.bits.size).filter(|_| self.is_j1939()) {
+                    return Some(SignalReading::NoValue(no_value));
+                }
+                raw as f64
+            }
             Reading::Signed => self.bits.signed(data)? as f64,
             Reading::Float32 => f64::from(f32::from_bits(self.bits.unsigned(data)? as u32)),
             Reading::Float64 => f64::from_bits(self.bits.unsigned(data)?),
         };
-        Some(raw * self.factor + self.offset)
+        Some(SignalReading::Value(raw * self.factor + self.offset))
+    }
+
+    /// Whether its message is a parameter group of J1939.
+    const fn is_j1939(&self) -> bool {
+        self.id_bits != u32::MAX
+    }
+
+    /// Whether two identifiers of the signal's message are of one sender: of J1939, those of one source address.
+    pub(super) const fn is_same_sender(&self, a: CanId, b: CanId) -> bool {
+        match (a, b) {
+            (CanId::Extended(a), CanId::Extended(b)) if self.is_j1939() => {
+                j1939::source_address(a) == j1939::source_address(b)
+            }
+            // A message of another bus has one identifier.
+            _ => true,
+        }
     }
 
     /// Whether frames with that identifier are of the signal's message.

@@ -9,7 +9,7 @@ use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, ExtendedId, Id, Socket}
 use thiserror::Error;
 
 use super::frame::{CanFrame, CanId};
-use super::layout::SignalLayout;
+use super::layout::{SignalLayout, SignalReading};
 
 /// How long a read waits for a frame before it looks whether to end.
 const READ_WAIT: Duration = Duration::from_millis(100);
@@ -29,13 +29,19 @@ pub enum CanListenerError {
     },
 }
 
-/// The newest value of a signal, and when it came.
-type Newest = Option<(f64, Instant)>;
+/// What has come of a signal.
+#[derive(Debug, Clone, Copy, Default)]
+struct Heard {
+    /// The newest value, and when it came.
+    newest: Option<(f64, Instant)>,
+    /// Messages that say that it has none.
+    no_values: u64,
+}
 
 /// Listens to a bus in a thread of its own and keeps the newest value of each signal.
 #[derive(Debug)]
 pub struct CanListener {
-    newest: Arc<Mutex<Vec<Newest>>>,
+    heard: Arc<Mutex<Vec<Heard>>>,
     ended: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -49,29 +55,40 @@ impl CanListener {
         let open_error = |cause: String| CanListenerError::Open { interface: interface.to_owned(), cause };
         let socket = CanFdSocket::open(interface).map_err(|cause| open_error(cause.to_string()))?;
         socket.set_read_timeout(READ_WAIT).map_err(|cause| open_error(cause.to_string()))?;
-        let newest = Arc::new(Mutex::new(vec![None; signals.len()]));
+        let heard = Arc::new(Mutex::new(vec![Heard::default(); signals.len()]));
         let ended = Arc::new(AtomicBool::new(false));
-        let (kept, over) = (Arc::clone(&newest), Arc::clone(&ended));
+        let (kept, over) = (Arc::clone(&heard), Arc::clone(&ended));
         let thread = std::thread::spawn(move || {
             while !over.load(Ordering::Relaxed) {
                 // Nothing within the wait, or a bus that is down for a while: the signals grow old, and that is seen.
                 let Some(frame) = socket.read_frame().ok().as_ref().and_then(data_frame) else { continue };
                 let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                for (signal, newest) in signals.iter().zip(kept.iter_mut()) {
-                    if let Some(value) = signal.decode(&frame) {
-                        *newest = Some((value, Instant::now()));
+                for (signal, heard) in signals.iter().zip(kept.iter_mut()) {
+                    match signal.decode(&frame) {
+                        Some(SignalReading::Value(value)) => heard.newest = Some((value, Instant::now())),
+                        Some(SignalReading::NoValue(_)) => heard.no_values += 1,
+                        None => {}
                     }
                 }
             }
         });
-        Ok(Self { newest, ended, thread: Some(thread) })
+        Ok(Self { heard, ended, thread: Some(thread) })
+    }
+
+    fn heard(&self, signal: usize) -> Heard {
+        let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        heard.get(signal).copied().unwrap_or_default()
     }
 
     /// The newest value of a signal, by its place among those that are listened for, and its age in seconds.
     pub fn newest(&self, signal: usize) -> Option<(f64, f64)> {
-        let newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        let (value, came) = (*newest.get(signal)?)?;
+        let (value, came) = self.heard(signal).newest?;
         Some((value, came.elapsed().as_secs_f64()))
+    }
+
+    /// Messages so far that say of a signal that it has no value.
+    pub fn no_values(&self, signal: usize) -> u64 {
+        self.heard(signal).no_values
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::candump::{CanLogError, read_can_log};
 use super::frame::CanId;
-use super::layout::SignalLayout;
+use super::j1939::NoValue;
+use super::layout::{SignalLayout, SignalReading};
 
 /// Values of all signals together that are held, 1 GB: three signals of a hundred a second for two days. A packed log may hold a
 /// thousand times its own size.
@@ -24,6 +25,33 @@ pub struct SignalSample {
     pub value: f64,
 }
 
+/// Messages that say of a signal that it has no value.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct NoValues {
+    /// How many say that it is not available.
+    pub not_available: u64,
+    /// How many that it is in error.
+    pub errors: u64,
+    /// When the first of them came, seconds of the log's clock.
+    pub first_s: Option<f64>,
+}
+
+impl NoValues {
+    /// Counts one.
+    pub(super) fn add(&mut self, t_s: f64, no_value: NoValue) {
+        match no_value {
+            NoValue::NotAvailable => self.not_available += 1,
+            NoValue::Error => self.errors += 1,
+        }
+        self.first_s.get_or_insert(t_s);
+    }
+
+    /// All of them.
+    pub const fn count(&self) -> u64 {
+        self.not_available + self.errors
+    }
+}
+
 /// What a log says of some signals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SignalLog {
@@ -33,11 +61,13 @@ pub struct SignalLog {
     pub last_s: f64,
     /// The samples of each signal, in the order of the signals that were asked for and of time.
     pub samples: Vec<Vec<SignalSample>>,
+    /// Messages that say of each signal that it has no value.
+    pub no_values: Vec<NoValues>,
     /// Data frames of all messages.
     pub frames: u64,
     /// Lines that are none of a log's.
     pub unreadable_lines: u64,
-    /// The identifiers of each signal's frames, in the order of the signals: of J1939, one of each sender.
+    /// The identifiers of each signal's frames, in the order of the signals: of J1939, the first of each sender.
     pub senders: Vec<BTreeSet<CanId>>,
     /// The identifiers of all frames of the interface, the first of them where there are very many.
     pub came: BTreeSet<CanId>,
@@ -53,6 +83,7 @@ impl SignalLog {
     pub fn read(path: &Path, interface: Option<&str>, signals: &[SignalLayout]) -> Result<Self, CanLogError> {
         let mut log = Self {
             samples: vec![Vec::new(); signals.len()],
+            no_values: vec![NoValues::default(); signals.len()],
             senders: vec![BTreeSet::new(); signals.len()],
             ..Self::default()
         };
@@ -74,11 +105,18 @@ impl SignalLog {
             if log.came.len() < MOST_IDENTIFIERS {
                 log.came.insert(id);
             }
-            for ((signal, samples), senders) in signals.iter().zip(&mut log.samples).zip(&mut log.senders) {
-                if let Some(value) = signal.decode(&frame.frame) {
+            for (index, signal) in signals.iter().enumerate() {
+                let Some(reading) = signal.decode(&frame.frame) else { continue };
+                let senders = &mut log.senders[index];
+                if !senders.iter().any(|known| signal.is_same_sender(*known, id)) {
                     senders.insert(id);
-                    samples.push(SignalSample { t_s: frame.t_s, value });
-                    held += 1;
+                }
+                match reading {
+                    SignalReading::Value(value) => {
+                        log.samples[index].push(SignalSample { t_s: frame.t_s, value });
+                        held += 1;
+                    }
+                    SignalReading::NoValue(no_value) => log.no_values[index].add(frame.t_s, no_value),
                 }
             }
             if held > MOST_SAMPLES {
