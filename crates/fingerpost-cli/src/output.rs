@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost_format::{DriveSummary, ErrorQuantiles, FeatureOutcome, StageTime, Summary};
+use fingerpost_io::without_users;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use log::{Level, LevelFilter, log_enabled};
 use serde::Serialize;
@@ -24,9 +25,9 @@ pub(crate) fn error(text: &str) {
 /// A line on standard error. Where nobody can read it any more, the program goes on without saying it.
 ///
 /// Much of what is said comes from files and arguments: what would steer a terminal, break a line unseen, turn the
-/// direction of writing or hide in it is written as its code; lines and tabs stay.
+/// direction of writing or hide in it is written as its code; lines and tabs stay. Addresses are without their users' passwords.
 pub(crate) fn line(text: &str) {
-    let _ = writeln!(io::stderr(), "{}", harmless(text));
+    let _ = writeln!(io::stderr(), "{}", harmless(&without_users(text)));
 }
 
 fn harmless(text: &str) -> String {
