@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use fingerpost_io::without_users;
+
 /// The command line as a shell takes it, without the folder that is written: the page lies in it, and its name changes no result.
 pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> String {
     let mut words = vec!["fingerpost".to_owned()];
@@ -12,20 +14,10 @@ pub(crate) fn command_line(arguments: impl IntoIterator<Item = OsString>) -> Str
         if word == "--out" {
             arguments.next();
         } else if !word.starts_with("--out=") {
-            words.push(quoted(&without_user(&word)));
+            words.push(quoted(&without_users(&word)));
         }
     }
     words.join(" ")
-}
-
-/// An address without the name and password of its user: pages are passed on.
-fn without_user(word: &str) -> String {
-    let Some((scheme, rest)) = word.split_once("://") else { return word.to_owned() };
-    let (authority, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
-    match authority.rsplit_once('@') {
-        Some((_, host)) => format!("{scheme}://{host}{path}"),
-        None => word.to_owned(),
-    }
 }
 
 /// A word that a shell takes as it is.

@@ -26,6 +26,9 @@ pub(crate) enum FileKind {
     Plot,
     /// A sheet of pictures.
     Sheet,
+    /// A page of the manual.
+    #[cfg(feature = "completions")]
+    Page,
 }
 
 impl FileKind {
@@ -39,6 +42,8 @@ impl FileKind {
                 Self::Signals => is_text(|text| text.starts_with(CSV_HEAD)),
                 Self::Plot => is_text(is_surface_svg),
                 Self::Sheet => is_signed_png(bytes),
+                #[cfg(feature = "completions")]
+                Self::Page => is_text(crate::man::is_page),
             }
     }
 }
@@ -51,6 +56,8 @@ impl fmt::Display for FileKind {
             Self::Signals => "table of signals",
             Self::Plot => "plot",
             Self::Sheet => "sheet",
+            #[cfg(feature = "completions")]
+            Self::Page => "page of the manual",
         })
     }
 }

@@ -15,7 +15,7 @@ pub struct FixSample {
     pub off_m: [f64; 2],
     /// True heading, radians anticlockwise from east.
     pub true_heading_rad: f64,
-    /// Covariance of the fix, square metres.
+    /// Mean square of the vehicle's distance from the fix, square metres, as the fix says it: the other places that are possible count.
     pub covariance_m2: [[f64; 2]; 2],
     /// Its protection level, metres.
     pub bound_m: Option<f64>,
@@ -81,7 +81,8 @@ impl FixSample {
         self.status == FixStatus::Converged && self.bound_m.is_none_or(|bound_m| self.error_m() > bound_m)
     }
 
-    /// The squared error in units of the covariance; none where that is singular.
+    /// The squared error in units of the mean square that the fix says, which is 2 on average where that is honest; of a fix that has
+    /// rivals it is the whole mixture's, as of one that has none. None where that is singular.
     fn normalised_squared_error(&self) -> Option<f64> {
         let ([[east, mixed], [_, north]], [x, y]) = (self.covariance_m2, self.off_m);
         let determinant = east * north - mixed * mixed;

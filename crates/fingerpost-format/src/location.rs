@@ -165,7 +165,8 @@ pub struct LocationScores {
     pub longest_violation_s: f64,
     /// Protection levels of converged rows, metres.
     pub bound_m: Option<ErrorQuantiles>,
-    /// Mean of the normalised squared error of converged rows; 2 where covariances are honest.
+    /// Mean of the squared error of converged rows in units of `covariance_m2`, which counts the other places that are possible; 2 where it
+    /// is honest.
     pub nees: Option<f64>,
 }
 

@@ -19,6 +19,7 @@ use std::{
 use thiserror::Error;
 
 use crate::{
+    address::without_users,
     file::FileError,
     tether::{is_there, tethered},
     waiting::Patience,
@@ -245,9 +246,10 @@ impl RunningProgram {
         let _ = self.child.wait();
     }
 
-    /// The last line that it said, once it has ended.
+    /// The last line that it said, once it has ended, with the input's address as it may be shown.
     pub(crate) fn last_line(&mut self) -> Option<String> {
-        last_line(&self.messages.tail.take()?.recv_timeout(CLOSING).ok()?)
+        let line = last_line(&self.messages.tail.take()?.recv_timeout(CLOSING).ok()?)?;
+        Some(without_users(&line))
     }
 }
 

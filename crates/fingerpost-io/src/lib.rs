@@ -4,6 +4,7 @@
 //! [`DriveFolder`] and [`VideoWriter`]. [`CanDatabase`] and [`SignalLog`] give the vehicle's own signals. With feature `bags`, the module
 //! `bag` reads MCAP recordings and ROS 2 bags. Every error names the file, the cause and what to do next. Nothing is printed.
 
+mod address;
 #[cfg(feature = "bags")]
 pub mod bag;
 #[cfg(feature = "bags")]
@@ -44,6 +45,7 @@ mod video_writer;
 mod waiting;
 mod whole_file;
 
+pub use address::without_users;
 #[cfg(feature = "bags")]
 pub use bag_files::{BagFilesError, bag_files, open_bag};
 pub use camera::{CameraReadError, read_camera};

@@ -44,6 +44,7 @@ use self::{
     y4m::Y4mReader,
 };
 use crate::{
+    address::without_users,
     decoders::{Decode, Decoded, Decoders},
     ffmpeg::{FfmpegPrograms, RunningProgram, VideoError, start_error},
     latest::{Latest, Reusable},
@@ -61,6 +62,7 @@ const LINE_BUFFER_BYTES: usize = 256;
 /// A video being read.
 #[derive(Debug)]
 pub(crate) struct VideoReader {
+    /// As it may be shown.
     input: String,
     /// Before the pictures: whoever waits for the next one finds the pipe at its end when this is dropped.
     ffmpeg: RunningProgram,
@@ -211,7 +213,7 @@ impl VideoReader {
                 Pictures::All(Box::new(pictures))
             }
         };
-        let (input, frames, ended) = (input.to_owned(), 0, false);
+        let (input, frames, ended) = (without_users(input), 0, false);
         Ok(Self { input, ffmpeg, patience, rate, timing, length, expected, log, frames, ended, pictures })
     }
 

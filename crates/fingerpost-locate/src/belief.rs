@@ -66,6 +66,8 @@ pub(crate) struct Belief {
     pub(crate) random: Random,
     /// Distance driven since all roads were tried, metres.
     pub(crate) tried_m: f64,
+    /// Memory for the estimate: squared distances (square metres) and numbers of hypotheses that are elsewhere.
+    pub(crate) farthest: Vec<(f64, usize)>,
     #[allow(clippy::vec_box, reason = "they go to the hypotheses")]
     waiting: Vec<Box<Hypothesis>>,
 }
@@ -91,6 +93,7 @@ impl Belief {
             agreed_m: 0.0,
             random: Random::new(seed),
             tried_m: 0.0,
+            farthest: Vec::new(),
             waiting: Vec::new(),
         }
     }

@@ -61,7 +61,14 @@ pub(crate) struct Estimate {
 impl Belief {
     /// The heaviest place; none before there are hypotheses.
     /// `before` is the status of the estimate before.
-    pub(crate) fn estimate(&self, before: Status) -> Option<Estimate> {
+    pub(crate) fn estimate(&mut self, before: Status) -> Option<Estimate> {
+        let mut farthest = std::mem::take(&mut self.farthest);
+        let estimate = self.estimate_in(before, &mut farthest);
+        self.farthest = farthest;
+        estimate
+    }
+
+    fn estimate_in(&self, before: Status, farthest: &mut Vec<(f64, usize)>) -> Option<Estimate> {
         let best = self.heaviest_place()?;
         let mut state = best.state;
         let mut mass = 0.0;
@@ -71,7 +78,7 @@ impl Belief {
             state = mixed(&state, &hypothesis.state, weight / mass);
         }
         let level_m = self.level_m(&state);
-        let rivals = self.elsewhere(best, state.place());
+        let rivals = self.elsewhere(best, state.place(), farthest);
         let off_map = self.off_map();
         let was_converged = matches!(before, Status::Converged | Status::Coasting);
         // What has surprised once can only be mended by roads whose errors are independent of those of the roads before.
@@ -102,21 +109,23 @@ impl Belief {
     }
 
     /// What is not the place of `best`, about `place`.
-    fn elsewhere(&self, best: &Hypothesis, place: Point2<f64>) -> Elsewhere {
-        let mut others: Vec<&Hypothesis> = self
-            .hypotheses
-            .iter()
-            .map(AsRef::as_ref)
-            .filter(|hypothesis| !is_one_place(hypothesis, best))
-            .collect();
-        let off = |hypothesis: &Hypothesis| hypothesis.state.place() - place;
-        others.sort_by(|a, b| off(b).norm_squared().total_cmp(&off(a).norm_squared()));
+    fn elsewhere(
+        &self,
+        best: &Hypothesis,
+        place: Point2<f64>,
+        farthest: &mut Vec<(f64, usize)>,
+    ) -> Elsewhere {
+        farthest.clear();
+        let others = self.hypotheses.iter().enumerate().filter(|(_, other)| !is_one_place(other, best));
+        farthest.extend(others.map(|(number, other)| ((other.state.place() - place).norm_squared(), number)));
+        farthest.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let (mut left_out, mut elsewhere) = (0.0, Elsewhere::default());
-        for other in others {
+        for &(_, number) in &*farthest {
+            let other = &self.hypotheses[number];
             let weight = libm::exp(other.log_weight);
             left_out += weight;
             if left_out > RISK {
-                let off = off(other);
+                let off = other.state.place() - place;
                 elsewhere.mass += weight;
                 elsewhere.squares_m2 += (other.state.place_covariance() + off * off.transpose()) * weight;
             }

@@ -75,7 +75,7 @@ impl Locator {
         Self::with(Belief::near(graph, traffic, seed, start))
     }
 
-    fn with(belief: Belief) -> Self {
+    fn with(mut belief: Belief) -> Self {
         let estimate = belief.estimate(Status::Ambiguous);
         Self {
             belief,

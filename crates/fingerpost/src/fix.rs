@@ -45,7 +45,9 @@ pub struct MapFix {
     pub at: LatLon,
     /// Heading, radians anticlockwise from east.
     pub heading_rad: f64,
-    /// Standard deviation of the place in its least sure direction, metres.
+    /// Root of the mean square of the vehicle's distance from the place, in the direction in which that is greatest, metres: of the place's
+    /// own uncertainty and of all other places that are possible by how far they are and how probable, but for the farthest that have no
+    /// more than [`fingerpost_locate::RISK`] together. A rival a hundred metres off with a tenth of the probability makes it some 30 m.
     pub sigma_m: f64,
     /// Protection level: the vehicle is farther away with at most the probability [`fingerpost_locate::RISK`], metres; none where
     /// that cannot be said.

@@ -1,5 +1,6 @@
 //! Cameras and streams, which do not wait: a stand-in for ffmpeg gives pictures faster than any run uses them.
 
+use std::fs;
 use std::path::Path;
 
 use tempfile::TempDir;
@@ -74,4 +75,43 @@ fn a_recording_loses_nothing() {
     Called::from(stub.run(out.path()).arg("--live").output().unwrap()).done();
     let (records, dropped) = (frames(out.path()), summary(out.path()).dropped_frames);
     assert!(dropped > 0 && records.len() as u64 + dropped == PICTURES, "{dropped}");
+}
+
+/// Every file below a folder.
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+}
+
+#[test]
+fn a_cameras_password_is_in_no_message_and_no_file() {
+    let address = Path::new("rtsp://guard:s3cret@camera/1");
+    let is_shown = |bytes: &[u8]| {
+        let text = String::from_utf8_lossy(bytes);
+        text.contains("s3cret") || text.contains("guard")
+    };
+    let refuses = r#"for word in "$@"; do echo "$word: Connection refused" >&2; done; exit 1"#;
+    let answers = r#"echo '{"streams":[{"avg_frame_rate":"10/1","r_frame_rate":"10/1"}]}'"#;
+    for (stub, has_report) in [
+        (VideoStub::described(refuses, ""), false),
+        (VideoStub::described(answers, refuses), true),
+        (camera(), true),
+    ] {
+        let out = TempDir::new().unwrap();
+        let called = Called::from(stub.run_on(address, out.path()).arg("-vv").output().unwrap());
+        assert!(called.stderr.contains("rtsp://camera/1"), "{}", called.stderr);
+        assert!(!is_shown(called.stderr.as_bytes()), "{}", called.stderr);
+        let written = files(out.path());
+        assert_eq!(written.iter().any(|path| path.ends_with("report.html")), has_report, "{written:?}");
+        for path in written {
+            assert!(!is_shown(&fs::read(&path).unwrap()), "{}", path.display());
+        }
+    }
+    // The parser of the command line repeats what it refuses.
+    let called = Called::from(camera().run_on(address, Path::new("out")).arg(address).output().unwrap());
+    assert!(
+        called.stderr.contains("rtsp://camera/1") && !is_shown(called.stderr.as_bytes()),
+        "{}",
+        called.stderr
+    );
 }

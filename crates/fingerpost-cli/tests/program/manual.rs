@@ -78,4 +78,15 @@ fn every_command_has_a_page_with_its_examples_and_options() {
         fs::read_to_string(folder.path().join("man1/fingerpost.1")).unwrap(),
     );
     assert_eq!(whole.trim_end(), written.trim_end());
+    // Pages are replaced, and nothing that may be the user's is, nor any page beside it.
+    let page = |name: &str| folder.path().join("man1").join(name);
+    fs::write(page("fingerpost.1"), written.replacen(".SH NAME", ".SH OLD", 1)).unwrap();
+    let again = format!("man --out {}", folder.path().join("man1").display());
+    call_line(&again).done();
+    assert_eq!(fs::read_to_string(page("fingerpost.1")).unwrap(), written);
+    fs::write(page("fingerpost-run.1"), "my own notes").unwrap();
+    fs::write(page("fingerpost.1"), "").unwrap();
+    call_line(&again).refused(1, &["fingerpost-run.1", "no page of the manual"]);
+    assert_eq!(fs::read_to_string(page("fingerpost-run.1")).unwrap(), "my own notes");
+    assert_eq!(fs::read_to_string(page("fingerpost.1")).unwrap(), "");
 }

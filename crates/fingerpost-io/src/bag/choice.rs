@@ -189,13 +189,33 @@ const fn option(role: Role) -> &'static str {
     }
 }
 
-/// Topics with their schemas and numbers of messages.
+/// Topics that a message names, and letters that it shows of a name: a recording has as many and as long ones as its writer likes.
+const MOST_NAMED: usize = 50;
+const MOST_LETTERS: usize = 120;
+
+/// Topics with their schemas and numbers of messages; of very many the first, and how many more there are.
 fn listed<'a>(topics: impl IntoIterator<Item = &'a Topic>) -> String {
-    let named: Vec<String> = topics
-        .into_iter()
-        .map(|Topic { name, schema, messages, .. }| format!("{name} ({messages} of {schema})"))
+    let mut topics = topics.into_iter();
+    let mut named: Vec<String> = topics
+        .by_ref()
+        .take(MOST_NAMED)
+        .map(|Topic { name, schema, messages, .. }| {
+            format!("{} ({messages} of {})", shortened(name), shortened(schema))
+        })
         .collect();
+    let more = topics.count();
+    if more > 0 {
+        named.push(format!("and {more} more"));
+    }
     if named.is_empty() { "no messages at all".to_owned() } else { named.join(", ") }
+}
+
+/// A name, or the beginning of a long one.
+fn shortened(name: &str) -> String {
+    match name.char_indices().nth(MOST_LETTERS) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -205,6 +225,15 @@ mod tests {
     fn topic(name: &str, schema: &str) -> Topic {
         let encoding = if schema.starts_with("foxglove") { "protobuf" } else { "cdr" };
         Topic { name: name.to_owned(), schema: schema.to_owned(), encoding: encoding.to_owned(), messages: 3 }
+    }
+
+    #[test]
+    fn a_message_is_short_however_many_and_long_the_topics_are() {
+        let long = "ä".repeat(50_000);
+        let topics: Vec<Topic> = (0..2000).map(|number| topic(&format!("/{number}{long}"), &long)).collect();
+        let error = Choice::of(&topics, &Wanted::default()).expect_err("no pictures").to_string();
+        assert!(error.len() < 30_000, "{} bytes", error.len());
+        assert!(error.contains("/49ä") && error.contains("and 1950 more"));
     }
 
     #[test]

@@ -42,7 +42,7 @@ fn next_number(mut bytes: &[u8]) -> Result<(usize, &[u8]), String> {
     loop {
         match bytes.first() {
             Some(b'#') => {
-                bytes = &bytes[bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - 1)..]
+                bytes = &bytes[bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len())..]
             }
             Some(byte) if byte.is_ascii_whitespace() => bytes = &bytes[1..],
             _ => break,
@@ -82,6 +82,9 @@ mod tests {
             b"P6\n99999 99999\n255\n",
             b"P6\n1 1\n65535\n123456",
             b"P6\n-1 1\n255\nabc",
+            // A comment without an end, whose last byte begins one.
+            b"P6\n#",
+            b"P6 # by hand #",
         ] {
             assert!(decode(bytes, Vec::new()).is_err());
         }

@@ -16,6 +16,8 @@ use std::{
 
 use thiserror::Error;
 
+use crate::address::without_users;
+
 /// What makes ffmpeg write a line for every frame, and mark every line with its level.
 pub(super) const LOG_ARGUMENTS: [&str; 4] = ["-hide_banner", "-nostats", "-v", "repeat+level+info"];
 /// The filter that writes the lines, without sums over all pixels.
@@ -152,9 +154,9 @@ impl DecodeLog {
         notes
     }
 
-    /// The last complaint.
+    /// The last complaint, with the input's address as it may be shown.
     pub(super) fn complaint(&self) -> Option<String> {
-        self.taken_in().lines.last_complaint()
+        self.taken_in().lines.last_complaint().map(|line| without_users(&line))
     }
 }
 

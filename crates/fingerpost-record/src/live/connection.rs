@@ -83,37 +83,37 @@ struct NewWish {
 /// The channels that a viewer wants, by what it calls them; each of them once.
 type Wishes = BTreeMap<u32, Channel>;
 
-/// Takes in what a viewer says until it is silent.
+/// Takes in the next thing that a viewer says, if it says anything: frames are looked for behind each, however much it has to say. No
+/// more channels are new than there are.
 fn listen(socket: &mut WebSocket<TcpStream>, wishes: &mut Wishes) -> Result<Vec<NewWish>, Box<Error>> {
     let mut new = Vec::new();
-    loop {
-        let text = match socket.read() {
-            Ok(Message::Text(text)) => text,
-            Ok(_) => continue,
-            Err(Error::Io(cause)) if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                return Ok(new);
-            }
-            Err(cause) => return Err(Box::new(cause)),
-        };
-        match serde_json::from_str(text.as_str()) {
-            Ok(Request::Subscribe { subscriptions }) => {
-                for wish in subscriptions {
-                    let Some(channel) = protocol::channel(wish.channel_id) else { continue };
-                    // As Foxglove's own server does; else a viewer could have the same frames a million times over.
-                    if wishes.values().any(|wanted| *wanted == channel) {
-                        continue;
-                    }
-                    wishes.insert(wish.id, channel);
-                    new.push(NewWish { channel, subscription: wish.id });
-                }
-            }
-            Ok(Request::Unsubscribe { subscription_ids }) => {
-                wishes.retain(|id, _| !subscription_ids.contains(id));
-            }
-            // What is no request, or one that is not listened to.
-            Ok(Request::Other) | Err(_) => {}
+    let text = match socket.read() {
+        Ok(Message::Text(text)) => text,
+        Ok(_) => return Ok(new),
+        Err(Error::Io(cause)) if matches!(cause.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+            return Ok(new);
         }
+        Err(cause) => return Err(Box::new(cause)),
+    };
+    match serde_json::from_str(text.as_str()) {
+        Ok(Request::Subscribe { subscriptions }) => {
+            for wish in subscriptions {
+                let Some(channel) = protocol::channel(wish.channel_id) else { continue };
+                // As Foxglove's own server does; else a viewer could have the same frames a million times over.
+                if wishes.contains_key(&wish.id) || wishes.values().any(|wanted| *wanted == channel) {
+                    continue;
+                }
+                wishes.insert(wish.id, channel);
+                new.push(NewWish { channel, subscription: wish.id });
+            }
+        }
+        Ok(Request::Unsubscribe { subscription_ids }) => {
+            wishes.retain(|id, _| !subscription_ids.contains(id));
+        }
+        // What is no request, or one that is not listened to.
+        Ok(Request::Other) | Err(_) => {}
     }
+    Ok(new)
 }
 
 fn send_frame(
@@ -137,4 +137,53 @@ fn send(
 ) -> Result<(), Box<Error>> {
     let bytes = protocol::message_data(subscription, time_ns, data);
     socket.send(Message::binary(bytes)).map_err(Box::new)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::{Ipv4Addr, TcpListener};
+
+    use tungstenite::protocol::Role;
+
+    use super::*;
+
+    /// A viewer, and the server's end of its connection.
+    fn connected() -> [WebSocket<TcpStream>; 2] {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let viewer = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let server = listener.accept().unwrap().0;
+        server.set_read_timeout(Some(PATIENCE)).unwrap();
+        [
+            WebSocket::from_raw_socket(viewer, Role::Client, None),
+            WebSocket::from_raw_socket(server, Role::Server, Some(config())),
+        ]
+    }
+
+    #[test]
+    fn a_viewer_that_never_pauses_is_heard_one_request_at_a_time() {
+        let [mut viewer, mut server] = connected();
+        let wish = r#"{"op":"subscribe","subscriptions":[{"id":7,"channelId":1}]}"#;
+        let no_wish = r#"{"op":"unsubscribe","subscriptionIds":[7]}"#;
+        for _ in 0..100 {
+            viewer.send(Message::text(wish)).unwrap();
+            viewer.send(Message::text(no_wish)).unwrap();
+        }
+        let mut wishes = Wishes::default();
+        for _ in 0..100 {
+            assert_eq!(listen(&mut server, &mut wishes).unwrap().len(), 1);
+            assert_eq!(wishes.len(), 1);
+            assert_eq!(listen(&mut server, &mut wishes).unwrap().len(), 0);
+            assert_eq!(wishes.len(), 0);
+        }
+    }
+
+    #[test]
+    fn one_request_makes_no_more_channels_new_than_there_are() {
+        let [mut viewer, mut server] = connected();
+        let wishes: Vec<String> =
+            (0..2000).map(|number| format!(r#"{{"id":7,"channelId":{}}}"#, 1 + number % 2)).collect();
+        let request = format!(r#"{{"op":"subscribe","subscriptions":[{}]}}"#, wishes.join(","));
+        viewer.send(Message::text(request)).unwrap();
+        assert_eq!(listen(&mut server, &mut Wishes::default()).unwrap().len(), 1);
+    }
 }
