@@ -4,6 +4,7 @@
 //! and a crown, an ellipsoid whose rim is frayed by noise.
 
 use crate::noise::value_noise;
+use crate::shown::PixelClass;
 use crate::vehicle::VehicleShape;
 
 /// A ray: origin and direction (of any length), map frame, metres.
@@ -34,6 +35,16 @@ pub(crate) enum Part {
     Metal,
     /// A garden wall.
     Masonry,
+}
+
+impl Part {
+    /// What it is part of.
+    pub(crate) const fn class(self) -> PixelClass {
+        match self {
+            Self::Wall | Self::Roof | Self::Trunk | Self::Crown | Self::Masonry => PixelClass::Structure,
+            Self::Body | Self::Glass | Self::Metal => PixelClass::Thing,
+        }
+    }
 }
 
 /// Where a ray meets an object.

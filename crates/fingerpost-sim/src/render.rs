@@ -31,6 +31,7 @@ use crate::rain::Rain;
 use crate::relief::ReliefRaster;
 use crate::roadside::Roadside;
 use crate::scenery::Scenery;
+use crate::shown::{PixelClass, Shown};
 use crate::sky::Sky;
 use crate::surface::{Colour, Painter};
 use crate::{SimError, tone};
@@ -123,18 +124,40 @@ impl Renderer {
             && point.stroke.is_some_and(|stroke| self.painter.bears_paint(stroke, x, y))
     }
 
-    /// The picture of a frame, and its mask of road: 255 where the pixel shows road, 0 elsewhere.
-    pub(crate) fn render(&self, view: &FrameView) -> (RgbImage, Plane<u8>) {
+    /// The picture of a frame and what its pixels show.
+    pub(crate) fn render(&self, view: &FrameView) -> Rendered {
         let mut picture = RgbImage::new(self.width, self.height);
         let mut road = Plane::new(self.width, self.height, 0_u8);
+        let mut classes = Plane::new(self.width, self.height, 0_u8);
         let shot = Shot::new(self, view);
+        let band_px = TILE_PX * self.width;
         let bands = picture
             .as_mut_slice()
-            .par_chunks_mut(TILE_PX * self.width * 3)
-            .zip(road.as_mut_slice().par_chunks_mut(TILE_PX * self.width));
-        bands.enumerate().for_each(|(band, (pixels, mask))| shot.band(band, pixels, mask));
-        (picture, road)
+            .par_chunks_mut(3 * band_px)
+            .zip(road.as_mut_slice().par_chunks_mut(band_px))
+            .zip(classes.as_mut_slice().par_chunks_mut(band_px));
+        bands.enumerate().for_each(|(number, ((pixels, road), classes))| {
+            shot.band(number, &mut Band { pixels, road, classes });
+        });
+        Rendered { picture, road, classes }
     }
+}
+
+/// A picture and what its pixels show.
+#[derive(Debug)]
+pub(crate) struct Rendered {
+    pub(crate) picture: RgbImage,
+    /// 255 where the pixel shows road, 0 elsewhere.
+    pub(crate) road: Plane<u8>,
+    /// [`PixelClass`] of each.
+    pub(crate) classes: Plane<u8>,
+}
+
+/// Rows of a picture that is being rendered.
+struct Band<'a> {
+    pixels: &'a mut [u8],
+    road: &'a mut [u8],
+    classes: &'a mut [u8],
 }
 
 /// The mirror image of a place below level ground.
@@ -191,62 +214,65 @@ impl<'a> Shot<'a> {
         [0, 1, 2].map(|i| x[i] * d[0] + y[i] * d[1] + z[i] * d[2])
     }
 
-    fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
+    fn band(&self, number: usize, band: &mut Band<'_>) {
         let width = self.scene.width;
-        let first = band * TILE_PX * width;
+        let first = number * TILE_PX * width;
         let mut candidates = Candidates::default();
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
-            let (axis, cos, sin) = self.scene.lens.cones[band * width.div_ceil(TILE_PX) + column];
+            let (axis, cos, sin) = self.scene.lens.cones[number * width.div_ceil(TILE_PX) + column];
             let axis = self.turned(axis);
             self.near.touching((axis, cos, sin), &mut candidates.seen);
             self.below.touching(([axis[0], axis[1], -axis[2]], cos, sin), &mut candidates.mirrored);
             self.lamps.dazzling(axis, cos, &mut candidates.dazzling);
             self.lamps.streaking([axis[0], axis[1], -axis[2]], cos, &mut candidates.streaking);
             self.shades.touching((axis, cos, sin), &mut candidates.shading);
-            for row in 0..mask.len() / width {
+            for row in 0..band.road.len() / width {
                 // Ground seen by neighbouring pixels is about as high: a good first guess.
                 let mut ground_m = self.ground_m;
                 for u in left..(left + TILE_PX).min(width) {
                     let i = row * width + u;
-                    let (colour, road) = self.pixel(first + i, &candidates, &mut ground_m);
-                    mask[i] = road;
-                    pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
+                    let (colour, shown) = self.pixel(first + i, &candidates, &mut ground_m);
+                    band.road[i] = shown.mask();
+                    band.classes[i] = shown.class as u8;
+                    band.pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
                 }
             }
         }
     }
 
     #[inline]
-    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], u8) {
+    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], Shown) {
         let scene = self.scene;
         let (in_camera, off_centre) = scene.lens.pixels[index];
         if dot(in_camera, in_camera) < 0.5 {
-            return ([0; 3], 0);
+            return ([0; 3], Shown::beside(PixelClass::Nothing));
         }
-        let (mut light, road) = self.seen(in_camera, candidates, ground_m);
+        let (mut light, shown) = self.seen(in_camera, candidates, ground_m);
         if let Some(rain) = &self.rain {
             light = self.through_rain(light, rain, index);
         }
         let noise = mix(self.noise_seed ^ index as u64);
-        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), road)
+        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), shown)
     }
 
-    /// The light from a direction (unit vector, camera frame), and 255 where it comes from the road.
+    /// The light from a direction (unit vector, camera frame), and what it comes from.
     #[inline]
-    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, u8) {
+    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, Shown) {
         let direction = self.turned(in_camera);
         let ground = self.met(direction, self.ground_distance(direction, ground_m));
         let ray = Ray { origin: self.origin, direction };
-        let (mut light, road) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
-            Some((object, hit)) => (self.object_light(object, &hit, Some(in_camera)), 0),
+        let (mut light, shown) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
+            Some((object, hit)) => {
+                (self.object_light(object, &hit, Some(in_camera)), Shown::beside(hit.part.class()))
+            }
             None if ground.t < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
-            None => (self.scene.sky.colour(direction), 0),
+            None => self.scene.sky.seen(direction),
         };
         if !candidates.dazzling.is_empty() {
             let glare = glare_along(direction, &candidates.dazzling);
             light = [0, 1, 2].map(|i| light[i] + glare[i]);
         }
-        (light, road)
+        (light, shown)
     }
 
     /// The light of a pixel behind falling drops and those on the windscreen.

@@ -18,7 +18,7 @@ use crate::lane_middle::LaneMiddle;
 use crate::object::Object;
 use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
-use crate::render::{FrameView, Renderer};
+use crate::render::{FrameView, Rendered, Renderer};
 use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
 use crate::steered::RoadStrip;
@@ -39,6 +39,8 @@ pub struct SimFrame {
     pub picture: RgbImage,
     /// 255 where the picture shows road, 0 elsewhere; what stands in front of the road hides it.
     pub road: Plane<u8>,
+    /// What each pixel shows: the number of its [`PixelClass`](crate::PixelClass).
+    pub classes: Plane<u8>,
     /// Where everything really was.
     pub truth: TruthRecord,
 }
@@ -164,8 +166,8 @@ impl Simulator {
     }
 
     pub(crate) fn frame_of(&self, moment: &Moment) -> SimFrame {
-        let (picture, road) = self.renderer.render(&self.view(moment));
-        SimFrame { picture, road, truth: self.truth_of(moment) }
+        let Rendered { picture, road, classes } = self.renderer.render(&self.view(moment));
+        SimFrame { picture, road, classes, truth: self.truth_of(moment) }
     }
 
     /// Whether streets have heights of their own: [`Conditions::kerbs`](crate::Conditions::kerbs).

@@ -18,6 +18,7 @@ use crate::noise::{floor_int, mix, unit};
 use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
 use crate::roadside::{BesideRoad, Roadside};
+use crate::shown::PixelClass;
 use crate::street::Street;
 use crate::texture::{Grain, Texture};
 
@@ -60,6 +61,17 @@ pub(crate) struct Painted {
     pub(crate) colour: Colour,
     /// Share of the road that lines cover.
     pub(crate) paint: f32,
+    /// What the rest of the pixel is.
+    pub(crate) beside: PixelClass,
+}
+
+/// What takes the verge's place beside a road.
+#[derive(Debug, Clone, Copy)]
+struct MadeGround {
+    colour: Colour,
+    /// Share of the pixel that it takes.
+    share: f32,
+    class: PixelClass,
 }
 
 /// Textures and numbers of everything that is painted.
@@ -121,17 +133,19 @@ impl Painter {
             (0.5 - point.edge_m / footprint.extent_m(point.edge_slope)).clamp(0.0, 1.0)
         };
         let fineness = footprint.fineness_m();
-        let (mut colour, mut paint) = ([0.0; 3], 0.0);
+        let (mut colour, mut paint, mut beside) = ([0.0; 3], 0.0, PixelClass::Verge);
         if road > 0.0 {
             (colour, paint) = self.road(x, y, point, footprint, fineness);
         }
         if road < 1.0 {
             let mut verge = self.verge(x, y, point, fineness);
-            if let Some((side, share)) = self.roadside(x, y, point, footprint, fineness) {
-                verge = mixed(verge, side, share);
-            }
-            if let Some((side, share)) = self.kerbed(x, y, point, footprint, fineness) {
-                verge = mixed(verge, side, share);
+            let made = [
+                self.roadside(x, y, point, footprint, fineness),
+                self.kerbed(x, y, point, footprint, fineness),
+            ];
+            for made in made.into_iter().flatten() {
+                verge = mixed(verge, made.colour, made.share);
+                beside = if made.share >= 0.5 { made.class } else { beside };
             }
             for i in 0..3 {
                 colour[i] = verge[i] + (colour[i] - verge[i]) * road;
@@ -140,7 +154,7 @@ impl Painter {
         if self.dust > 0.0 {
             colour = self.dusted(colour, x, y, point, fineness);
         }
-        Painted { road, colour, paint: paint * road }
+        Painted { road, colour, paint: paint * road, beside }
     }
 
     #[inline]
@@ -237,7 +251,7 @@ impl Painter {
         !self.covering(Some(lane), x, y).look().map_or(as_mapped, |look| look.loose)
     }
 
-    /// What takes the verge's place beside a road, and its share.
+    /// A flat pavement or a shoulder of gravel.
     #[inline(never)]
     fn roadside(
         &self,
@@ -246,7 +260,7 @@ impl Painter {
         point: &GroundPoint,
         footprint: &Footprint,
         fineness: f32,
-    ) -> Option<(Colour, f32)> {
+    ) -> Option<MadeGround> {
         let varied = self.varied.as_ref()?;
         let lane = &self.lanes[point.stroke? as usize];
         let grain = self.asphalt.sample(y, x, fineness)[0];

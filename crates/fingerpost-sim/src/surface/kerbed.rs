@@ -1,10 +1,11 @@
 //! Colours of kerbed streets beside the road: parking bays, kerb stones, pavements.
 
 use super::varied::covered;
-use super::{Colour, Footprint, Painter};
+use super::{Colour, Footprint, MadeGround, Painter};
 use crate::ground::GroundPoint;
 use crate::light::mixed;
 use crate::noise::floor_int;
+use crate::shown::PixelClass;
 use crate::street::StreetPoint;
 
 /// Width of a kerb stone's top and of the gutter before it, metres.
@@ -40,7 +41,7 @@ impl Painter {
         STONE.map(|c| c * (1.0 + 0.3 * grain))
     }
 
-    /// What is beside the road where that is a kerbed street, and its share of the pixel.
+    /// What is beside the road where that is a kerbed street.
     #[inline(never)]
     pub(super) fn kerbed(
         &self,
@@ -49,7 +50,7 @@ impl Painter {
         point: &GroundPoint,
         footprint: &Footprint,
         fineness: f32,
-    ) -> Option<(Colour, f32)> {
+    ) -> Option<MadeGround> {
         let street = self.street.as_ref()?;
         let at = self.street_at(x, y, point)?;
         let extent_m = footprint.extent_m(point.edge_slope);
@@ -69,6 +70,7 @@ impl Painter {
         colour = mixed(colour, STONE.map(|c| c * (1.0 + 0.3 * grain)), beyond(0.0));
         colour = mixed(colour, pavement, beyond(STONE_M));
         let is_there = if at.kerb_m > 0.0 || at.behind_kerb_m < 0.0 { 1.0 } else { 0.0 };
-        Some((colour, is_there * (1.0 - beyond(at.pavement_m))))
+        let class = if at.behind_kerb_m < 0.0 { PixelClass::Road } else { PixelClass::Raised };
+        Some(MadeGround { colour, share: is_there * (1.0 - beyond(at.pavement_m)), class })
     }
 }
