@@ -13,6 +13,7 @@
 //! rolling shutter; roads within 80 m of the route.
 
 mod bicycle;
+mod bonnet;
 mod bus;
 mod camera_channel;
 mod camera_knock;
@@ -46,6 +47,7 @@ mod scenery;
 mod shown;
 mod simulator;
 mod sky;
+mod softening;
 mod steered;
 mod street;
 mod street_paint;
@@ -64,7 +66,7 @@ mod world;
 pub use bicycle::{Actuation, Bicycle, DriveCommand};
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use camera_channel::{Arrival, CameraChannel, CameraFault};
-pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
+pub use conditions::{CameraLook, Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
 pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
 pub use corners::CornerStyle;
 pub use course::{CoursePiece, RoadCourse};
@@ -78,4 +80,4 @@ pub use steered::{RoadStrip, SteeredDrive, SteeredPlace};
 pub use town::{TOWN_OSM, TOWN_ROUTE};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
-pub use world::{MapFault, World, WorldOptions, misled_route};
+pub use world::{MapFault, World, WorldOptions, WorldRanges, misled_route};

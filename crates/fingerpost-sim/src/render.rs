@@ -19,6 +19,7 @@ use rayon::prelude::*;
 use self::lamps::{Lamps, glare_along};
 use self::nearby::{Candidates, Nearby, first_hit};
 use self::things::{SHADOW_REACH_M, Things};
+use crate::bonnet::Bonnet;
 use crate::conditions::Conditions;
 use crate::dirt::Dirt;
 use crate::ground::GroundMap;
@@ -33,6 +34,7 @@ use crate::roadside::Roadside;
 use crate::scenery::Scenery;
 use crate::shown::{PixelClass, Shown};
 use crate::sky::Sky;
+use crate::softening::Softening;
 use crate::surface::{Colour, Painter};
 use crate::{SimError, tone};
 
@@ -41,6 +43,8 @@ const RELIEF_REACH_M: f32 = 300.0;
 /// A step of the search for the ground that is shorter than this many pixels of ground is the last: the ground's slope
 /// of a few hundredths leaves a tenth of a pixel after it.
 const GUESS_TOLERANCE: f32 = 3.0;
+/// Height in the sky that a bonnet mirrors, sine of the angle.
+const BONNET_SEES: f32 = 0.3;
 /// Distant woods hide the ground beyond, metres.
 const GROUND_REACH_M: f32 = 900.0;
 /// Where the camera is in a frame.
@@ -82,6 +86,8 @@ pub(crate) struct Renderer {
     retroreflection: f32,
     lamps: f32,
     rain: f64,
+    bonnet: Option<Bonnet>,
+    softening: Option<Softening>,
 }
 
 impl Renderer {
@@ -94,7 +100,11 @@ impl Renderer {
         scenery: Scenery,
         painter: Painter,
     ) -> Result<Self, SimError> {
+        let sky = Sky::new(seed, conditions);
+        let size_px = [camera.width(), camera.height()];
         Ok(Self {
+            bonnet: Bonnet::new(seed, conditions, size_px, sky.blurred(BONNET_SEES)),
+            softening: Softening::new(camera, &conditions.camera),
             width: camera.width(),
             height: camera.height(),
             lens: Lens::new(camera)?,
@@ -102,7 +112,7 @@ impl Renderer {
             relief,
             scenery,
             painter,
-            sky: Sky::new(seed, conditions),
+            sky,
             develop: tone::Development::new(conditions),
             light: Light::new(conditions),
             dirt: Dirt::new(camera.width(), camera.height(), conditions, seed),
@@ -139,6 +149,10 @@ impl Renderer {
         bands.enumerate().for_each(|(number, ((pixels, road), classes))| {
             shot.band(number, &mut Band { pixels, road, classes });
         });
+        let picture = match &self.softening {
+            Some(softening) => softening.applied(picture),
+            None => picture,
+        };
         Rendered { picture, road, classes }
     }
 }
@@ -247,11 +261,18 @@ impl<'a> Shot<'a> {
         if dot(in_camera, in_camera) < 0.5 {
             return ([0; 3], Shown::beside(PixelClass::Nothing));
         }
+        let noise = mix(self.noise_seed ^ index as u64);
+        if let Some(light) = scene.bonnet.as_ref().and_then(|bonnet| bonnet.hides(index)) {
+            return (scene.develop.develop(light, off_centre, noise), Shown::beside(PixelClass::Thing));
+        }
         let (mut light, shown) = self.seen(in_camera, candidates, ground_m);
+        if let Some(bonnet) = &scene.bonnet {
+            let veil = bonnet.veil(index);
+            light = [0, 1, 2].map(|i| light[i] + veil[i]);
+        }
         if let Some(rain) = &self.rain {
             light = self.through_rain(light, rain, index);
         }
-        let noise = mix(self.noise_seed ^ index as u64);
         (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), shown)
     }
 
