@@ -66,7 +66,9 @@ mod world;
 pub use bicycle::{Actuation, Bicycle, DriveCommand};
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use camera_channel::{Arrival, CameraChannel, CameraFault};
-pub use conditions::{CameraLook, Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
+pub use conditions::{
+    CameraLook, Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings, Streetscape,
+};
 pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
 pub use corners::CornerStyle;
 pub use course::{CoursePiece, RoadCourse};

@@ -2,13 +2,17 @@
 
 mod kerbed;
 mod lane;
+mod litter;
+mod materials;
+mod pattern;
 mod strips;
 mod varied;
 
 use self::lane::Lane;
 pub(crate) use self::lane::LocalPlace;
+use self::materials::{Materials, PavementGround};
 use self::strips::Strips;
-use self::varied::{Covering, Varied, covered};
+use self::varied::{Covering, KERB_M, Varied, covered};
 use crate::TrafficSide;
 use crate::conditions::{Conditions, Markings};
 use crate::ground::GroundPoint;
@@ -86,6 +90,7 @@ pub(crate) struct Painter {
     varied: Option<Varied>,
     strips: Option<Strips>,
     street: Option<Street>,
+    materials: Option<Materials>,
     dust: f32,
     worn: f32,
 }
@@ -103,6 +108,12 @@ impl Painter {
     pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork, traffic: TrafficSide) -> Self {
         let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions, traffic));
         let mut lanes: Vec<Lane> = lanes.collect();
+        let materials = Materials::new(seed, &conditions.streetscape);
+        if let Some(materials) = &materials {
+            for lane in &mut lanes {
+                lane.ground = materials.road(lane.chain);
+            }
+        }
         if conditions.markings == Markings::Streets {
             for (stroke, line) in MouthLine::drawn(seed, roads, traffic) {
                 lanes[stroke].add_mouth(line);
@@ -118,6 +129,7 @@ impl Painter {
             varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),
             strips: Strips::new(seed, conditions.strips as f32),
             street: Street::new(seed, conditions),
+            materials,
             dust: conditions.dust as f32,
             worn: conditions.lanes.worn as f32,
         }
@@ -151,6 +163,9 @@ impl Painter {
                 colour[i] = verge[i] + (colour[i] - verge[i]) * road;
             }
         }
+        if self.materials.is_some() {
+            colour = self.littered(colour, [x, y], point, footprint);
+        }
         if self.dust > 0.0 {
             colour = self.dusted(colour, x, y, point, fineness);
         }
@@ -168,7 +183,8 @@ impl Painter {
     ) -> (Colour, f32) {
         let lane = point.stroke.map(|index| &self.lanes[index as usize]);
         let covering = self.covering(lane, x, y);
-        let look = covering.look();
+        let ground = lane.and_then(|lane| lane.ground);
+        let look = ground.map(|ground| ground.look).or(covering.look());
         let as_mapped = lane.is_some_and(|lane| lane.surface == Surface::Loose);
         let loose = look.map_or(as_mapped, |look| look.loose);
         let texture = if loose { &self.soil } else { &self.asphalt };
@@ -186,6 +202,15 @@ impl Painter {
             base[1] * bright,
             base[2] * bright * (1.0 - 0.12 * warm),
         ];
+        if let (Some(materials), Some(lane), Some(ground)) = (&self.materials, lane, ground) {
+            let place = lane.place(x, y);
+            colour = materials.laid(colour, ground.pattern, &place, footprint);
+            let grass = ground.pattern.grass(place.left_m + 0.3 * grain[0], place.extents_m(footprint)[1]);
+            if grass > 0.0 {
+                let open = GroundPoint { edge_m: 1.0, ..*point };
+                colour = mixed(colour, self.verge(x, y, &open, fineness), grass);
+            }
+        }
         let mut painted = 0.0;
         if let Some(lane) = lane.filter(|_| !loose) {
             if let Some(varied) = &self.varied {
@@ -213,15 +238,58 @@ impl Painter {
         let patches = point.hue * 0.9 + 0.8 * tufts[1] + 0.4 * grass[1];
         let bare = ((self.bare_verge - 0.5) * 2.0 + patches + 1.1 * strip).clamp(0.0, 1.0);
         let bright = (1.0 + 0.45 * grass[0] + 0.30 * tufts[0] + 0.4 * point.tone).max(0.2);
-        let green = [0.135 + 0.05 * point.tone, 0.195, 0.062];
+        let (green, brown) = match &self.materials {
+            None => ([0.135 + 0.05 * point.tone, 0.195, 0.062], [0.275, 0.205, 0.130]),
+            Some(materials) => {
+                let [one, other] = materials.vegetation;
+                (mixed(one, other, (0.5 + 1.2 * point.hue).clamp(0.0, 1.0)), materials.soil)
+            }
+        };
         let grass_colour = green.map(|c| c * bright);
         if bare <= 0.0 {
             return grass_colour;
         }
         let stones = self.soil.sample(y, x, fineness);
         let earth = (1.0 + 0.45 * stones[0] + 0.3 * point.tone).max(0.2);
-        let brown = [0.275, 0.205, 0.130];
         [0, 1, 2].map(|i| grass_colour[i] + (brown[i] * earth - grass_colour[i]) * bare)
+    }
+
+    /// The ground at a place with the edge of an unmade road where it wanders to.
+    #[inline]
+    pub(crate) fn ragged(&self, x: f32, y: f32, point: GroundPoint) -> GroundPoint {
+        let ragged_m = match (&self.materials, point.stroke) {
+            (Some(_), Some(stroke)) => {
+                self.lanes[stroke as usize].ground.map_or(0.0, |ground| ground.ragged_m)
+            }
+            _ => 0.0,
+        };
+        if ragged_m <= 0.0 || point.edge_m.abs() > 2.0 * ragged_m {
+            return point;
+        }
+        let bays = self.soil.sample(0.5 * x, 0.5 * y, 0.05)[0];
+        GroundPoint { edge_m: point.edge_m + ragged_m * bays, ..point }
+    }
+
+    /// Colour of a pavement that is not the usual one, and the road's own there.
+    fn pavement(
+        &self,
+        [x, y]: [f32; 2],
+        point: &GroundPoint,
+        footprint: &Footprint,
+        asphalt: Colour,
+    ) -> Option<Colour> {
+        let materials = self.materials.as_ref()?;
+        let place = self.lanes[point.stroke? as usize].place(x, y);
+        let fineness = footprint.fineness_m();
+        let grain = self.asphalt.sample(y, x, fineness)[0];
+        Some(match materials.pavement(&place) {
+            PavementGround::Road(shade) => asphalt.map(|c| c * shade),
+            PavementGround::Laid(base, pattern) => {
+                let stained = base.map(|c| c * (1.0 + 0.25 * grain + 0.25 * point.tone));
+                materials.laid(stained, pattern, &place, footprint)
+            }
+            PavementGround::Verge => self.verge(x, y, point, fineness),
+        })
     }
 
     /// The covering at a place of a road.
@@ -248,7 +316,8 @@ impl Painter {
     pub(crate) fn bears_paint(&self, stroke: u32, x: f32, y: f32) -> bool {
         let lane = &self.lanes[stroke as usize];
         let as_mapped = lane.surface == Surface::Loose;
-        !self.covering(Some(lane), x, y).look().map_or(as_mapped, |look| look.loose)
+        let look = lane.ground.map(|ground| ground.look).or(self.covering(Some(lane), x, y).look());
+        !look.map_or(as_mapped, |look| look.loose)
     }
 
     /// A flat pavement or a shoulder of gravel.
@@ -264,7 +333,15 @@ impl Painter {
         let varied = self.varied.as_ref()?;
         let lane = &self.lanes[point.stroke? as usize];
         let grain = self.asphalt.sample(y, x, fineness)[0];
-        Some(varied.roadside(&lane.place(x, y), point, footprint, grain))
+        let made = varied.roadside(&lane.place(x, y), point, footprint, grain);
+        if made.class == PixelClass::Raised && self.materials.is_some() && made.share > 0.0 {
+            let unpainted = GroundPoint { other_m: 0.0, ..*point };
+            let (asphalt, _) = self.road(x, y, &unpainted, footprint, fineness);
+            let own = self.pavement([x, y], point, footprint, asphalt).unwrap_or(made.colour);
+            let behind_stone = ((point.edge_m - KERB_M) / fineness + 0.5).clamp(0.0, 1.0);
+            return Some(MadeGround { colour: mixed(made.colour, own, behind_stone), ..made });
+        }
+        Some(made)
     }
 
     /// Dust over a colour: more of it in drifts and beside the road than where wheels roll.

@@ -51,7 +51,10 @@ impl Renderer {
     #[inline]
     pub(super) fn ground_at(&self, x: f32, y: f32) -> GroundPoint {
         let point = self.ground.at(x, y);
-        self.painter.street_at(x, y, &point).map_or(point, |street| street.ground)
+        match self.painter.street_at(x, y, &point) {
+            Some(street) => street.ground,
+            None => self.painter.ragged(x, y, point),
+        }
     }
 
     /// How high a street lies above the ground's waves at a place (map frame), metres; 0 where there is none.

@@ -38,7 +38,8 @@ impl Painter {
     /// Colour of a kerb's face in full light.
     pub(crate) fn kerb_face(&self, x: f32, y: f32, fineness: f32) -> Colour {
         let grain = self.asphalt.sample(y, x, fineness)[0];
-        STONE.map(|c| c * (1.0 + 0.3 * grain))
+        let stone = self.materials.map_or(1.0, |materials| materials.kerb);
+        STONE.map(|c| c * stone * (1.0 + 0.3 * grain))
     }
 
     /// What is beside the road where that is a kerbed street.
@@ -56,7 +57,13 @@ impl Painter {
         let extent_m = footprint.extent_m(point.edge_slope);
         // Share of the pixel that lies farther than that behind the kerb's face.
         let beyond = |far_m: f32| ((at.behind_kerb_m - far_m) / extent_m + 0.5).clamp(0.0, 1.0);
-        let (asphalt, _) = self.road(x, y, &GroundPoint { stroke: None, ..*point }, footprint, fineness);
+        // Without its stroke no lines are painted; a road of its own ground is asked for with it, beyond all lines.
+        let unpainted = if self.materials.is_some() {
+            GroundPoint { other_m: 0.0, ..*point }
+        } else {
+            GroundPoint { stroke: None, ..*point }
+        };
+        let (asphalt, _) = self.road(x, y, &unpainted, footprint, fineness);
         let grain = self.asphalt.sample(y, x, fineness)[0];
         let joint = |at_m: f32, extent_m: f32| {
             covered(at_m - SLAB_M * floor_int(at_m / SLAB_M + 0.5) as f32, JOINT_M, extent_m)
@@ -64,10 +71,14 @@ impl Painter {
         let slabs = SLABS.map(|c| c * (1.0 + 0.25 * grain + 0.25 * point.tone));
         let joints = joint(x, footprint.along_m).max(joint(y, footprint.along_m));
         let slabs = mixed(slabs, JOINT, 0.8 * joints.min(1.0));
-        let pavement = mixed(slabs, asphalt.map(|c| c * street.shade), street.alike);
+        let pavement = match self.pavement([x, y], point, footprint, asphalt) {
+            Some(own) => own,
+            None => mixed(slabs, asphalt.map(|c| c * street.shade), street.alike),
+        };
+        let stone = self.materials.map_or(1.0, |materials| materials.kerb);
         let mut colour = asphalt.map(|c| c * BAY_SHADE);
         colour = mixed(colour, asphalt.map(|c| c * GUTTER_SHADE), beyond(-GUTTER_M));
-        colour = mixed(colour, STONE.map(|c| c * (1.0 + 0.3 * grain)), beyond(0.0));
+        colour = mixed(colour, STONE.map(|c| c * stone * (1.0 + 0.3 * grain)), beyond(0.0));
         colour = mixed(colour, pavement, beyond(STONE_M));
         let is_there = if at.kerb_m > 0.0 || at.behind_kerb_m < 0.0 { 1.0 } else { 0.0 };
         let class = if at.behind_kerb_m < 0.0 { PixelClass::Road } else { PixelClass::Raised };

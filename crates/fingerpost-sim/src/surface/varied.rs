@@ -78,7 +78,7 @@ const SIDE_STRETCH_M: f32 = 55.0;
 /// Share of the roadsides without pavement that are gravel, where coverings change.
 const GRAVEL_SIDES: f32 = 0.35;
 /// Width of a kerb stone, of a pavement and of a gravel shoulder, metres.
-const KERB_M: f32 = 0.15;
+pub(super) const KERB_M: f32 = 0.15;
 const PAVEMENT_M: f32 = 2.0;
 const SHOULDER_M: f32 = 1.6;
 /// Size of a pavement's slabs, metres.

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::log_between;
 use super::ranges::{CameraRanges, Carrier};
-use crate::conditions::CameraLook;
+use crate::conditions::{CameraLook, Streetscape};
 use crate::noise::Stream;
 use crate::{Conditions, Markings};
 
@@ -80,6 +80,11 @@ const COMPRESSION: f64 = 2.0;
 const BONNET: [f64; 2] = [0.03, 0.2];
 const VEIL: f64 = 0.25;
 
+/// Share of the worlds with unmade roads, with snow and with leaves.
+const UNMADE_WORLDS: f64 = 0.3;
+const SNOWY: f64 = 0.08;
+const LEAFY: f64 = 0.2;
+
 /// A day, its streets and its camera.
 pub(super) fn conditions(stream: &mut Stream) -> Conditions {
     let light = stream.choose(&LIGHTS).unwrap_or(Conditions::CLEAR);
@@ -115,6 +120,7 @@ pub(super) fn conditions(stream: &mut Stream) -> Conditions {
     drawn.lanes.worn = within(WORN);
     let density = within(TRAFFIC);
     drawn.traffic = if stream.unit() < WITH_TRAFFIC { density } else { 0.0 };
+    drawn.streetscape = streetscape(stream);
     draw_sides(stream, &mut drawn);
     drawn.camera = camera_look(stream);
     drawn
@@ -122,7 +128,9 @@ pub(super) fn conditions(stream: &mut Stream) -> Conditions {
 
 /// What lies beside the roads: kerbs with heights, pavements without, or ground that nobody made.
 fn draw_sides(stream: &mut Stream, drawn: &mut Conditions) {
-    match stream.choose(&[(0.5, 0), (0.25, 1), (0.25, 2)]) {
+    // Nobody sets kerbs beside gravel.
+    let kerbed = if drawn.streetscape.unmade > 0.0 { 0.05 } else { 0.6 };
+    match stream.choose(&[(kerbed, 0), (0.2, 1), (0.2, 2)]) {
         Some(0) => {
             drawn.kerbs = stream.between(0.5, 1.0);
             drawn.pavements_like_road = stream.unit();
@@ -135,7 +143,22 @@ fn draw_sides(stream: &mut Stream, drawn: &mut Conditions) {
             drawn.pavements = stream.between(0.4, 1.0);
             drawn.stretch_m = stream.between(20.0, 80.0);
         }
-        _ => drawn.stretch_m = stream.between(20.0, 200.0),
+        _ => {}
+    }
+}
+
+/// Grounds of all kinds, and in some worlds unmade roads, snow or leaves.
+fn streetscape(stream: &mut Stream) -> Streetscape {
+    let mut some = |share: f64, [low, high]: [f64; 2]| {
+        let amount = stream.between(low, high);
+        if stream.unit() < share { amount } else { 0.0 }
+    };
+    Streetscape {
+        materials: 0.85,
+        unmade: some(UNMADE_WORLDS, [0.4, 1.0]),
+        ragged_m: 0.8,
+        snow: some(SNOWY, [0.3, 1.0]),
+        leaves: some(LEAFY, [0.1, 1.0]),
     }
 }
 
