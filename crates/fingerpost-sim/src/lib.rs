@@ -9,8 +9,8 @@
 //! [`World`] draws all of these, and what is known of them, from a seed. [`RoadCourse`] makes up roads where no map is
 //! wanted, [`DrivingPlan`] says how the vehicle is driven on them; or a [`SteeredDrive`] goes where it is steered.
 //!
-//! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
-//! rolling shutter; roads within 80 m of the route.
+//! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses as sharp in the corners as in the
+//! middle, motion blur that of driving straight on, no rolling shutter; roads within 80 m of the route.
 
 mod bicycle;
 mod bonnet;
@@ -26,6 +26,7 @@ mod dirt;
 mod drive;
 mod driving;
 mod error;
+mod frontage;
 mod ground;
 mod junctions;
 mod kerb_lines;

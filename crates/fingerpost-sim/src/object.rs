@@ -35,14 +35,22 @@ pub(crate) enum Part {
     Metal,
     /// A garden wall.
     Masonry,
+    /// A fence's planks.
+    Fence,
+    /// A bin or a sign.
+    Painted,
+    /// Somebody.
+    Person,
 }
 
 impl Part {
     /// What it is part of.
     pub(crate) const fn class(self) -> PixelClass {
         match self {
-            Self::Wall | Self::Roof | Self::Trunk | Self::Crown | Self::Masonry => PixelClass::Structure,
-            Self::Body | Self::Glass | Self::Metal => PixelClass::Thing,
+            Self::Wall | Self::Roof | Self::Trunk | Self::Crown | Self::Masonry | Self::Fence => {
+                PixelClass::Structure
+            }
+            Self::Body | Self::Glass | Self::Metal | Self::Painted | Self::Person => PixelClass::Thing,
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Colours of the ground and of what stands on it, linear light.
+//! Colours of the ground, linear light.
 
 mod kerbed;
 mod lane;
 mod litter;
 mod materials;
 mod pattern;
+mod standing;
 mod strips;
 mod varied;
 
@@ -18,8 +19,6 @@ use crate::conditions::{Conditions, Markings};
 use crate::ground::GroundPoint;
 use crate::light::mixed;
 use crate::mouth_lines::MouthLine;
-use crate::noise::{floor_int, mix, unit};
-use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
 use crate::roadside::{BesideRoad, Roadside};
 use crate::shown::PixelClass;
@@ -384,50 +383,4 @@ impl Painter {
     pub(crate) fn grain(&self, x: f32, y: f32, fineness: f32) -> [f32; 2] {
         self.asphalt.sample(x, y, fineness)
     }
-
-    /// Colour of an object in full light, and the light of its own that it sends out for lamps of brightness 1.
-    pub(crate) fn object(&self, object: &Object, hit: &Hit, footprint_m: f32) -> (Colour, Colour) {
-        match object.shape {
-            Shape::Vehicle(shape) => shape.colour(hit, object.hash),
-            _ => (self.standing(object, hit, footprint_m), [0.0; 3]),
-        }
-    }
-
-    fn standing(&self, object: &Object, hit: &Hit, footprint_m: f32) -> Colour {
-        let [along, up] = hit.surface_m;
-        let shade = |i: u64| unit(mix(object.hash ^ i));
-        match hit.part {
-            Part::Wall => {
-                let tone = 0.30 + 0.35 * shade(1);
-                let plaster = 1.0 + 0.25 * self.soil.sample(along, up, footprint_m)[0];
-                let wall = [tone, tone * (0.86 + 0.12 * shade(2)), tone * (0.70 + 0.25 * shade(3))];
-                if window(along, up) { [0.06, 0.075, 0.09] } else { wall.map(|c| c * plaster) }
-            }
-            Part::Roof => {
-                let tiles = 1.0 + 0.35 * self.soil.sample(along, 2.5 * up, footprint_m)[0];
-                let red = 0.20 + 0.14 * shade(4);
-                [red, 0.5 * red + 0.02, 0.36 * red + 0.02].map(|c| c * tiles)
-            }
-            Part::Trunk => [0.11, 0.085, 0.06],
-            Part::Masonry => {
-                let stone = 1.0 + 0.4 * self.soil.sample(along, up, footprint_m)[0];
-                let tone = 0.22 + 0.2 * shade(1);
-                [tone, 0.95 * tone, 0.86 * tone].map(|c| c * stone)
-            }
-            Part::Metal | Part::Body | Part::Glass => [0.36, 0.37, 0.38],
-            Part::Crown => {
-                let leaves = self.grass.sample(0.35 * along, 0.35 * up, 0.35 * footprint_m);
-                let bright = (1.0 + 0.9 * leaves[0]).max(0.15);
-                let green = 0.10 + 0.07 * shade(5);
-                [green * (0.62 + 0.25 * shade(6)), green, 0.30 * green].map(|c| c * bright)
-            }
-        }
-    }
-}
-
-/// Windows of 1.1 x 1.3 m every 2.6 m of wall and every 2.8 m of height.
-fn window(along: f32, up: f32) -> bool {
-    let within = |value: f32, period: f32| value - period * floor_int(value / period) as f32;
-    let (x, y) = (within(along + 100.0, 2.6), within(up, 2.8));
-    (0.8..1.9).contains(&x) && (0.9..2.2).contains(&y)
 }

@@ -1,4 +1,4 @@
-//! What streets are made of where every one has its own ground.
+//! What streets are made of and lined with where every one has its own.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,11 +19,29 @@ pub struct Streetscape {
     pub snow: f64,
     /// Leaves on the ground, share of it where they gather.
     pub leaves: f64,
+    /// Share of the roadsides with house fronts, walls, fences or hedges close to the road.
+    pub frontage: f64,
+    /// Trees for each 100 m of roadside whose crowns reach over the road.
+    pub avenue_per_100_m: f64,
+    /// Bins, bollards, signs and people for each 100 m of roadside.
+    pub furniture_per_100_m: f64,
+    /// Share of the route's sides along which vehicles stand in a row.
+    pub parked_rows: f64,
 }
 
 impl Streetscape {
     /// None of it.
-    pub const USUAL: Self = Self { materials: 0.0, unmade: 0.0, ragged_m: 0.0, snow: 0.0, leaves: 0.0 };
+    pub const USUAL: Self = Self {
+        materials: 0.0,
+        unmade: 0.0,
+        ragged_m: 0.0,
+        snow: 0.0,
+        leaves: 0.0,
+        frontage: 0.0,
+        avenue_per_100_m: 0.0,
+        furniture_per_100_m: 0.0,
+        parked_rows: 0.0,
+    };
 
     /// Checks every number.
     pub(crate) fn check(&self) -> Result<(), SimError> {
@@ -32,6 +50,10 @@ impl Streetscape {
         check_range("streetscape.unmade", self.unmade, 0.0, 1.0, share)?;
         check_range("streetscape.ragged_m", self.ragged_m, 0.0, 1.5, "0 to 1.5 metres")?;
         check_range("streetscape.snow", self.snow, 0.0, 1.0, share)?;
-        check_range("streetscape.leaves", self.leaves, 0.0, 1.0, share)
+        check_range("streetscape.leaves", self.leaves, 0.0, 1.0, share)?;
+        check_range("streetscape.frontage", self.frontage, 0.0, 1.0, share)?;
+        check_range("streetscape.avenue_per_100_m", self.avenue_per_100_m, 0.0, 20.0, "0 to 20")?;
+        check_range("streetscape.furniture_per_100_m", self.furniture_per_100_m, 0.0, 50.0, "0 to 50")?;
+        check_range("streetscape.parked_rows", self.parked_rows, 0.0, 1.0, share)
     }
 }

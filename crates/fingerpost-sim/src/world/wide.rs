@@ -54,7 +54,7 @@ const VIGNETTE: [f64; 2] = [0.0, 0.6];
 const ROAD_WEAR: [f64; 2] = [0.2, 2.2];
 const TREES_PER_100_M: [f64; 2] = [0.0, 20.0];
 const HOUSES_PER_100_M: [f64; 2] = [0.0, 8.0];
-const PARKED_PER_100_M: [f64; 2] = [0.0, 8.0];
+const PARKED_PER_100_M: [f64; 2] = [0.0, 3.0];
 const POSTS_PER_100_M: [f64; 2] = [0.0, 8.0];
 const TRAFFIC: [f64; 2] = [0.2, 1.5];
 /// Share of the worlds in which others drive.
@@ -84,6 +84,11 @@ const VEIL: f64 = 0.25;
 const UNMADE_WORLDS: f64 = 0.3;
 const SNOWY: f64 = 0.08;
 const LEAFY: f64 = 0.2;
+/// Share of the worlds whose streets are lined by houses and walls, by trees, by things on the pavement, by parked vehicles.
+const BUILT_UP: f64 = 0.65;
+const AVENUES: f64 = 0.45;
+const FURNISHED: f64 = 0.6;
+const LINED: f64 = 0.6;
 
 /// A day, its streets and its camera.
 pub(super) fn conditions(stream: &mut Stream) -> Conditions {
@@ -159,6 +164,10 @@ fn streetscape(stream: &mut Stream) -> Streetscape {
         ragged_m: 0.8,
         snow: some(SNOWY, [0.3, 1.0]),
         leaves: some(LEAFY, [0.1, 1.0]),
+        frontage: some(BUILT_UP, [0.3, 1.0]),
+        avenue_per_100_m: some(AVENUES, [3.0, 14.0]),
+        furniture_per_100_m: some(FURNISHED, [1.0, 10.0]),
+        parked_rows: some(LINED, [0.3, 1.0]),
     }
 }
 
