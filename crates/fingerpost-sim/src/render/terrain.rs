@@ -47,19 +47,18 @@ impl Renderer {
         self.painter.has_street()
     }
 
-    /// The ground at a place, with islands as the road's edge.
+    /// The ground at a place, with the edges that are seen there.
     #[inline]
     pub(super) fn ground_at(&self, x: f32, y: f32) -> GroundPoint {
-        let point = self.ground.at(x, y);
-        match self.painter.street_at(x, y, &point) {
-            Some(street) => street.ground,
-            None => self.painter.ragged(x, y, point),
-        }
+        self.painter.edged(x, y, self.ground.at(x, y))
     }
 
     /// How high a street lies above the ground's waves at a place (map frame), metres; 0 where there is none.
     pub(crate) fn street_height_m(&self, x: f32, y: f32) -> f32 {
-        self.street_at(x, y).map_or(0.0, |street| street.height_m)
+        if !self.painter.has_street() {
+            return 0.0;
+        }
+        self.painter.street_height_m(x, y, &self.ground.at(x, y))
     }
 
     /// The street at a place of the map, metres; none where no street has kerbs.

@@ -30,6 +30,26 @@ impl Painter {
         Some(street.at([x, y], point, &self.lanes[stroke as usize].place(x, y)))
     }
 
+    /// The ground at a place, with islands as the road's edge and the edge of an unmade road where it wanders to.
+    #[inline]
+    pub(crate) fn edged(&self, x: f32, y: f32, point: GroundPoint) -> GroundPoint {
+        match (&self.street, point.stroke) {
+            (Some(street), Some(stroke)) => street.ground(&point, &self.lanes[stroke as usize].place(x, y)),
+            _ => self.ragged(x, y, point),
+        }
+    }
+
+    /// Height of the street above the ground's waves at a place, metres.
+    #[inline]
+    pub(crate) fn street_height_m(&self, x: f32, y: f32, point: &GroundPoint) -> f32 {
+        match (&self.street, point.stroke) {
+            (Some(street), Some(stroke)) => {
+                street.height_m([x, y], point, &self.lanes[stroke as usize].place(x, y))
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Whether streets have heights of their own.
     pub(crate) fn has_street(&self) -> bool {
         self.street.is_some()
