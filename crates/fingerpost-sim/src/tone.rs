@@ -46,7 +46,7 @@ impl Development {
             vignette: conditions.vignette as f32,
             noise_levels: conditions.noise_levels as f32,
             gains: look.white_balance.map(|gain| (gain * look.exposure) as f32),
-            saturation: (look.saturation < 1.0 || look.saturation > 1.0).then_some(saturation),
+            saturation: ((saturation - 1.0).abs() > 0.0).then_some(saturation),
         }
     }
 
