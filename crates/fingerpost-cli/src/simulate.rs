@@ -257,8 +257,8 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
             let frame = simulator.frame(index);
             folder.write_frame(index as u64, &frame.picture)?;
             folder.write_road_mask(index as u64, &frame.road)?;
-            if let Some(heights) = simulator.heights(index) {
-                folder.write_heights(index as u64, &heights)?;
+            if let Some(heights) = &frame.heights {
+                folder.write_heights(index as u64, heights)?;
             }
             if args.classes {
                 folder.write_classes(index as u64, &frame.classes)?;

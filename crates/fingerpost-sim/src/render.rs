@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use self::lamps::{Lamps, glare_along};
 use self::nearby::{Candidates, Nearby, first_hit};
+use self::terrain::Upwards;
 use self::things::{SHADOW_REACH_M, Things};
 use crate::bonnet::Bonnet;
 use crate::conditions::Conditions;
@@ -139,21 +140,23 @@ impl Renderer {
         let mut picture = RgbImage::new(self.width, self.height);
         let mut road = Plane::new(self.width, self.height, 0_u8);
         let mut classes = Plane::new(self.width, self.height, 0_u8);
+        let mut heights = Plane::new(self.width, self.height, 0_u16);
         let shot = Shot::new(self, view);
         let band_px = TILE_PX * self.width;
         let bands = picture
             .as_mut_slice()
             .par_chunks_mut(3 * band_px)
             .zip(road.as_mut_slice().par_chunks_mut(band_px))
-            .zip(classes.as_mut_slice().par_chunks_mut(band_px));
-        bands.enumerate().for_each(|(number, ((pixels, road), classes))| {
-            shot.band(number, &mut Band { pixels, road, classes });
+            .zip(classes.as_mut_slice().par_chunks_mut(band_px))
+            .zip(heights.as_mut_slice().par_chunks_mut(band_px));
+        bands.enumerate().for_each(|(number, (((pixels, road), classes), heights))| {
+            shot.band(number, &mut Band { pixels, road, classes, heights });
         });
         let picture = match &self.softening {
             Some(softening) => softening.applied(picture),
             None => picture,
         };
-        Rendered { picture, road, classes }
+        Rendered { picture, road, classes, heights: self.has_street().then_some(heights) }
     }
 }
 
@@ -165,6 +168,8 @@ pub(crate) struct Rendered {
     pub(crate) road: Plane<u8>,
     /// [`PixelClass`] of each.
     pub(crate) classes: Plane<u8>,
+    /// Height of the ground in steps, where streets have heights.
+    pub(crate) heights: Option<Plane<u16>>,
 }
 
 /// Rows of a picture that is being rendered.
@@ -172,6 +177,7 @@ struct Band<'a> {
     pixels: &'a mut [u8],
     road: &'a mut [u8],
     classes: &'a mut [u8],
+    heights: &'a mut [u16],
 }
 
 /// The mirror image of a place below level ground.
@@ -195,6 +201,7 @@ struct Shot<'a> {
     things: Things<'a>,
     lamps: Lamps,
     rain: Option<Rain>,
+    plane: Upwards,
 }
 
 impl<'a> Shot<'a> {
@@ -220,7 +227,22 @@ impl<'a> Shot<'a> {
         let shades = Nearby::shades(things.moving, origin, SHADOW_REACH_M);
         let rain = Rain::new(scene.rain, [scene.width, scene.height], scene.seed, view.frame, view.t_s);
         let t_s = view.t_s as f32;
-        Self { scene, rotation, origin, ground_m, noise_seed, t_s, near, below, shades, things, lamps, rain }
+        let plane = Upwards::new(view);
+        Self {
+            plane,
+            scene,
+            rotation,
+            origin,
+            ground_m,
+            noise_seed,
+            t_s,
+            near,
+            below,
+            shades,
+            things,
+            lamps,
+            rain,
+        }
     }
 
     fn turned(&self, d: [f32; 3]) -> [f32; 3] {
@@ -245,9 +267,10 @@ impl<'a> Shot<'a> {
                 let mut ground_m = self.ground_m;
                 for u in left..(left + TILE_PX).min(width) {
                     let i = row * width + u;
-                    let (colour, shown) = self.pixel(first + i, &candidates, &mut ground_m);
+                    let (colour, shown, height) = self.pixel(first + i, &candidates, &mut ground_m);
                     band.road[i] = shown.mask();
                     band.classes[i] = shown.class as u8;
+                    band.heights[i] = height;
                     band.pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
                 }
             }
@@ -255,17 +278,17 @@ impl<'a> Shot<'a> {
     }
 
     #[inline]
-    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], Shown) {
+    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], Shown, u16) {
         let scene = self.scene;
         let (in_camera, off_centre) = scene.lens.pixels[index];
         if dot(in_camera, in_camera) < 0.5 {
-            return ([0; 3], Shown::beside(PixelClass::Nothing));
+            return ([0; 3], Shown::beside(PixelClass::Nothing), 0);
         }
         let noise = mix(self.noise_seed ^ index as u64);
         if let Some(light) = scene.bonnet.as_ref().and_then(|bonnet| bonnet.hides(index)) {
-            return (scene.develop.develop(light, off_centre, noise), Shown::beside(PixelClass::Thing));
+            return (scene.develop.develop(light, off_centre, noise), Shown::beside(PixelClass::Thing), 0);
         }
-        let (mut light, shown) = self.seen(in_camera, candidates, ground_m);
+        let (mut light, shown, height) = self.seen(in_camera, candidates, ground_m);
         if let Some(bonnet) = &scene.bonnet {
             let veil = bonnet.veil(index);
             light = [0, 1, 2].map(|i| light[i] + veil[i]);
@@ -273,27 +296,31 @@ impl<'a> Shot<'a> {
         if let Some(rain) = &self.rain {
             light = self.through_rain(light, rain, index);
         }
-        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), shown)
+        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), shown, height)
     }
 
-    /// The light from a direction (unit vector, camera frame), and what it comes from.
+    /// The light from a direction (unit vector, camera frame), what it comes from, and how high that is where it is ground.
     #[inline]
-    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, Shown) {
+    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, Shown, u16) {
         let direction = self.turned(in_camera);
         let ground = self.met(direction, self.ground_distance(direction, ground_m));
         let ray = Ray { origin: self.origin, direction };
+        let mut height = 0;
         let (mut light, shown) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
             Some((object, hit)) => {
                 (self.object_light(object, &hit, Some(in_camera)), Shown::beside(hit.part.class()))
             }
-            None if ground.t < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
+            None if ground.t < GROUND_REACH_M => {
+                height = self.height(direction, ground.t);
+                self.ground_light(direction, in_camera, ground, candidates)
+            }
             None => self.scene.sky.seen(direction),
         };
         if !candidates.dazzling.is_empty() {
             let glare = glare_along(direction, &candidates.dazzling);
             light = [0, 1, 2].map(|i| light[i] + glare[i]);
         }
-        (light, shown)
+        (light, shown, height)
     }
 
     /// The light of a pixel behind falling drops and those on the windscreen.
