@@ -1,5 +1,6 @@
 //! Colours of the ground, linear light.
 
+mod fixtures;
 mod kerbed;
 mod lane;
 mod litter;
@@ -9,6 +10,7 @@ mod standing;
 mod strips;
 mod varied;
 
+use self::fixtures::Fixtures;
 use self::lane::Lane;
 pub(crate) use self::lane::LocalPlace;
 use self::materials::{Materials, PavementGround};
@@ -90,6 +92,7 @@ pub(crate) struct Painter {
     strips: Option<Strips>,
     street: Option<Street>,
     materials: Option<Materials>,
+    fixtures: Option<Fixtures>,
     dust: f32,
     worn: f32,
 }
@@ -129,6 +132,7 @@ impl Painter {
             strips: Strips::new(seed, conditions.strips as f32),
             street: Street::new(seed, conditions),
             materials,
+            fixtures: Fixtures::new(seed, conditions.streetscape.fixtures as f32),
             dust: conditions.dust as f32,
             worn: conditions.lanes.worn as f32,
         }
@@ -224,6 +228,12 @@ impl Painter {
                 if self.worn > 0.0 { share * self.left_of_paint(x, y, point, fineness) } else { share };
             painted = share.clamp(0.0, 1.0);
             colour = mixed(colour, paint, painted);
+            // Near another road its own coordinates say where things are.
+            if let Some(fixtures) = self.fixtures.filter(|_| point.other_m > 0.0) {
+                let (laid, share) = fixtures.laid(colour, &lane.place(x, y), footprint);
+                colour = laid;
+                painted = painted.max(share);
+            }
         }
         (colour, painted)
     }

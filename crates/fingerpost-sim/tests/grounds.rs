@@ -5,17 +5,23 @@ mod common;
 
 use common::{camera, graph, route};
 use fingerpost_geometry::Distortion;
-use fingerpost_sim::{Conditions, CornerStyle, PixelClass, SimConfig, SimFrame, Simulator, Streetscape};
+use fingerpost_sim::{
+    Conditions, CornerStyle, Markings, PixelClass, SimConfig, SimFrame, Simulator, Streetscape,
+};
 
 /// Kerbed streets without anything that stands beside them.
 const BARE: Conditions =
     Conditions { kerbs: 1.0, trees_per_100_m: 0.0, houses_per_100_m: 0.0, ..Conditions::IDEAL };
 
-fn frame(seed: u64, conditions: Conditions) -> SimFrame {
+fn simulator(seed: u64, conditions: Conditions) -> Simulator {
     let graph = graph();
     let config = SimConfig { conditions, corners: CornerStyle::Drawn, seed, ..SimConfig::default() };
     let camera = camera(160, 120, Distortion::None);
-    Simulator::new(&graph, &route(&graph), &camera, &config).unwrap().frame(20)
+    Simulator::new(&graph, &route(&graph), &camera, &config).unwrap()
+}
+
+fn frame(seed: u64, conditions: Conditions) -> SimFrame {
+    simulator(seed, conditions).frame(20)
 }
 
 /// Mean green level of the pixels of a class.
@@ -71,4 +77,26 @@ fn snow_lies_beside_the_road_and_leaves_gather_at_its_edge() {
         pixels.filter(|(pixel, class)| **class == PixelClass::Road as u8 && is_red(pixel)).count()
     };
     assert!(reddened(&leafy) > reddened(&plain) + 50, "{} and {}", reddened(&leafy), reddened(&plain));
+}
+
+#[test]
+fn crossings_and_arrows_are_paint_and_manholes_are_road() {
+    let with = |fixtures: f64| {
+        let streetscape = Streetscape { fixtures, ragged_m: 0.1, ..Streetscape::USUAL };
+        Conditions { markings: Markings::None, kerbs: 0.0, streetscape, ..BARE }
+    };
+    let area = |frame: &SimFrame, class: PixelClass| {
+        frame.classes.as_slice().iter().filter(|&&number| number == class as u8).count()
+    };
+    // The car is at 38 m: manholes lie 41 to 52 m along the road, crossings 56 to 60 m.
+    let (mut painted, mut dark) = (0, 0);
+    for seed in 0..12 {
+        let [plain, fitted] = [0.0, 1.0].map(|fixtures| simulator(seed, with(fixtures)).frame(42));
+        assert_eq!(area(&plain, PixelClass::Paint), 0);
+        assert_eq!(plain.road, fitted.road, "what lies on the road is road");
+        painted += area(&fitted, PixelClass::Paint);
+        let pixels = plain.picture.as_slice().chunks_exact(3).zip(fitted.picture.as_slice().chunks_exact(3));
+        dark += pixels.filter(|(before, after)| i16::from(after[1]) < i16::from(before[1]) - 15).count();
+    }
+    assert!(painted > 40 && dark > 100, "{painted} pixels of paint, {dark} of iron");
 }

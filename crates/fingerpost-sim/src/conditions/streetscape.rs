@@ -25,6 +25,8 @@ pub struct Streetscape {
     pub avenue_per_100_m: f64,
     /// Bins, bollards, signs and people for each 100 m of roadside.
     pub furniture_per_100_m: f64,
+    /// Share of the stretches of road with manholes, crossings and arrows.
+    pub fixtures: f64,
     /// Share of the route's sides along which vehicles stand in a row.
     pub parked_rows: f64,
 }
@@ -40,6 +42,7 @@ impl Streetscape {
         frontage: 0.0,
         avenue_per_100_m: 0.0,
         furniture_per_100_m: 0.0,
+        fixtures: 0.0,
         parked_rows: 0.0,
     };
 
@@ -54,6 +57,7 @@ impl Streetscape {
         check_range("streetscape.frontage", self.frontage, 0.0, 1.0, share)?;
         check_range("streetscape.avenue_per_100_m", self.avenue_per_100_m, 0.0, 20.0, "0 to 20")?;
         check_range("streetscape.furniture_per_100_m", self.furniture_per_100_m, 0.0, 50.0, "0 to 50")?;
+        check_range("streetscape.fixtures", self.fixtures, 0.0, 1.0, share)?;
         check_range("streetscape.parked_rows", self.parked_rows, 0.0, 1.0, share)
     }
 }

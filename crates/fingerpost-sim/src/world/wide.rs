@@ -89,6 +89,8 @@ const BUILT_UP: f64 = 0.65;
 const AVENUES: f64 = 0.45;
 const FURNISHED: f64 = 0.6;
 const LINED: f64 = 0.6;
+/// Share of the worlds with manholes, crossings and arrows.
+const FITTED: f64 = 0.6;
 
 /// A day, its streets and its camera.
 pub(super) fn conditions(stream: &mut Stream) -> Conditions {
@@ -167,6 +169,7 @@ fn streetscape(stream: &mut Stream) -> Streetscape {
         frontage: some(BUILT_UP, [0.3, 1.0]),
         avenue_per_100_m: some(AVENUES, [3.0, 14.0]),
         furniture_per_100_m: some(FURNISHED, [1.0, 10.0]),
+        fixtures: some(FITTED, [0.3, 1.0]),
         parked_rows: some(LINED, [0.3, 1.0]),
     }
 }
