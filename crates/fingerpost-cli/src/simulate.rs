@@ -78,6 +78,10 @@ pub(crate) struct SimulateArgs {
     /// Store frames without loss and unpacked, as portable pixmaps (P6), twenty times as large.
     #[arg(long, conflicts_with = "png")]
     ppm: bool,
+    /// Write what each pixel shows, too: classes/NNNNNN.png, grey levels of 0 nothing, 1 road, 2 paint on it, 3 raised ground, 4 verge,
+    /// 5 vehicle or other thing, 6 structure, 7 sky.
+    #[arg(long)]
+    classes: bool,
     /// Folder to write: a new or empty one, or one of an earlier `simulate`, whose drive is replaced.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -223,6 +227,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
     if simulator.has_heights() {
         folder.expect_heights()?;
     }
+    if args.classes {
+        folder.expect_classes()?;
+    }
     let log = simulator.bus_log();
     folder.write_bus(BusTexts { log: &log, database: BUS_DATABASE, settings: &settings })?;
     if args.road.course.is_some() {
@@ -250,8 +257,11 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<()> {
             let frame = simulator.frame(index);
             folder.write_frame(index as u64, &frame.picture)?;
             folder.write_road_mask(index as u64, &frame.road)?;
-            if let Some(heights) = simulator.heights(index) {
-                folder.write_heights(index as u64, &heights)?;
+            if let Some(heights) = &frame.heights {
+                folder.write_heights(index as u64, heights)?;
+            }
+            if args.classes {
+                folder.write_classes(index as u64, &frame.classes)?;
             }
             Ok(frame.truth)
         });

@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use crate::{
     file::{FileError, read_text},
-    folder_kind::{BUS_FILES, FolderKind, HEIGHTS_FOLDER, MASKS_FOLDER, TRUTH_FILE},
+    folder_kind::{BUS_FILES, CLASSES_FOLDER, FolderKind, HEIGHTS_FOLDER, MASKS_FOLDER, TRUTH_FILE},
     json_lines::{AppendError, JsonLinesFile},
     output_folder::{OutputFolder, OutputFolderError},
     picture_file::{PictureFileError, write_deep_png, write_grey_png, write_jpeg, write_png, write_ppm},
@@ -180,6 +180,23 @@ impl DriveFolder {
     pub fn write_heights(&self, index: u64, heights: &Plane<u16>) -> Result<(), DriveFolderError> {
         let name = format!("{index:06}.png");
         Ok(write_deep_png(&self.folder.path().join(HEIGHTS_FOLDER).join(name), heights)?)
+    }
+
+    /// Makes the folder of classes, before the first of them is written.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::File`] when it cannot be made.
+    pub fn expect_classes(&self) -> Result<(), DriveFolderError> {
+        Ok(create_private_folder(&self.folder.path().join(CLASSES_FOLDER))?)
+    }
+
+    /// Writes what the pixels of frame `index` show, by number; in any order and from several threads.
+    ///
+    /// # Errors
+    /// [`DriveFolderError::Picture`] when it cannot be written.
+    pub fn write_classes(&self, index: u64, classes: &Plane<u8>) -> Result<(), DriveFolderError> {
+        let name = format!("{index:06}.png");
+        Ok(write_grey_png(&self.folder.path().join(CLASSES_FOLDER).join(name), classes)?)
     }
 
     /// Adds the truth of the next frame, and its time to `times.txt`.

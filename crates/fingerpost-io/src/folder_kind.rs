@@ -29,6 +29,8 @@ pub(crate) const MOTION_FILE: &str = "motion.csv";
 pub(crate) const POSES_FILE: &str = "poses.csv";
 /// Folder of the heights of a drive's ground.
 pub(crate) const HEIGHTS_FOLDER: &str = "heights";
+/// Folder of what the pixels of a drive's frames show.
+pub(crate) const CLASSES_FOLDER: &str = "classes";
 /// Folder of the road-surface masks of a drive.
 pub(crate) const MASKS_FOLDER: &str = "road_masks";
 /// File of the fixes from a motion log.
@@ -162,9 +164,12 @@ impl FolderKind {
     pub(crate) fn picture_folders(self) -> &'static [(&'static str, IsPicture)] {
         match self {
             Self::Run | Self::CampaignRun => &[(PICTURES_FOLDER, is_named_frame)],
-            Self::Drive => {
-                &[(FRAMES_FOLDER, is_number), (MASKS_FOLDER, is_number), (HEIGHTS_FOLDER, is_number)]
-            }
+            Self::Drive => &[
+                (FRAMES_FOLDER, is_number),
+                (MASKS_FOLDER, is_number),
+                (HEIGHTS_FOLDER, is_number),
+                (CLASSES_FOLDER, is_number),
+            ],
             Self::ConvertedDrive => &[(FRAMES_FOLDER, is_number)],
             Self::Campaign | Self::ClosedLoop | Self::Tuning | Self::Location => &[],
             Self::Papers => &[(PLOTS_FOLDER, is_plot)],

@@ -1,13 +1,17 @@
 //! What the drive looks like: markings, ground, light, camera. One struct of numbers and named presets of it; a new
 //! kind of day is a new preset, or a new number that the old presets leave without effect.
 
+mod camera_look;
 mod lane_presets;
 mod lanes;
 mod presets;
+mod streetscape;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::camera_look::CameraLook;
 pub use self::lanes::{LaneMarkings, LineColour, LinePattern, LineStyle};
+pub use self::streetscape::Streetscape;
 use crate::SimError;
 use crate::error::check_range;
 
@@ -120,6 +124,10 @@ pub struct Conditions {
     pub guard_rails: f64,
     /// Strips of new asphalt and sealed cracks along the road: 1 where every stretch has some.
     pub strips: f64,
+    /// What streets are made of.
+    pub streetscape: Streetscape,
+    /// What the camera makes of the light.
+    pub camera: CameraLook,
 }
 
 impl Default for Conditions {
@@ -180,6 +188,8 @@ impl Conditions {
         check_range("posts_per_100_m", self.posts_per_100_m, 0.0, 20.0, "0 to 20")?;
         check_range("guard_rails", self.guard_rails, 0.0, 1.0, share)?;
         check_range("strips", self.strips, 0.0, 1.0, share)?;
+        self.streetscape.check()?;
+        self.camera.check()?;
         self.lanes.check()
     }
 }

@@ -9,10 +9,11 @@
 //! [`World`] draws all of these, and what is known of them, from a seed. [`RoadCourse`] makes up roads where no map is
 //! wanted, [`DrivingPlan`] says how the vehicle is driven on them; or a [`SteeredDrive`] goes where it is steered.
 //!
-//! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses sharp everywhere, no motion blur, no
-//! rolling shutter; roads within 80 m of the route.
+//! Limits: other vehicles keep their speed and give way to nothing; bridges are level crossings; lenses as sharp in the corners as in the
+//! middle, motion blur that of driving straight on, no rolling shutter; roads within 80 m of the route.
 
 mod bicycle;
+mod bonnet;
 mod bus;
 mod camera_channel;
 mod camera_knock;
@@ -25,6 +26,7 @@ mod dirt;
 mod drive;
 mod driving;
 mod error;
+mod frontage;
 mod ground;
 mod junctions;
 mod kerb_lines;
@@ -43,8 +45,10 @@ mod render;
 mod roads;
 mod roadside;
 mod scenery;
+mod shown;
 mod simulator;
 mod sky;
+mod softening;
 mod steered;
 mod street;
 mod street_paint;
@@ -63,7 +67,9 @@ mod world;
 pub use bicycle::{Actuation, Bicycle, DriveCommand};
 pub use bus::{BUS_DATABASE, BUS_SETTINGS};
 pub use camera_channel::{Arrival, CameraChannel, CameraFault};
-pub use conditions::{Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings};
+pub use conditions::{
+    CameraLook, Conditions, LaneMarkings, LineColour, LinePattern, LineStyle, Markings, Streetscape,
+};
 pub use config::{DrivingHabits, SimConfig, SimVehicle, TrafficSide};
 pub use corners::CornerStyle;
 pub use course::{CoursePiece, RoadCourse};
@@ -71,9 +77,10 @@ pub use crossing::Crossing;
 pub use driving::{DrivingManner, DrivingPlan, Manoeuvre};
 pub use error::SimError;
 pub use random_drive::{RandomRouteOptions, random_drive, random_route};
+pub use shown::PixelClass;
 pub use simulator::{SimFrame, Simulator};
 pub use steered::{RoadStrip, SteeredDrive, SteeredPlace};
 pub use town::{TOWN_OSM, TOWN_ROUTE};
 pub use truth::RoadPlace;
 pub use windscreen::windscreen_camera;
-pub use world::{MapFault, World, WorldOptions, misled_route};
+pub use world::{MapFault, World, WorldOptions, WorldRanges, misled_route};

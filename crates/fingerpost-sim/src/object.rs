@@ -4,6 +4,7 @@
 //! and a crown, an ellipsoid whose rim is frayed by noise.
 
 use crate::noise::value_noise;
+use crate::shown::PixelClass;
 use crate::vehicle::VehicleShape;
 
 /// A ray: origin and direction (of any length), map frame, metres.
@@ -34,6 +35,24 @@ pub(crate) enum Part {
     Metal,
     /// A garden wall.
     Masonry,
+    /// A fence's planks.
+    Fence,
+    /// A bin or a sign.
+    Painted,
+    /// Somebody.
+    Person,
+}
+
+impl Part {
+    /// What it is part of.
+    pub(crate) const fn class(self) -> PixelClass {
+        match self {
+            Self::Wall | Self::Roof | Self::Trunk | Self::Crown | Self::Masonry | Self::Fence => {
+                PixelClass::Structure
+            }
+            Self::Body | Self::Glass | Self::Metal | Self::Painted | Self::Person => PixelClass::Thing,
+        }
+    }
 }
 
 /// Where a ray meets an object.

@@ -18,7 +18,9 @@ use rayon::prelude::*;
 
 use self::lamps::{Lamps, glare_along};
 use self::nearby::{Candidates, Nearby, first_hit};
+use self::terrain::Upwards;
 use self::things::{SHADOW_REACH_M, Things};
+use crate::bonnet::Bonnet;
 use crate::conditions::Conditions;
 use crate::dirt::Dirt;
 use crate::ground::GroundMap;
@@ -31,7 +33,9 @@ use crate::rain::Rain;
 use crate::relief::ReliefRaster;
 use crate::roadside::Roadside;
 use crate::scenery::Scenery;
+use crate::shown::{PixelClass, Shown};
 use crate::sky::Sky;
+use crate::softening::Softening;
 use crate::surface::{Colour, Painter};
 use crate::{SimError, tone};
 
@@ -40,6 +44,8 @@ const RELIEF_REACH_M: f32 = 300.0;
 /// A step of the search for the ground that is shorter than this many pixels of ground is the last: the ground's slope
 /// of a few hundredths leaves a tenth of a pixel after it.
 const GUESS_TOLERANCE: f32 = 3.0;
+/// Height in the sky that a bonnet mirrors, sine of the angle.
+const BONNET_SEES: f32 = 0.3;
 /// Distant woods hide the ground beyond, metres.
 const GROUND_REACH_M: f32 = 900.0;
 /// Where the camera is in a frame.
@@ -81,6 +87,8 @@ pub(crate) struct Renderer {
     retroreflection: f32,
     lamps: f32,
     rain: f64,
+    bonnet: Option<Bonnet>,
+    softening: Option<Softening>,
 }
 
 impl Renderer {
@@ -93,7 +101,11 @@ impl Renderer {
         scenery: Scenery,
         painter: Painter,
     ) -> Result<Self, SimError> {
+        let sky = Sky::new(seed, conditions);
+        let size_px = [camera.width(), camera.height()];
         Ok(Self {
+            bonnet: Bonnet::new(seed, conditions, size_px, sky.blurred(BONNET_SEES)),
+            softening: Softening::new(camera, &conditions.camera),
             width: camera.width(),
             height: camera.height(),
             lens: Lens::new(camera)?,
@@ -101,7 +113,7 @@ impl Renderer {
             relief,
             scenery,
             painter,
-            sky: Sky::new(seed, conditions),
+            sky,
             develop: tone::Development::new(conditions),
             light: Light::new(conditions),
             dirt: Dirt::new(camera.width(), camera.height(), conditions, seed),
@@ -123,18 +135,49 @@ impl Renderer {
             && point.stroke.is_some_and(|stroke| self.painter.bears_paint(stroke, x, y))
     }
 
-    /// The picture of a frame, and its mask of road: 255 where the pixel shows road, 0 elsewhere.
-    pub(crate) fn render(&self, view: &FrameView) -> (RgbImage, Plane<u8>) {
+    /// The picture of a frame and what its pixels show.
+    pub(crate) fn render(&self, view: &FrameView) -> Rendered {
         let mut picture = RgbImage::new(self.width, self.height);
         let mut road = Plane::new(self.width, self.height, 0_u8);
+        let mut classes = Plane::new(self.width, self.height, 0_u8);
+        let mut heights = Plane::new(self.width, self.height, 0_u16);
         let shot = Shot::new(self, view);
+        let band_px = TILE_PX * self.width;
         let bands = picture
             .as_mut_slice()
-            .par_chunks_mut(TILE_PX * self.width * 3)
-            .zip(road.as_mut_slice().par_chunks_mut(TILE_PX * self.width));
-        bands.enumerate().for_each(|(band, (pixels, mask))| shot.band(band, pixels, mask));
-        (picture, road)
+            .par_chunks_mut(3 * band_px)
+            .zip(road.as_mut_slice().par_chunks_mut(band_px))
+            .zip(classes.as_mut_slice().par_chunks_mut(band_px))
+            .zip(heights.as_mut_slice().par_chunks_mut(band_px));
+        bands.enumerate().for_each(|(number, (((pixels, road), classes), heights))| {
+            shot.band(number, &mut Band { pixels, road, classes, heights });
+        });
+        let picture = match &self.softening {
+            Some(softening) => softening.applied(picture),
+            None => picture,
+        };
+        Rendered { picture, road, classes, heights: self.has_street().then_some(heights) }
     }
+}
+
+/// A picture and what its pixels show.
+#[derive(Debug)]
+pub(crate) struct Rendered {
+    pub(crate) picture: RgbImage,
+    /// 255 where the pixel shows road, 0 elsewhere.
+    pub(crate) road: Plane<u8>,
+    /// [`PixelClass`] of each.
+    pub(crate) classes: Plane<u8>,
+    /// Height of the ground in steps, where streets have heights.
+    pub(crate) heights: Option<Plane<u16>>,
+}
+
+/// Rows of a picture that is being rendered.
+struct Band<'a> {
+    pixels: &'a mut [u8],
+    road: &'a mut [u8],
+    classes: &'a mut [u8],
+    heights: &'a mut [u16],
 }
 
 /// The mirror image of a place below level ground.
@@ -158,6 +201,7 @@ struct Shot<'a> {
     things: Things<'a>,
     lamps: Lamps,
     rain: Option<Rain>,
+    plane: Upwards,
 }
 
 impl<'a> Shot<'a> {
@@ -183,7 +227,22 @@ impl<'a> Shot<'a> {
         let shades = Nearby::shades(things.moving, origin, SHADOW_REACH_M);
         let rain = Rain::new(scene.rain, [scene.width, scene.height], scene.seed, view.frame, view.t_s);
         let t_s = view.t_s as f32;
-        Self { scene, rotation, origin, ground_m, noise_seed, t_s, near, below, shades, things, lamps, rain }
+        let plane = Upwards::new(view);
+        Self {
+            plane,
+            scene,
+            rotation,
+            origin,
+            ground_m,
+            noise_seed,
+            t_s,
+            near,
+            below,
+            shades,
+            things,
+            lamps,
+            rain,
+        }
     }
 
     fn turned(&self, d: [f32; 3]) -> [f32; 3] {
@@ -191,62 +250,77 @@ impl<'a> Shot<'a> {
         [0, 1, 2].map(|i| x[i] * d[0] + y[i] * d[1] + z[i] * d[2])
     }
 
-    fn band(&self, band: usize, pixels: &mut [u8], mask: &mut [u8]) {
+    fn band(&self, number: usize, band: &mut Band<'_>) {
         let width = self.scene.width;
-        let first = band * TILE_PX * width;
+        let first = number * TILE_PX * width;
         let mut candidates = Candidates::default();
         for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
-            let (axis, cos, sin) = self.scene.lens.cones[band * width.div_ceil(TILE_PX) + column];
+            let (axis, cos, sin) = self.scene.lens.cones[number * width.div_ceil(TILE_PX) + column];
             let axis = self.turned(axis);
             self.near.touching((axis, cos, sin), &mut candidates.seen);
             self.below.touching(([axis[0], axis[1], -axis[2]], cos, sin), &mut candidates.mirrored);
             self.lamps.dazzling(axis, cos, &mut candidates.dazzling);
             self.lamps.streaking([axis[0], axis[1], -axis[2]], cos, &mut candidates.streaking);
             self.shades.touching((axis, cos, sin), &mut candidates.shading);
-            for row in 0..mask.len() / width {
+            for row in 0..band.road.len() / width {
                 // Ground seen by neighbouring pixels is about as high: a good first guess.
                 let mut ground_m = self.ground_m;
                 for u in left..(left + TILE_PX).min(width) {
                     let i = row * width + u;
-                    let (colour, road) = self.pixel(first + i, &candidates, &mut ground_m);
-                    mask[i] = road;
-                    pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
+                    let (colour, shown, height) = self.pixel(first + i, &candidates, &mut ground_m);
+                    band.road[i] = shown.mask();
+                    band.classes[i] = shown.class as u8;
+                    band.heights[i] = height;
+                    band.pixels[3 * i..3 * i + 3].copy_from_slice(&colour);
                 }
             }
         }
     }
 
     #[inline]
-    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], u8) {
+    fn pixel(&self, index: usize, candidates: &Candidates, ground_m: &mut f32) -> ([u8; 3], Shown, u16) {
         let scene = self.scene;
         let (in_camera, off_centre) = scene.lens.pixels[index];
         if dot(in_camera, in_camera) < 0.5 {
-            return ([0; 3], 0);
+            return ([0; 3], Shown::beside(PixelClass::Nothing), 0);
         }
-        let (mut light, road) = self.seen(in_camera, candidates, ground_m);
+        let noise = mix(self.noise_seed ^ index as u64);
+        if let Some(light) = scene.bonnet.as_ref().and_then(|bonnet| bonnet.hides(index)) {
+            return (scene.develop.develop(light, off_centre, noise), Shown::beside(PixelClass::Thing), 0);
+        }
+        let (mut light, shown, height) = self.seen(in_camera, candidates, ground_m);
+        if let Some(bonnet) = &scene.bonnet {
+            let veil = bonnet.veil(index);
+            light = [0, 1, 2].map(|i| light[i] + veil[i]);
+        }
         if let Some(rain) = &self.rain {
             light = self.through_rain(light, rain, index);
         }
-        let noise = mix(self.noise_seed ^ index as u64);
-        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), road)
+        (scene.develop.develop(scene.dirt.through(light, index), off_centre, noise), shown, height)
     }
 
-    /// The light from a direction (unit vector, camera frame), and 255 where it comes from the road.
+    /// The light from a direction (unit vector, camera frame), what it comes from, and how high that is where it is ground.
     #[inline]
-    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, u8) {
+    fn seen(&self, in_camera: [f32; 3], candidates: &Candidates, ground_m: &mut f32) -> (Colour, Shown, u16) {
         let direction = self.turned(in_camera);
         let ground = self.met(direction, self.ground_distance(direction, ground_m));
         let ray = Ray { origin: self.origin, direction };
-        let (mut light, road) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
-            Some((object, hit)) => (self.object_light(object, &hit, Some(in_camera)), 0),
-            None if ground.t < GROUND_REACH_M => self.ground_light(direction, in_camera, ground, candidates),
-            None => (self.scene.sky.colour(direction), 0),
+        let mut height = 0;
+        let (mut light, shown) = match first_hit(&self.things, &ray, 0.0..ground.t, &candidates.seen) {
+            Some((object, hit)) => {
+                (self.object_light(object, &hit, Some(in_camera)), Shown::beside(hit.part.class()))
+            }
+            None if ground.t < GROUND_REACH_M => {
+                height = self.height(direction, ground.t);
+                self.ground_light(direction, in_camera, ground, candidates)
+            }
+            None => self.scene.sky.seen(direction),
         };
         if !candidates.dazzling.is_empty() {
             let glare = glare_along(direction, &candidates.dazzling);
             light = [0, 1, 2].map(|i| light[i] + glare[i]);
         }
-        (light, road)
+        (light, shown, height)
     }
 
     /// The light of a pixel behind falling drops and those on the windscreen.

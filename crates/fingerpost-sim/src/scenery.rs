@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::Conditions;
+use crate::frontage;
 use crate::noise::{Stream, cell_hash, mix, unit, value_noise};
 use crate::object::{Object, Part, Ray, Shape};
 use crate::relief::Relief;
@@ -48,6 +49,7 @@ impl Scenery {
             let share = conditions.walls as f32;
             planter.objects.extend(street::standing(&street, share, roads, relief, &wanted));
         }
+        planter.objects.extend(frontage::standing(seed, &conditions.streetscape, roads, relief, &wanted));
         let (sin_up, cos_up) = libm::sincos(conditions.sun_elevation_rad);
         let (sin, cos) = libm::sincos(conditions.sun_azimuth_rad);
         Self { objects: planter.objects, to_sun: [cos_up * cos, cos_up * sin, sin_up].map(|x| x as f32) }
@@ -67,10 +69,9 @@ impl Scenery {
     pub(crate) fn casting_onto(&self, middle: Point2<f64>, radius_m: f64) -> Vec<Object> {
         let (x, y) = (middle.x as f32, middle.y as f32);
         let flat = (self.to_sun[0] * self.to_sun[0] + self.to_sun[1] * self.to_sun[1]).sqrt();
-        let raised = self
-            .objects
-            .iter()
-            .filter(|object| !matches!(object.shape, Shape::Beam { part: Part::Metal, .. }));
+        let raised = self.objects.iter().filter(|object| {
+            !matches!(object.shape, Shape::Beam { part: Part::Metal | Part::Painted | Part::Person, .. })
+        });
         let objects = raised.filter(|object| {
             let throw = object.height_m() * flat / self.to_sun[2];
             let (dx, dy) = (object.foot[0] - x, object.foot[1] - y);
@@ -88,7 +89,8 @@ impl Scenery {
             let ray = Ray { origin: [x, y, caster.foot[2] + 0.01], direction: self.to_sun };
             if caster.hit(&ray).is_some() {
                 light *= match caster.shape {
-                    Shape::House { .. } | Shape::Beam { part: Part::Masonry | Part::Crown, .. } => 0.0,
+                    Shape::House { .. }
+                    | Shape::Beam { part: Part::Masonry | Part::Crown | Part::Fence, .. } => 0.0,
                     // Sun flecks under leaves.
                     Shape::Tree { .. } => 0.45 * (value_noise(caster.hash, x * 2.5, y * 2.5) - 0.35).max(0.0),
                     // What stands in the raster's way is too thin for it, or moves.

@@ -18,7 +18,7 @@ use crate::lane_middle::LaneMiddle;
 use crate::object::Object;
 use crate::path::DrivenLine;
 use crate::relief::{Relief, ReliefRaster};
-use crate::render::{FrameView, Renderer};
+use crate::render::{FrameView, Rendered, Renderer};
 use crate::roads::{RoadNetwork, Stroke};
 use crate::scenery::Scenery;
 use crate::steered::RoadStrip;
@@ -39,6 +39,12 @@ pub struct SimFrame {
     pub picture: RgbImage,
     /// 255 where the picture shows road, 0 elsewhere; what stands in front of the road hides it.
     pub road: Plane<u8>,
+    /// What each pixel shows: the number of its [`PixelClass`](crate::PixelClass).
+    pub classes: Plane<u8>,
+    /// Height of the ground that each pixel shows above the plane on which the vehicle stands, where streets have heights of their own
+    /// ([`Conditions::kerbs`](crate::Conditions::kerbs)): 32768 for none and a step more for each millimetre up; 0 where something else
+    /// than ground is seen.
+    pub heights: Option<Plane<u16>>,
     /// Where everything really was.
     pub truth: TruthRecord,
 }
@@ -164,20 +170,13 @@ impl Simulator {
     }
 
     pub(crate) fn frame_of(&self, moment: &Moment) -> SimFrame {
-        let (picture, road) = self.renderer.render(&self.view(moment));
-        SimFrame { picture, road, truth: self.truth_of(moment) }
+        let Rendered { picture, road, classes, heights } = self.renderer.render(&self.view(moment));
+        SimFrame { picture, road, classes, heights, truth: self.truth_of(moment) }
     }
 
     /// Whether streets have heights of their own: [`Conditions::kerbs`](crate::Conditions::kerbs).
     pub fn has_heights(&self) -> bool {
         self.renderer.has_street()
-    }
-
-    /// Height of the ground that each pixel of that frame shows above the plane on which the vehicle stands, where streets have
-    /// heights of their own ([`Conditions::kerbs`](crate::Conditions::kerbs)): 32768 for none and a step more for each millimetre up; 0 where something else than ground
-    /// is seen.
-    pub fn heights(&self, index: usize) -> Option<Plane<u16>> {
-        self.has_heights().then(|| self.renderer.heights(&self.view(&self.moment(index))))
     }
 
     fn view(&self, moment: &Moment) -> FrameView {

@@ -2,6 +2,7 @@
 
 use crate::Conditions;
 use crate::light::mixed;
+use crate::shown::{PixelClass, Shown};
 use crate::surface::Colour;
 use crate::texture::{Grain, Texture};
 
@@ -56,7 +57,13 @@ impl Sky {
 
     /// Colour in a direction (unit vector, map frame), the distant woods included.
     #[inline]
-    pub(crate) fn colour(&self, [x, y, z]: [f32; 3]) -> Colour {
+    pub(crate) fn colour(&self, direction: [f32; 3]) -> Colour {
+        self.seen(direction).0
+    }
+
+    /// The same, and whether it is that of the sky or of the woods.
+    #[inline]
+    pub(crate) fn seen(&self, [x, y, z]: [f32; 3]) -> (Colour, Shown) {
         let b = self.brightness;
         if z < 2.0 * WOODS {
             let crowns =
@@ -64,7 +71,8 @@ impl Sky {
             if z < WOODS * (1.0 + 0.7 * crowns) {
                 let tone = 1.0 + 0.3 * crowns;
                 let woods = [0.20 * tone, 0.27 * tone, 0.27 * tone];
-                return if self.dust > 0.0 { mixed(woods, self.haze, 0.9) } else { woods.map(|c| c * b) };
+                let seen = if self.dust > 0.0 { mixed(woods, self.haze, 0.9) } else { woods.map(|c| c * b) };
+                return (seen, Shown::beside(PixelClass::Structure));
             }
         }
         let blue = (1.0 - 1.0 / (1.0 + 5.0 * z.max(0.0))).min(1.0);
@@ -78,7 +86,8 @@ impl Sky {
             let clear = self.haze[i] + (top[i] - self.haze[i]) * blue;
             clear + (0.92 * b - clear) * cloud
         });
-        if self.overcast > 0.0 { self.covered(sky, layers, z) } else { sky }
+        let sky = if self.overcast > 0.0 { self.covered(sky, layers, z) } else { sky };
+        (sky, Shown::beside(PixelClass::Sky))
     }
 
     /// Colour in a direction of the sky without its clouds, as a rough mirror shows it.

@@ -114,6 +114,19 @@ impl Street {
         }
     }
 
+    /// The ground at a place, with an island's edge where that is nearer than the road's.
+    pub(crate) fn ground(&self, ground: &GroundPoint, place: &LocalPlace) -> GroundPoint {
+        self.island(ground, place).unwrap_or(*ground)
+    }
+
+    /// Height above the ground's waves, metres: that of [`Self::at`], for less where the place is on the road.
+    pub(crate) fn height_m(&self, p: [f32; 2], ground: &GroundPoint, place: &LocalPlace) -> f32 {
+        if ground.edge_m <= 0.0 && self.island(ground, place).is_none() {
+            return self.fallen_m(ground, place);
+        }
+        self.at(p, ground, place).height_m
+    }
+
     /// How high the road's plane lies at a place, against its axis; beside the road as at its edge.
     fn fallen_m(&self, ground: &GroundPoint, place: &LocalPlace) -> f32 {
         let left_m = place.left_m.clamp(-place.half_width_m, place.half_width_m);

@@ -1,23 +1,29 @@
-//! Colours of the ground and of what stands on it, linear light.
+//! Colours of the ground, linear light.
 
+mod fixtures;
 mod kerbed;
 mod lane;
+mod litter;
+mod materials;
+mod pattern;
+mod standing;
 mod strips;
 mod varied;
 
+use self::fixtures::Fixtures;
 use self::lane::Lane;
 pub(crate) use self::lane::LocalPlace;
+use self::materials::{Materials, PavementGround};
 use self::strips::Strips;
-use self::varied::{Covering, Varied, covered};
+use self::varied::{Covering, KERB_M, Varied, covered};
 use crate::TrafficSide;
 use crate::conditions::{Conditions, Markings};
 use crate::ground::GroundPoint;
 use crate::light::mixed;
 use crate::mouth_lines::MouthLine;
-use crate::noise::{floor_int, mix, unit};
-use crate::object::{Hit, Object, Part, Shape};
 use crate::roads::{RoadNetwork, Surface};
 use crate::roadside::{BesideRoad, Roadside};
+use crate::shown::PixelClass;
 use crate::street::Street;
 use crate::texture::{Grain, Texture};
 
@@ -60,6 +66,17 @@ pub(crate) struct Painted {
     pub(crate) colour: Colour,
     /// Share of the road that lines cover.
     pub(crate) paint: f32,
+    /// What the rest of the pixel is.
+    pub(crate) beside: PixelClass,
+}
+
+/// What takes the verge's place beside a road.
+#[derive(Debug, Clone, Copy)]
+struct MadeGround {
+    colour: Colour,
+    /// Share of the pixel that it takes.
+    share: f32,
+    class: PixelClass,
 }
 
 /// Textures and numbers of everything that is painted.
@@ -74,6 +91,8 @@ pub(crate) struct Painter {
     varied: Option<Varied>,
     strips: Option<Strips>,
     street: Option<Street>,
+    materials: Option<Materials>,
+    fixtures: Option<Fixtures>,
     dust: f32,
     worn: f32,
 }
@@ -91,6 +110,12 @@ impl Painter {
     pub(crate) fn new(seed: u64, conditions: &Conditions, roads: &RoadNetwork, traffic: TrafficSide) -> Self {
         let lanes = roads.strokes().iter().map(|stroke| Lane::new(stroke, conditions, traffic));
         let mut lanes: Vec<Lane> = lanes.collect();
+        let materials = Materials::new(seed, &conditions.streetscape);
+        if let Some(materials) = &materials {
+            for lane in &mut lanes {
+                lane.ground = materials.road(lane.chain);
+            }
+        }
         if conditions.markings == Markings::Streets {
             for (stroke, line) in MouthLine::drawn(seed, roads, traffic) {
                 lanes[stroke].add_mouth(line);
@@ -106,6 +131,8 @@ impl Painter {
             varied: Varied::new(seed, conditions.stretch_m as f32, conditions.pavements as f32),
             strips: Strips::new(seed, conditions.strips as f32),
             street: Street::new(seed, conditions),
+            materials,
+            fixtures: Fixtures::new(seed, conditions.streetscape.fixtures as f32),
             dust: conditions.dust as f32,
             worn: conditions.lanes.worn as f32,
         }
@@ -121,26 +148,31 @@ impl Painter {
             (0.5 - point.edge_m / footprint.extent_m(point.edge_slope)).clamp(0.0, 1.0)
         };
         let fineness = footprint.fineness_m();
-        let (mut colour, mut paint) = ([0.0; 3], 0.0);
+        let (mut colour, mut paint, mut beside) = ([0.0; 3], 0.0, PixelClass::Verge);
         if road > 0.0 {
             (colour, paint) = self.road(x, y, point, footprint, fineness);
         }
         if road < 1.0 {
             let mut verge = self.verge(x, y, point, fineness);
-            if let Some((side, share)) = self.roadside(x, y, point, footprint, fineness) {
-                verge = mixed(verge, side, share);
-            }
-            if let Some((side, share)) = self.kerbed(x, y, point, footprint, fineness) {
-                verge = mixed(verge, side, share);
+            let made = [
+                self.roadside(x, y, point, footprint, fineness),
+                self.kerbed(x, y, point, footprint, fineness),
+            ];
+            for made in made.into_iter().flatten() {
+                verge = mixed(verge, made.colour, made.share);
+                beside = if made.share >= 0.5 { made.class } else { beside };
             }
             for i in 0..3 {
                 colour[i] = verge[i] + (colour[i] - verge[i]) * road;
             }
         }
+        if self.materials.is_some() {
+            colour = self.littered(colour, [x, y], point, footprint);
+        }
         if self.dust > 0.0 {
             colour = self.dusted(colour, x, y, point, fineness);
         }
-        Painted { road, colour, paint: paint * road }
+        Painted { road, colour, paint: paint * road, beside }
     }
 
     #[inline]
@@ -154,7 +186,8 @@ impl Painter {
     ) -> (Colour, f32) {
         let lane = point.stroke.map(|index| &self.lanes[index as usize]);
         let covering = self.covering(lane, x, y);
-        let look = covering.look();
+        let ground = lane.and_then(|lane| lane.ground);
+        let look = ground.map(|ground| ground.look).or(covering.look());
         let as_mapped = lane.is_some_and(|lane| lane.surface == Surface::Loose);
         let loose = look.map_or(as_mapped, |look| look.loose);
         let texture = if loose { &self.soil } else { &self.asphalt };
@@ -172,6 +205,15 @@ impl Painter {
             base[1] * bright,
             base[2] * bright * (1.0 - 0.12 * warm),
         ];
+        if let (Some(materials), Some(lane), Some(ground)) = (&self.materials, lane, ground) {
+            let place = lane.place(x, y);
+            colour = materials.laid(colour, ground.pattern, &place, footprint);
+            let grass = ground.pattern.grass(place.left_m + 0.3 * grain[0], place.extents_m(footprint)[1]);
+            if grass > 0.0 {
+                let open = GroundPoint { edge_m: 1.0, ..*point };
+                colour = mixed(colour, self.verge(x, y, &open, fineness), grass);
+            }
+        }
         let mut painted = 0.0;
         if let Some(lane) = lane.filter(|_| !loose) {
             if let Some(varied) = &self.varied {
@@ -186,6 +228,12 @@ impl Painter {
                 if self.worn > 0.0 { share * self.left_of_paint(x, y, point, fineness) } else { share };
             painted = share.clamp(0.0, 1.0);
             colour = mixed(colour, paint, painted);
+            // Near another road its own coordinates say where things are.
+            if let Some(fixtures) = self.fixtures.filter(|_| point.other_m > 0.0) {
+                let (laid, share) = fixtures.laid(colour, &lane.place(x, y), footprint);
+                colour = laid;
+                painted = painted.max(share);
+            }
         }
         (colour, painted)
     }
@@ -199,15 +247,58 @@ impl Painter {
         let patches = point.hue * 0.9 + 0.8 * tufts[1] + 0.4 * grass[1];
         let bare = ((self.bare_verge - 0.5) * 2.0 + patches + 1.1 * strip).clamp(0.0, 1.0);
         let bright = (1.0 + 0.45 * grass[0] + 0.30 * tufts[0] + 0.4 * point.tone).max(0.2);
-        let green = [0.135 + 0.05 * point.tone, 0.195, 0.062];
+        let (green, brown) = match &self.materials {
+            None => ([0.135 + 0.05 * point.tone, 0.195, 0.062], [0.275, 0.205, 0.130]),
+            Some(materials) => {
+                let [one, other] = materials.vegetation;
+                (mixed(one, other, (0.5 + 1.2 * point.hue).clamp(0.0, 1.0)), materials.soil)
+            }
+        };
         let grass_colour = green.map(|c| c * bright);
         if bare <= 0.0 {
             return grass_colour;
         }
         let stones = self.soil.sample(y, x, fineness);
         let earth = (1.0 + 0.45 * stones[0] + 0.3 * point.tone).max(0.2);
-        let brown = [0.275, 0.205, 0.130];
         [0, 1, 2].map(|i| grass_colour[i] + (brown[i] * earth - grass_colour[i]) * bare)
+    }
+
+    /// The ground at a place with the edge of an unmade road where it wanders to.
+    #[inline]
+    pub(crate) fn ragged(&self, x: f32, y: f32, point: GroundPoint) -> GroundPoint {
+        let ragged_m = match (&self.materials, point.stroke) {
+            (Some(_), Some(stroke)) => {
+                self.lanes[stroke as usize].ground.map_or(0.0, |ground| ground.ragged_m)
+            }
+            _ => 0.0,
+        };
+        if ragged_m <= 0.0 || point.edge_m.abs() > 2.0 * ragged_m {
+            return point;
+        }
+        let bays = self.soil.sample(0.5 * x, 0.5 * y, 0.05)[0];
+        GroundPoint { edge_m: point.edge_m + ragged_m * bays, ..point }
+    }
+
+    /// Colour of a pavement that is not the usual one, and the road's own there.
+    fn pavement(
+        &self,
+        [x, y]: [f32; 2],
+        point: &GroundPoint,
+        footprint: &Footprint,
+        asphalt: Colour,
+    ) -> Option<Colour> {
+        let materials = self.materials.as_ref()?;
+        let place = self.lanes[point.stroke? as usize].place(x, y);
+        let fineness = footprint.fineness_m();
+        let grain = self.asphalt.sample(y, x, fineness)[0];
+        Some(match materials.pavement(&place) {
+            PavementGround::Road(shade) => asphalt.map(|c| c * shade),
+            PavementGround::Laid(base, pattern) => {
+                let stained = base.map(|c| c * (1.0 + 0.25 * grain + 0.25 * point.tone));
+                materials.laid(stained, pattern, &place, footprint)
+            }
+            PavementGround::Verge => self.verge(x, y, point, fineness),
+        })
     }
 
     /// The covering at a place of a road.
@@ -234,10 +325,11 @@ impl Painter {
     pub(crate) fn bears_paint(&self, stroke: u32, x: f32, y: f32) -> bool {
         let lane = &self.lanes[stroke as usize];
         let as_mapped = lane.surface == Surface::Loose;
-        !self.covering(Some(lane), x, y).look().map_or(as_mapped, |look| look.loose)
+        let look = lane.ground.map(|ground| ground.look).or(self.covering(Some(lane), x, y).look());
+        !look.map_or(as_mapped, |look| look.loose)
     }
 
-    /// What takes the verge's place beside a road, and its share.
+    /// A flat pavement or a shoulder of gravel.
     #[inline(never)]
     fn roadside(
         &self,
@@ -246,11 +338,19 @@ impl Painter {
         point: &GroundPoint,
         footprint: &Footprint,
         fineness: f32,
-    ) -> Option<(Colour, f32)> {
+    ) -> Option<MadeGround> {
         let varied = self.varied.as_ref()?;
         let lane = &self.lanes[point.stroke? as usize];
         let grain = self.asphalt.sample(y, x, fineness)[0];
-        Some(varied.roadside(&lane.place(x, y), point, footprint, grain))
+        let made = varied.roadside(&lane.place(x, y), point, footprint, grain);
+        if made.class == PixelClass::Raised && self.materials.is_some() && made.share > 0.0 {
+            let unpainted = GroundPoint { other_m: 0.0, ..*point };
+            let (asphalt, _) = self.road(x, y, &unpainted, footprint, fineness);
+            let own = self.pavement([x, y], point, footprint, asphalt).unwrap_or(made.colour);
+            let behind_stone = ((point.edge_m - KERB_M) / fineness + 0.5).clamp(0.0, 1.0);
+            return Some(MadeGround { colour: mixed(made.colour, own, behind_stone), ..made });
+        }
+        Some(made)
     }
 
     /// Dust over a colour: more of it in drifts and beside the road than where wheels roll.
@@ -293,50 +393,4 @@ impl Painter {
     pub(crate) fn grain(&self, x: f32, y: f32, fineness: f32) -> [f32; 2] {
         self.asphalt.sample(x, y, fineness)
     }
-
-    /// Colour of an object in full light, and the light of its own that it sends out for lamps of brightness 1.
-    pub(crate) fn object(&self, object: &Object, hit: &Hit, footprint_m: f32) -> (Colour, Colour) {
-        match object.shape {
-            Shape::Vehicle(shape) => shape.colour(hit, object.hash),
-            _ => (self.standing(object, hit, footprint_m), [0.0; 3]),
-        }
-    }
-
-    fn standing(&self, object: &Object, hit: &Hit, footprint_m: f32) -> Colour {
-        let [along, up] = hit.surface_m;
-        let shade = |i: u64| unit(mix(object.hash ^ i));
-        match hit.part {
-            Part::Wall => {
-                let tone = 0.30 + 0.35 * shade(1);
-                let plaster = 1.0 + 0.25 * self.soil.sample(along, up, footprint_m)[0];
-                let wall = [tone, tone * (0.86 + 0.12 * shade(2)), tone * (0.70 + 0.25 * shade(3))];
-                if window(along, up) { [0.06, 0.075, 0.09] } else { wall.map(|c| c * plaster) }
-            }
-            Part::Roof => {
-                let tiles = 1.0 + 0.35 * self.soil.sample(along, 2.5 * up, footprint_m)[0];
-                let red = 0.20 + 0.14 * shade(4);
-                [red, 0.5 * red + 0.02, 0.36 * red + 0.02].map(|c| c * tiles)
-            }
-            Part::Trunk => [0.11, 0.085, 0.06],
-            Part::Masonry => {
-                let stone = 1.0 + 0.4 * self.soil.sample(along, up, footprint_m)[0];
-                let tone = 0.22 + 0.2 * shade(1);
-                [tone, 0.95 * tone, 0.86 * tone].map(|c| c * stone)
-            }
-            Part::Metal | Part::Body | Part::Glass => [0.36, 0.37, 0.38],
-            Part::Crown => {
-                let leaves = self.grass.sample(0.35 * along, 0.35 * up, 0.35 * footprint_m);
-                let bright = (1.0 + 0.9 * leaves[0]).max(0.15);
-                let green = 0.10 + 0.07 * shade(5);
-                [green * (0.62 + 0.25 * shade(6)), green, 0.30 * green].map(|c| c * bright)
-            }
-        }
-    }
-}
-
-/// Windows of 1.1 x 1.3 m every 2.6 m of wall and every 2.8 m of height.
-fn window(along: f32, up: f32) -> bool {
-    let within = |value: f32, period: f32| value - period * floor_int(value / period) as f32;
-    let (x, y) = (within(along + 100.0, 2.6), within(up, 2.8));
-    (0.8..1.9).contains(&x) && (0.9..2.2).contains(&y)
 }

@@ -4,6 +4,8 @@
 //! follows from the time alone. Nothing gives way to anything: vehicles of one lane keep their distance because they have
 //! one speed.
 
+mod parked;
+
 use fingerpost_geometry::Polyline;
 use nalgebra::{Point2, Vector2};
 
@@ -56,6 +58,7 @@ impl Traffic {
     pub(crate) fn new(route: Polyline, roads: &RoadNetwork, config: &SimConfig, duration_s: f64) -> Self {
         let mut traffic = Self { route, vehicles: Vec::new(), ahead: None };
         let conditions = &config.conditions;
+        traffic.vehicles = parked::rows(&traffic.route, roads, config);
         if conditions.traffic <= 0.0 && conditions.parked_per_100_m <= 0.0 {
             return traffic;
         }
@@ -77,7 +80,7 @@ impl Traffic {
                 let to_m = config.start_m + SIGHT_M + duration_s * cruise_mps * (1.0 + speed);
                 traffic.fill(&mut stream, [config.start_m, to_m], spacing_m, aside_m, -speed * cruise_mps);
             }
-            let ahead = traffic.draw(&mut stream, lanes.own_m, 0.0);
+            let ahead = Self::draw(&mut stream, lanes.own_m, 0.0);
             traffic.ahead = Some(ahead);
         }
         if conditions.parked_per_100_m > 0.0 {
@@ -90,9 +93,12 @@ impl Traffic {
                 parked.aside_m = sign * (stroke.half_width_m + PARKED_ASIDE_M + half_width_m);
             }
             let route = traffic.route.clone();
-            traffic
-                .vehicles
-                .retain(|vehicle| vehicle.speed_mps.abs() > 0.0 || !stands_on_road(vehicle, &route, roads));
+            let mut number = 0;
+            traffic.vehicles.retain(|vehicle| {
+                let is_single = number >= first;
+                number += 1;
+                !is_single || !stands_on_road(vehicle, &route, roads)
+            });
         }
         traffic
     }
@@ -107,13 +113,13 @@ impl Traffic {
     ) {
         let mut start_m = from_m + spacing_m * stream.unit();
         while start_m < to_m {
-            let drawn = self.draw(stream, aside_m, speed_mps);
+            let drawn = Self::draw(stream, aside_m, speed_mps);
             self.vehicles.push(Vehicle { start_m, ..drawn });
             start_m += spacing_m * stream.between(0.5, 1.5);
         }
     }
 
-    fn draw(&self, stream: &mut Stream, aside_m: f64, speed_mps: f64) -> Vehicle {
+    fn draw(stream: &mut Stream, aside_m: f64, speed_mps: f64) -> Vehicle {
         let hash = mix((stream.unit() * 1e9) as u64);
         let mut size = |low: f64, high: f64| stream.between(low, high) as f32;
         let (half_m, height_m) = if f64::from(size(0.0, 1.0)) < LORRIES {

@@ -165,7 +165,7 @@ pub(crate) const HEADLAMP: Colour = [8.0, 7.4, 6.2];
 pub(crate) const TAIL_LAMP: Colour = [1.6, 0.10, 0.05];
 
 /// Colours of vehicles as common as they are: grey, white, black, silver, blue, red.
-const LACQUERS: [Colour; 8] = [
+pub(crate) const LACQUERS: [Colour; 8] = [
     [0.13, 0.135, 0.14],
     [0.62, 0.62, 0.60],
     [0.025, 0.025, 0.028],

@@ -7,13 +7,14 @@
 //!
 //! Limits: the map is copied for every world, which suits a town; what is drawn of a street does not change along it.
 //!
-//! Every range and share that is drawn from is in [`ranges`], with where it comes from.
+//! Every range and share that is drawn from is in [`ranges`], with where it comes from; those of pictures to learn from are in [`wide`].
 
 mod drawn_camera;
 mod drawn_map;
 mod drawn_route;
 mod map_fault;
 mod ranges;
+mod wide;
 
 use std::f64::consts::PI;
 
@@ -28,6 +29,16 @@ use crate::{
     Simulator, TrafficSide,
 };
 
+/// How much worlds differ.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum WorldRanges {
+    /// As drives of road vehicles do.
+    #[default]
+    Usual,
+    /// As pictures to learn from must: every camera and every kind of street and light is drawn often.
+    Wide,
+}
+
 /// What of a world is given and not drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WorldOptions {
@@ -39,6 +50,8 @@ pub struct WorldOptions {
     pub features: Option<[usize; 2]>,
     /// Its length, metres.
     pub route_m: Option<[f64; 2]>,
+    /// What the rest is drawn from.
+    pub ranges: WorldRanges,
 }
 
 /// A drawn world with a drive in it.
@@ -80,9 +93,13 @@ impl World {
         };
         let (route, driven) = drawn_route::drawn(&known, &roads, seed, &wanted)?;
         let mut stream = Stream::new(seed, 0x574f_524c);
-        let carrier = stream.choose(&ranges::VEHICLES).unwrap_or(ranges::CAR);
+        let (vehicles, aims) = match options.ranges {
+            WorldRanges::Usual => (&ranges::VEHICLES, &ranges::CAMERA),
+            WorldRanges::Wide => (&wide::VEHICLES, &wide::CAMERA),
+        };
+        let carrier = stream.choose(vehicles).unwrap_or(ranges::CAR);
         let DrawnCamera { camera, calibration } =
-            DrawnCamera::draw(&mut Stream::new(seed, 0x4341_4d45), &carrier, options.size_px)?;
+            DrawnCamera::draw(&mut Stream::new(seed, 0x4341_4d45), &carrier, aims, options.size_px)?;
         let config = config(seed, &mut stream, &carrier, options);
         config.check()?;
         let start_m = (config.start_m + stream.normal(ranges::START_SIGMA_M)).max(0.0);
@@ -117,7 +134,10 @@ fn config(seed: u64, stream: &mut Stream, carrier: &ranges::Carrier, options: &W
     SimConfig {
         seed,
         fps: options.fps.unwrap_or(fps),
-        conditions: conditions(stream),
+        conditions: match options.ranges {
+            WorldRanges::Usual => conditions(stream),
+            WorldRanges::Wide => wide::conditions(stream),
+        },
         traffic,
         corners: CornerStyle::Drawn,
         vehicle,

@@ -44,7 +44,7 @@ fn kerbs_stand_at_the_road_s_edges() {
 #[test]
 fn heights_in_the_picture_are_those_of_the_kerbs() {
     let simulator = simulator(STREET);
-    let (heights, camera) = (simulator.heights(10).unwrap(), simulator.camera_at(10).unwrap());
+    let (heights, camera) = (simulator.frame(10).heights.unwrap(), simulator.camera_at(10).unwrap());
     let height_at = |forward_m: f64, left_m: f64, up_m: f64| {
         let pixel = camera.project(Point3::new(forward_m, left_m, up_m)).unwrap();
         let steps = heights.get(pixel.u.round() as usize, pixel.v.round() as usize).unwrap();
@@ -71,7 +71,7 @@ fn a_pavement_is_seen_where_its_height_puts_it() {
     // The same street flat and kerbed: the road's mask loses what the near kerb's face and rise hide.
     let flat = simulator(Conditions { kerbs: 0.0, ..STREET });
     let kerbed = simulator(STREET);
-    assert!(flat.heights(10).is_none() && flat.truth(10).kerb_left_m.is_empty());
+    assert!(flat.frame(10).heights.is_none() && flat.truth(10).kerb_left_m.is_empty());
     let roads = [flat.frame(10).road, kerbed.frame(10).road];
     let areas = roads.map(|road| road.as_slice().iter().filter(|value| **value == 255).count());
     assert!(areas[1] < areas[0] && areas[1] > areas[0] * 9 / 10, "{areas:?}");
@@ -82,7 +82,7 @@ fn a_car_on_a_falling_road_leans_with_it() {
     let level = simulator(STREET);
     let falling = simulator(Conditions { cross_fall: 0.03, ..STREET });
     let lean = |simulator: &Simulator| {
-        let heights = simulator.heights(10).unwrap();
+        let heights = simulator.frame(10).heights.unwrap();
         let camera = simulator.camera_at(10).unwrap();
         let pixel = camera.project(Point3::new(8.0, 0.4, 0.0)).unwrap();
         (f64::from(heights.get(pixel.u.round() as usize, pixel.v.round() as usize).unwrap()) - 32_768.0)

@@ -1,10 +1,10 @@
 //! A drive in a world of its own: `simulate --world`.
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::OsmData;
-use fingerpost_sim::{BUS_SETTINGS, TOWN_OSM, TrafficSide, World, WorldOptions};
+use fingerpost_sim::{BUS_SETTINGS, TOWN_OSM, TrafficSide, World, WorldOptions, WorldRanges};
 
 use super::{Plan, SimulateArgs};
 use crate::{inputs, output};
@@ -17,6 +17,17 @@ pub(super) struct WorldArgs {
     /// camera.toml and route.geojson are what the owner knows, can.toml holds the vehicle too.
     #[arg(long, conflicts_with_all = ["route", "course", "conditions", "camera", "traffic", "lens"])]
     world: bool,
+    /// What it is drawn from: usual, as drives of road vehicles are; wide, for pictures to learn from, in which every camera and every
+    /// kind of street and light comes up often. With a low --fps every frame shows another place.
+    #[arg(long, value_enum, default_value = "usual", requires = "world")]
+    world_ranges: Ranges,
+}
+
+/// How much worlds differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Ranges {
+    Usual,
+    Wide,
 }
 
 impl WorldArgs {
@@ -36,11 +47,12 @@ impl WorldArgs {
             None => OsmData::from_bytes(TOWN_OSM)?,
         };
         let size_px = args.size.map(|size| [size.width, size.height]);
-        let mut world = World::draw(
-            args.seed,
-            &osm,
-            &WorldOptions { size_px, fps: args.fps, ..WorldOptions::default() },
-        )?;
+        let ranges = match self.world_ranges {
+            Ranges::Usual => WorldRanges::Usual,
+            Ranges::Wide => WorldRanges::Wide,
+        };
+        let options = WorldOptions { size_px, fps: args.fps, ranges, ..WorldOptions::default() };
+        let mut world = World::draw(args.seed, &osm, &options)?;
         world.config.frames = args.frames();
         let vehicle = fingerpost::vehicle_to_toml(&known_vehicle(&world, &VehicleConfig::default()))?;
         output::message(&format!("the first frame is believed to be at --start-m {:.1}", world.start_m));

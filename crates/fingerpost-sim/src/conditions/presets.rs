@@ -1,6 +1,6 @@
 //! The named days.
 
-use super::{Conditions, LaneMarkings, Markings};
+use super::{CameraLook, Conditions, LaneMarkings, Markings, Streetscape};
 use crate::SimError;
 
 /// Names of the presets, in the order of the documentation.
@@ -81,6 +81,8 @@ impl Conditions {
         posts_per_100_m: 0.0,
         guard_rails: 0.0,
         strips: 0.0,
+        streetscape: Streetscape::USUAL,
+        camera: CameraLook::PLAIN,
     };
 
     /// No markings, a ragged verge of grass and soil, few houses.

@@ -7,6 +7,7 @@ use super::{Shot, mirrored};
 use crate::ground::GroundPoint;
 use crate::light::{Light, mixed};
 use crate::object::{Hit, Object, Ray, dot};
+use crate::shown::{PixelClass, Shown};
 use crate::surface::{Colour, Footprint, Painted};
 use crate::wet::Water;
 
@@ -19,7 +20,7 @@ const ABOVE_CUT_OFF: f32 = 0.04;
 const UPRIGHT: f32 = 0.35;
 
 impl Shot<'_> {
-    /// The light of the ground where a ray meets it, and 255 where that is road.
+    /// The light of the ground where a ray meets it, and what is there.
     #[inline]
     pub(super) fn ground_light(
         &self,
@@ -27,7 +28,7 @@ impl Shot<'_> {
         in_camera: [f32; 3],
         met: Met,
         candidates: &Candidates,
-    ) -> (Colour, u8) {
+    ) -> (Colour, Shown) {
         let scene = self.scene;
         let t = met.t;
         let (x, y) = (self.origin[0] + t * d[0], self.origin[1] + t * d[1]);
@@ -35,9 +36,9 @@ impl Shot<'_> {
         let flat = (d[0] * d[0] + d[1] * d[1]).sqrt().max(1e-6);
         let across_m = t * scene.lens.pixel_rad;
         let footprint = Footprint { across_m, along_m: across_m / -d[2], sight: [d[0] / flat, d[1] / flat] };
-        let Painted { road, colour, paint } = if met.face.is_some() {
+        let Painted { road, colour, paint, beside } = if met.face.is_some() {
             let colour = scene.painter.kerb_face(x, y, across_m);
-            Painted { road: 0.0, colour, paint: 0.0 }
+            Painted { road: 0.0, colour, paint: 0.0, beside: PixelClass::Raised }
         } else {
             scene.painter.ground(x, y, &point, &footprint)
         };
@@ -78,7 +79,8 @@ impl Shot<'_> {
             lit = mixed(lit.map(|c| c * water.brightness), mirrored, water.mirrored_share(d));
         }
         let thickness = scene.sky.thickness(x, y, self.t_s);
-        (scene.sky.hazed(lit, t * thickness), if road >= 0.5 { 255 } else { 0 })
+        let shown = if road >= 0.5 { Shown::road(paint) } else { Shown::beside(beside) };
+        (scene.sky.hazed(lit, t * thickness), shown)
     }
 
     /// What is left of the sky's light on the ground, and the share of the sun's that is taken, with vehicles, posts and

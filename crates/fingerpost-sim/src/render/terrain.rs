@@ -3,14 +3,11 @@
 //! The search begins where the ground's waves are met and goes along the ray from the highest that a street lies above them to the
 //! lowest below, in steps no longer than what it must not miss, and halves the step in which the ray went below the ground.
 
-use fingerpost_vision::picture::Plane;
 use nalgebra::Point3;
-use rayon::prelude::*;
 
 use super::nearby::{Candidates, first_hit};
 use super::{FrameView, GROUND_REACH_M, Renderer, Shot};
 use crate::ground::GroundPoint;
-use crate::lens::TILE_PX;
 use crate::object::{Ray, dot};
 use crate::street::{HIGHEST_M, LOWEST_M, StreetPoint};
 
@@ -47,16 +44,18 @@ impl Renderer {
         self.painter.has_street()
     }
 
-    /// The ground at a place, with islands as the road's edge.
+    /// The ground at a place, with the edges that are seen there.
     #[inline]
     pub(super) fn ground_at(&self, x: f32, y: f32) -> GroundPoint {
-        let point = self.ground.at(x, y);
-        self.painter.street_at(x, y, &point).map_or(point, |street| street.ground)
+        self.painter.edged(x, y, self.ground.at(x, y))
     }
 
     /// How high a street lies above the ground's waves at a place (map frame), metres; 0 where there is none.
     pub(crate) fn street_height_m(&self, x: f32, y: f32) -> f32 {
-        self.street_at(x, y).map_or(0.0, |street| street.height_m)
+        if !self.painter.has_street() {
+            return 0.0;
+        }
+        self.painter.street_height_m(x, y, &self.ground.at(x, y))
     }
 
     /// The street at a place of the map, metres; none where no street has kerbs.
@@ -65,21 +64,6 @@ impl Renderer {
             return None;
         }
         self.painter.street_at(x, y, &self.ground.at(x, y))
-    }
-
-    /// Height of the ground that each pixel shows above the plane on which the vehicle stands: 32768 and a step more for each
-    /// millimetre up; 0 where something else is seen.
-    pub(crate) fn heights(&self, view: &FrameView) -> Plane<u16> {
-        let mut heights = Plane::new(self.width, self.height, 0_u16);
-        let shot = Shot::new(self, view);
-        let up = view.map_from_vehicle.rotation * nalgebra::Vector3::z();
-        let plane = Upwards {
-            up: [0, 1, 2].map(|i| up[i] as f32),
-            at: [0, 1, 2].map(|i| view.map_from_vehicle.translation.vector[i] as f32),
-        };
-        let bands = heights.as_mut_slice().par_chunks_mut(TILE_PX * self.width);
-        bands.enumerate().for_each(|(band, pixels)| shot.band_of_heights(band, &plane, pixels));
-        heights
     }
 
     /// Whether nothing stands between the camera and a place (map frame).
@@ -98,40 +82,28 @@ impl Renderer {
     }
 }
 
-/// A plane: a place on it and the unit vector up from it.
-struct Upwards {
+/// The plane on which the vehicle stands: a place on it and the unit vector up from it.
+pub(super) struct Upwards {
     up: [f32; 3],
     at: [f32; 3],
 }
 
-impl Shot<'_> {
-    fn band_of_heights(&self, band: usize, plane: &Upwards, pixels: &mut [u16]) {
-        let width = self.scene.width;
-        let first = band * TILE_PX * width;
-        let mut seen = Vec::new();
-        for (column, left) in (0..width).step_by(TILE_PX).enumerate() {
-            let (axis, cos, sin) = self.scene.lens.cones[band * width.div_ceil(TILE_PX) + column];
-            self.near.touching((self.turned(axis), cos, sin), &mut seen);
-            for row in 0..pixels.len() / width {
-                let mut ground_m = self.ground_m;
-                for u in left..(left + TILE_PX).min(width) {
-                    let i = row * width + u;
-                    let (in_camera, _) = self.scene.lens.pixels[first + i];
-                    if dot(in_camera, in_camera) < 0.5 {
-                        continue;
-                    }
-                    let direction = self.turned(in_camera);
-                    let t = self.met(direction, self.ground_distance(direction, &mut ground_m)).t;
-                    let ray = Ray { origin: self.origin, direction };
-                    if t >= GROUND_REACH_M || first_hit(&self.things, &ray, 0.0..t, &seen).is_some() {
-                        continue;
-                    }
-                    let offset = [0, 1, 2].map(|i| self.origin[i] + t * direction[i] - plane.at[i]);
-                    let steps = ZERO_HEIGHT + STEPS_PER_M * dot(offset, plane.up);
-                    pixels[i] = steps.round().clamp(1.0, 65_535.0) as u16;
-                }
-            }
+impl Upwards {
+    pub(super) fn new(view: &FrameView) -> Self {
+        let up = view.map_from_vehicle.rotation * nalgebra::Vector3::z();
+        Self {
+            up: [0, 1, 2].map(|i| up[i] as f32),
+            at: [0, 1, 2].map(|i| view.map_from_vehicle.translation.vector[i] as f32),
         }
+    }
+}
+
+impl Shot<'_> {
+    /// Height above the vehicle's plane of the ground that a ray meets after `t`, in steps.
+    pub(super) fn height(&self, d: [f32; 3], t: f32) -> u16 {
+        let offset = [0, 1, 2].map(|i| self.origin[i] + t * d[i] - self.plane.at[i]);
+        let steps = ZERO_HEIGHT + STEPS_PER_M * dot(offset, self.plane.up);
+        steps.round().clamp(1.0, 65_535.0) as u16
     }
 
     /// Where a ray meets the ground, whose waves it meets after `waves_m`.

@@ -2,6 +2,7 @@
 
 use fingerpost_format::MarkingColour;
 
+use super::materials::RoadGround;
 use super::varied::covered;
 use super::{Colour, Footprint};
 use crate::ground::GroundPoint;
@@ -18,7 +19,7 @@ const YELLOW: Colour = [0.70, 0.46, 0.06];
 /// A stroke as the pixels need it.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
-    chain: u32,
+    pub(super) chain: u32,
     start: [f32; 2],
     direction: [f32; 2],
     along_m: f32,
@@ -26,6 +27,8 @@ pub(super) struct Lane {
     lines: Vec<Line>,
     mouths: Vec<MouthLine>,
     pub(super) surface: Surface,
+    /// What it is made of, where that is not the usual ground.
+    pub(super) ground: Option<RoadGround>,
 }
 
 /// A place told by the road it is on or beside.
@@ -60,6 +63,7 @@ impl Lane {
             lines: Layout::of(stroke, conditions, traffic).lines().to_vec(),
             mouths: Vec::new(),
             surface: stroke.surface,
+            ground: None,
         }
     }
 

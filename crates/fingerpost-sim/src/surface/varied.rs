@@ -3,10 +3,11 @@
 //! Everything follows from the seed, the road (its chain of strokes) and the distance along it: a stretch has one covering,
 //! a stretch of a roadside one kind of verge, a trench one place.
 
-use super::{Colour, Footprint, LocalPlace};
+use super::{Colour, Footprint, LocalPlace, MadeGround};
 use crate::ground::GroundPoint;
 use crate::light::mixed;
 use crate::noise::{floor_int, mix, unit};
+use crate::shown::PixelClass;
 
 /// What a stretch of road is covered with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +78,7 @@ const SIDE_STRETCH_M: f32 = 55.0;
 /// Share of the roadsides without pavement that are gravel, where coverings change.
 const GRAVEL_SIDES: f32 = 0.35;
 /// Width of a kerb stone, of a pavement and of a gravel shoulder, metres.
-const KERB_M: f32 = 0.15;
+pub(super) const KERB_M: f32 = 0.15;
 const PAVEMENT_M: f32 = 2.0;
 const SHOULDER_M: f32 = 1.6;
 /// Size of a pavement's slabs, metres.
@@ -174,20 +175,24 @@ impl Varied {
         mixed(colour, TAR, on_side.max(on_end))
     }
 
-    /// Colour of the roadside in place of the verge's own, and how much of that it takes.
+    /// The roadside in place of the verge.
     pub(super) fn roadside(
         &self,
         place: &LocalPlace,
         point: &GroundPoint,
         footprint: &Footprint,
         grain: f32,
-    ) -> (Colour, f32) {
+    ) -> MadeGround {
         let extent_m = footprint.extent_m(point.edge_slope);
         // Share of the pixel between the road's edge and so far from it.
         let within = |far_m: f32| ((far_m - point.edge_m) / extent_m + 0.5).clamp(0.0, 1.0);
         match self.side(place) {
-            Side::Grass => ([0.0; 3], 0.0),
-            Side::Gravel => (SHOULDER.map(|c| c * (1.0 + 0.5 * grain)), within(SHOULDER_M)),
+            Side::Grass => MadeGround { colour: [0.0; 3], share: 0.0, class: PixelClass::Verge },
+            Side::Gravel => MadeGround {
+                colour: SHOULDER.map(|c| c * (1.0 + 0.5 * grain)),
+                share: within(SHOULDER_M),
+                class: PixelClass::Verge,
+            },
             Side::Pavement => {
                 let flags = PAVEMENT.map(|c| c * (1.0 + 0.25 * grain + 0.25 * point.tone));
                 let [along_extent_m, _] = place.extents_m(footprint);
@@ -197,7 +202,11 @@ impl Varied {
                 let joints = joint(place.along_m, along_extent_m).max(joint(point.edge_m - KERB_M, extent_m));
                 let flags = mixed(flags, [0.10, 0.10, 0.095], 0.8 * joints);
                 let stone = within(KERB_M);
-                (mixed(flags, KERB.map(|c| c * (1.0 + 0.15 * grain)), stone), within(PAVEMENT_M))
+                MadeGround {
+                    colour: mixed(flags, KERB.map(|c| c * (1.0 + 0.15 * grain)), stone),
+                    share: within(PAVEMENT_M),
+                    class: PixelClass::Raised,
+                }
             }
         }
     }
@@ -251,8 +260,8 @@ mod tests {
             let point = GroundPoint { edge_m, edge_slope: [0.0, 1.0], ..GroundPoint::OPEN };
             varied.roadside(&place(1, 10.2, 3.0 + edge_m), &point, &footprint, 0.0)
         };
-        let ((kerb, one), (flag, two), (_, grass)) = (at(0.07), at(1.0), at(2.5));
-        assert!(one > 0.99 && two > 0.99 && grass < 0.01);
-        assert!(kerb[0] > 1.3 * flag[0], "{kerb:?} against {flag:?}");
+        let (kerb, flag, grass) = (at(0.07), at(1.0), at(2.5));
+        assert!(kerb.share > 0.99 && flag.share > 0.99 && grass.share < 0.01);
+        assert!(kerb.colour[0] > 1.3 * flag.colour[0], "{kerb:?} against {flag:?}");
     }
 }

@@ -4,7 +4,7 @@ use fingerpost_geometry::{Camera, Distortion, GeometryError, Intrinsics, Mount};
 use nalgebra::Vector3;
 
 use super::log_between;
-use super::ranges::{self, Carrier, LensKind};
+use super::ranges::{self, CameraRanges, Carrier, LensKind};
 use crate::SimError;
 use crate::noise::Stream;
 
@@ -19,23 +19,24 @@ pub(super) struct DrawnCamera {
 const ATTEMPTS: usize = 1000;
 
 impl DrawnCamera {
-    /// A camera on a vehicle, of a size if one is given.
+    /// A camera on a vehicle, aimed as `aims` say, of a size if one is given.
     pub(super) fn draw(
         stream: &mut Stream,
         carrier: &Carrier,
+        aims: &CameraRanges,
         size_px: Option<[usize; 2]>,
     ) -> Result<Self, SimError> {
         let drawn_px = stream.choose(&ranges::SIZES_PX).unwrap_or([640, 480]);
         let size_px = size_px.unwrap_or(drawn_px);
         for _ in 0..ATTEMPTS {
-            let mount = mount(stream, carrier);
+            let mount = mount(stream, carrier, aims);
             let lens = stream.choose(&ranges::LENSES).unwrap_or(LensKind::Pinhole);
-            let (intrinsics, distortion) = lens_of(stream, lens, size_px)?;
+            let (intrinsics, distortion) = lens_of(stream, lens, aims, size_px)?;
             let calibrated =
                 |mount: Mount| Camera::calibrated(size_px[0], size_px[1], intrinsics, distortion, mount);
             let calibration = calibrated(mount)?;
             let camera = calibrated(true_mount(stream, &mount))?;
-            if shows_a_street(&calibration, &mount) {
+            if shows_a_street(&calibration, &mount, aims) {
                 return Ok(Self { camera, calibration });
             }
         }
@@ -43,11 +44,11 @@ impl DrawnCamera {
     }
 }
 
-fn mount(stream: &mut Stream, carrier: &Carrier) -> Mount {
+fn mount(stream: &mut Stream, carrier: &Carrier, aims: &CameraRanges) -> Mount {
     let [yaw_sigma_deg, roll_sigma_deg] = ranges::AIM_SIGMA_DEG;
     let mut within = |range: [f64; 2]| stream.between(range[0], range[1]);
     let (height_m, x_m) = (within(carrier.camera_height_m), within(carrier.camera_x_m));
-    let (y_m, pitch_deg) = (within(ranges::CAMERA_Y_M), within(ranges::PITCH_DEG));
+    let (y_m, pitch_deg) = (within(ranges::CAMERA_Y_M), within(aims.pitch_deg));
     Mount {
         height_m,
         pitch_rad: pitch_deg.to_radians(),
@@ -75,9 +76,10 @@ fn true_mount(stream: &mut Stream, known: &Mount) -> Mount {
 fn lens_of(
     stream: &mut Stream,
     lens: LensKind,
+    aims: &CameraRanges,
     [width, height]: [usize; 2],
 ) -> Result<(Intrinsics, Distortion), GeometryError> {
-    let field_rad = log_between(stream, ranges::FIELD_OF_VIEW_DEG).to_radians();
+    let field_rad = log_between(stream, aims.field_of_view_deg).to_radians();
     let edge = libm::tan(0.5 * field_rad);
     let distortion = match lens {
         LensKind::Pinhole => Distortion::None,
@@ -99,11 +101,11 @@ fn lens_of(
 }
 
 /// Whether the picture's middle column shows the road from near enough to far enough.
-fn shows_a_street(camera: &Camera, mount: &Mount) -> bool {
+fn shows_a_street(camera: &Camera, mount: &Mount, aims: &CameraRanges) -> bool {
     let shown = |ahead_m: f64| {
         let on_road =
             nalgebra::Point2::new(mount.x_m + ahead_m, mount.y_m + ahead_m * libm::tan(mount.yaw_rad));
         camera.pixel_of_ground(on_road).is_some_and(|pixel| camera.contains(pixel))
     };
-    shown(ranges::SHOWS_FROM_M) && shown(ranges::SHOWS_TO_M)
+    shown(aims.shows_from_m) && shown(ranges::SHOWS_TO_M)
 }

@@ -28,7 +28,7 @@ pub(super) const CAR: Carrier = Carrier {
     camera_x_m: [1.2, 2.2],
 };
 /// Vans: wheelbases 3.0 to 3.7 m, turning circles 11.5 to 14 m.
-const VAN: Carrier = Carrier {
+pub(super) const VAN: Carrier = Carrier {
     wheelbase_m: [3.0, 3.7],
     width_m: [1.9, 2.1],
     turning_radius_m: [4.8, 6.0],
@@ -71,13 +71,21 @@ pub(super) const SIZES_PX: [(f64, [usize; 2]); 6] = [
 /// Frames a second: from time-lapse dashcams to what video has.
 pub(super) const FPS: [(f64, f64); 7] =
     [(1.0, 5.0), (1.0, 7.5), (1.0, 10.0), (1.0, 12.5), (1.0, 15.0), (1.0, 20.0), (1.0, 30.0)];
-/// Angle that the picture's width spans, degrees.
-pub(super) const FIELD_OF_VIEW_DEG: [f64; 2] = [50.0, 110.0];
-/// Pitch, degrees, nose down.
-pub(super) const PITCH_DEG: [f64; 2] = [2.0, 20.0];
-/// The picture's middle column shows the road from this far ahead of the camera or nearer, and to this far or farther, metres:
-/// a camera is aimed so that it shows a street, wherever it sits.
-pub(super) const SHOWS_FROM_M: f64 = 7.0;
+/// How cameras are aimed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CameraRanges {
+    /// Angle that the picture's width spans, degrees.
+    pub(super) field_of_view_deg: [f64; 2],
+    /// Pitch, degrees, nose down.
+    pub(super) pitch_deg: [f64; 2],
+    /// The picture's middle column shows the road from this far ahead of the camera or nearer, and to [`SHOWS_TO_M`] or farther,
+    /// metres: a camera is aimed so that it shows a street, wherever it sits.
+    pub(super) shows_from_m: f64,
+}
+
+/// Cameras of drives.
+pub(super) const CAMERA: CameraRanges =
+    CameraRanges { field_of_view_deg: [50.0, 110.0], pitch_deg: [2.0, 20.0], shows_from_m: 7.0 };
 pub(super) const SHOWS_TO_M: f64 = 30.0;
 /// Standard deviations of the direction that it is aimed in, degrees: yaw, and roll.
 pub(super) const AIM_SIGMA_DEG: [f64; 2] = [1.0, 0.5];

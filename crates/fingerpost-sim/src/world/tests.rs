@@ -11,8 +11,13 @@ fn town() -> OsmData {
 }
 
 /// Small pictures: what is tested is not in them.
-const TINY: WorldOptions =
-    WorldOptions { size_px: Some([64, 48]), fps: Some(4.0), features: None, route_m: None };
+const TINY: WorldOptions = WorldOptions {
+    size_px: Some([64, 48]),
+    fps: Some(4.0),
+    features: None,
+    route_m: None,
+    ranges: WorldRanges::Usual,
+};
 
 fn worlds(seeds: std::ops::Range<u64>) -> Vec<World> {
     let town = town();
@@ -39,7 +44,7 @@ fn cameras_cover_their_ranges_and_calibrations_are_off_by_what_they_are_said_to_
         .map(|seed| {
             let mut stream = Stream::new(seed, 1);
             let carrier = stream.choose(&ranges::VEHICLES).unwrap();
-            DrawnCamera::draw(&mut stream, &carrier, None).unwrap()
+            DrawnCamera::draw(&mut stream, &carrier, &ranges::CAMERA, None).unwrap()
         })
         .collect();
     let mounts: Vec<[Mount; 2]> =
@@ -215,7 +220,27 @@ fn a_world_follows_from_its_seed_on_any_number_of_threads() {
 
 #[test]
 fn pictures_that_show_no_street_are_refused() {
-    let ribbon = WorldOptions { size_px: Some([3000, 64]), fps: None, features: None, route_m: None };
+    let ribbon = WorldOptions { size_px: Some([3000, 64]), ..WorldOptions::default() };
     let refused = World::draw(1, &town(), &ribbon).unwrap_err().to_string();
     assert!(refused.contains("3000 x 64"), "{refused}");
+}
+
+#[test]
+fn wide_worlds_reach_from_low_narrow_cameras_to_high_wide_ones_and_make_drives() {
+    let town = town();
+    let options = WorldOptions { ranges: WorldRanges::Wide, ..TINY };
+    let drawn: Vec<World> = (0..60).map(|seed| World::draw(seed, &town, &options).unwrap()).collect();
+    let [low, high] = extent(drawn.iter().map(|world| mount(&world.camera).height_m));
+    assert!(low < 0.8 && high > 2.4, "heights {low} to {high} m");
+    let looks: Vec<crate::CameraLook> = drawn.iter().map(|world| world.config.conditions.camera).collect();
+    let share = |is: fn(&crate::CameraLook) -> bool| looks.iter().filter(|look| is(look)).count();
+    assert!((3..20).contains(&share(|look| look.saturation <= 0.0)), "grey cameras");
+    assert!((6..28).contains(&share(|look| look.bonnet > 0.0)), "bonnets in view");
+    assert!((12..45).contains(&share(|look| look.compression > 0.0)), "compressed pictures");
+    assert!(drawn.iter().any(|world| world.config.conditions.kerbs > 0.0));
+    for world in drawn.iter().step_by(12) {
+        let frame = world.simulator().unwrap().frame(4);
+        let road = frame.road.as_slice().iter().filter(|&&road| road > 0).count();
+        assert!(road > 100, "{road} pixels of road");
+    }
 }
