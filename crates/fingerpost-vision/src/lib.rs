@@ -25,7 +25,7 @@
 //! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
-//! | [`shrinking`] | colour pictures made smaller by area averaging | |
+//! | [`resampling`] | colour pictures of another size: by area averaging where they shrink | |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
@@ -67,7 +67,7 @@ pub mod parallax;
 pub mod passage;
 pub mod picture;
 pub mod pyramid;
-pub mod shrinking;
+pub mod resampling;
 pub mod simd;
 pub mod smoothing;
 pub mod sobel;
