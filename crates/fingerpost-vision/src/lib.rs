@@ -26,6 +26,7 @@
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
 //! | [`resampling`] | colour pictures of another size: by area averaging where they shrink | |
+//! | [`road_network`] | a small convolutional network in whole numbers | Howard et al. 2017; Jacob et al. 2018 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
@@ -68,6 +69,7 @@ pub mod passage;
 pub mod picture;
 pub mod pyramid;
 pub mod resampling;
+pub mod road_network;
 pub mod simd;
 pub mod smoothing;
 pub mod sobel;
