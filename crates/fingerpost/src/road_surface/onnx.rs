@@ -2,24 +2,23 @@
 //!
 //! Networks differ in the size and layout of their input and in what their output means; all of it is configured, so
 //! that any network of one picture in and one score a class and pixel out can be used. The method itself runs none: a
-//! [`RoadNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
+//! [`UserNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
 
 use std::collections::BTreeSet;
 
-use fingerpost_geometry::Pixel;
-use fingerpost_vision::picture::{Plane, Rect, RgbImage};
-use fingerpost_vision::warp::WarpTable;
+use fingerpost_vision::picture::{Plane, RgbImage};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::perspective::{KnownPerspective, clear_unseen};
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
+use super::perspective::clear_unseen;
+use super::reduced_frame::{ReducedFrame, evidence_of_a_network};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput};
 use crate::declared::{self, ConfigError};
 
 /// Settings of the detector "onnx": which network, and what goes in and comes out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct NetworkConfig {
+pub struct OnnxConfig {
     /// ONNX file of the network; none by default.
     pub model: String,
     /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the
@@ -88,7 +87,7 @@ pub enum ScoreKind {
     None,
 }
 
-impl Default for NetworkConfig {
+impl Default for OnnxConfig {
     fn default() -> Self {
         Self {
             model: String::new(),
@@ -108,7 +107,7 @@ impl Default for NetworkConfig {
     }
 }
 
-impl NetworkConfig {
+impl OnnxConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
@@ -119,7 +118,7 @@ impl NetworkConfig {
 }
 
 /// A network that is ready to run.
-pub trait RoadNetwork: Send {
+pub trait UserNetwork: Send {
     /// Finds the probability of road (255 = 1) all over `frame`, into `probability`, whose size is the network's choice.
     ///
     /// # Errors
@@ -127,94 +126,40 @@ pub trait RoadNetwork: Send {
     fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError>;
 }
 
-/// The detector that asks a network.
-pub struct Network {
-    network: Box<dyn RoadNetwork>,
+/// The detector that asks a network of the user's.
+pub struct Onnx {
+    network: Box<dyn UserNetwork>,
     found: Plane<u8>,
-    layout: Option<Layout>,
+    reduced: ReducedFrame,
 }
 
-/// Where the network's output lies in the picture that is asked for.
-struct Layout {
-    perspective: KnownPerspective,
-    frame: (usize, usize),
-    table: WarpTable,
-}
-
-impl Network {
+impl Onnx {
     /// A detector around `network`.
-    pub fn new(network: Box<dyn RoadNetwork>) -> Self {
-        Self { network, found: Plane::default(), layout: None }
+    pub fn new(network: Box<dyn UserNetwork>) -> Self {
+        Self { network, found: Plane::default(), reduced: ReducedFrame::default() }
     }
 }
 
-impl RoadDetector for Network {
+impl RoadDetector for Onnx {
     fn estimate(
         &mut self,
         input: RoadInput<'_>,
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
-        let frame = input.camera_picture();
-        self.network.segment(frame, &mut self.found)?;
-        let layout = match self.layout.take() {
-            Some(layout) if layout.serves(&input, &self.found) => layout,
-            _ => Layout::new(&input, &self.found)?,
-        };
-        let layout = self.layout.insert(layout);
-        if probability.size() != input.validity.size() {
-            let (width, height) = input.validity.size();
-            probability.reset(width, height, 0);
-        }
-        layout.table.warp_grey(&self.found, probability)?;
+        self.network.segment(input.camera_picture(), &mut self.found)?;
+        self.reduced.lay_into(&input, &self.found, probability)?;
         clear_unseen(input.validity, probability);
-        Ok(RoadEvidence {
-            detector: "onnx",
-            sample: input.sample,
-            sample_use: SampleUse::Unused,
-            sample_probability: mean_inside(input.sample, probability),
-            ..RoadEvidence::default()
-        })
+        Ok(evidence_of_a_network("onnx", &input, probability))
     }
 
     fn reset(&mut self) {}
-}
-
-impl Layout {
-    fn new(input: &RoadInput<'_>, found: &Plane<u8>) -> Result<Self, RoadError> {
-        let frame = input.camera_picture().size();
-        let place = |place: f64, from: usize, to: usize| (place + 0.5) * to as f64 / from.max(1) as f64 - 0.5;
-        let found_from_frame =
-            |p: Pixel| [place(p.u, frame.0, found.width()), place(p.v, frame.1, found.height())];
-        Ok(Self {
-            perspective: KnownPerspective::of(input.perspective),
-            frame,
-            table: input.table_from_reduced(found.size(), found_from_frame)?,
-        })
-    }
-
-    fn serves(&self, input: &RoadInput<'_>, found: &Plane<u8>) -> bool {
-        self.perspective.is(input.perspective)
-            && self.frame == input.camera_picture().size()
-            && self.table.source_size() == found.size()
-            && self.table.target_size() == input.validity.size()
-    }
-}
-
-/// Mean probability inside a rectangle, 0 to 1.
-fn mean_inside(rect: Rect, probability: &Plane<u8>) -> f64 {
-    let (width, height) = probability.size();
-    let columns = rect.x.min(width)..(rect.x + rect.width).min(width);
-    let rows = rect.y.min(height)..(rect.y + rect.height).min(height);
-    let count = columns.len() * rows.len();
-    let total: u64 = rows.flat_map(|y| &probability.row(y)[columns.clone()]).map(|&p| u64::from(p)).sum();
-    total as f64 / (255 * count.max(1)) as f64
 }
 
 #[cfg(test)]
 mod tests {
     use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
     use fingerpost_vision::colour::HueSaturationBins;
-    use fingerpost_vision::picture::ValidityMask;
+    use fingerpost_vision::picture::{Rect, ValidityMask};
     use nalgebra::Point2;
 
     use super::*;
@@ -224,7 +169,7 @@ mod tests {
     /// Finds road in the left half of the picture.
     struct LeftIsRoad;
 
-    impl RoadNetwork for LeftIsRoad {
+    impl UserNetwork for LeftIsRoad {
         fn segment(&mut self, _: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
             probability.reset(32, 24, 0);
             (0..24).for_each(|y| probability.row_mut(y)[..16].fill(200));
@@ -234,7 +179,7 @@ mod tests {
 
     struct Fails;
 
-    impl RoadNetwork for Fails {
+    impl UserNetwork for Fails {
         fn segment(&mut self, _: &RgbImage, _: &mut Plane<u8>) -> Result<(), RoadError> {
             Err(RoadError::Network { reason: "it is tired".into() })
         }
@@ -242,9 +187,9 @@ mod tests {
 
     const BINS: HueSaturationBins = HueSaturationBins { hue: 8, saturation: 8 };
 
-    fn estimate(network: Box<dyn RoadNetwork>, input: RoadInput<'_>) -> Result<Plane<u8>, RoadError> {
+    fn estimate(network: Box<dyn UserNetwork>, input: RoadInput<'_>) -> Result<Plane<u8>, RoadError> {
         let mut probability = Plane::default();
-        Network::new(network).estimate(input, &mut probability)?;
+        Onnx::new(network).estimate(input, &mut probability)?;
         Ok(probability)
     }
 

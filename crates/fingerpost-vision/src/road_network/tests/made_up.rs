@@ -238,7 +238,7 @@ impl Values {
     fn doubled(&self) -> Self {
         let quarters = |at: usize, side: usize| {
             let near = at / 2;
-            let far = if at % 2 == 0 { near.saturating_sub(1) } else { (near + 1).min(side - 1) };
+            let far = if at.is_multiple_of(2) { near.saturating_sub(1) } else { (near + 1).min(side - 1) };
             [(near, 3), (far, 1)]
         };
         Self::made(self.size.map(|side| 2 * side), self.channels, |x, y, channel| {

@@ -1,0 +1,110 @@
+//! Road from the small network that comes with the program.
+//!
+//! [`RoadNetwork`] looks at the whole camera picture, stretched to its own size, and gives the log-odds of road, and of what else it
+//! was trained on, at half of that. They are interpolated into the picture that is asked for, and only then made probabilities, so
+//! that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
+//!
+//! Limits: the weights in this version were not trained but set by hand: road is what has the colours of the strip just ahead, and the
+//! other outputs say nothing.
+
+use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::road_network::{LOGIT_STEPS, RoadNetwork};
+
+use super::perspective::clear_unseen;
+use super::reduced_frame::{ReducedFrame, evidence_of_a_network};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod};
+
+/// The weights that come with the program, as [`RoadNetwork::from_bytes`] reads them.
+pub const NETWORK_WEIGHTS: &[u8] = include_bytes!("road_network.weights");
+
+/// What the network's outputs say, each by itself: log-odds at the places of [`RoadNetwork::logits`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NetworkOutput {
+    /// Road that is seen.
+    Road = 0,
+    /// Paint on the road.
+    Paint = 1,
+    /// Raised ground, as pavements.
+    Raised = 2,
+    /// Ground that a vehicle or another thing hides.
+    Hidden = 3,
+}
+
+impl NetworkOutput {
+    /// Its index among the network's outputs.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// The detector that asks the network.
+pub struct Network {
+    network: RoadNetwork,
+    /// Logits of road as bytes without a sign; 0 is none.
+    odds: Plane<u8>,
+    reduced: ReducedFrame,
+    /// Probability of road by these bytes.
+    probability: [u8; 256],
+}
+
+/// What stands for even odds.
+const EVEN: u8 = 128;
+
+impl Network {
+    /// With the weights of a file ([`RoadNetwork::from_bytes`]).
+    ///
+    /// # Errors
+    /// [`RoadError::Weights`] when the bytes are no such file.
+    pub fn from_bytes(weights: &[u8]) -> Result<Self, RoadError> {
+        let network = RoadNetwork::from_bytes(weights)?;
+        let (width, height) = network.logit_size();
+        let probability = |byte: u8| {
+            let log_odds = (f64::from(byte) - f64::from(EVEN)) / f64::from(LOGIT_STEPS);
+            if byte == 0 { 0 } else { (255.0 / (1.0 + libm::exp(-log_odds))).round() as u8 }
+        };
+        let mut table = [0; 256];
+        (0..=u8::MAX).zip(&mut table).for_each(|(byte, entry)| *entry = probability(byte));
+        let odds = Plane::new(width, height, 0);
+        Ok(Self { network, odds, reduced: ReducedFrame::default(), probability: table })
+    }
+
+    /// With the weights that come with the program.
+    ///
+    /// # Errors
+    /// [`RoadError::Weights`] when these are damaged.
+    pub fn new() -> Result<Self, RoadError> {
+        Self::from_bytes(NETWORK_WEIGHTS)
+    }
+}
+
+impl RoadDetector for Network {
+    fn estimate(
+        &mut self,
+        input: RoadInput<'_>,
+        probability: &mut Plane<u8>,
+    ) -> Result<RoadEvidence, RoadError> {
+        let frame = input.camera_picture();
+        let whole = Rect { x: 0, y: 0, width: frame.width(), height: frame.height() };
+        self.network.see(frame, whole)?;
+        if let Some(road) = self.network.logits(NetworkOutput::Road.index()) {
+            let bytes = self.odds.as_mut_slice().iter_mut().zip(road.as_slice());
+            bytes.for_each(|(byte, &logit)| *byte = EVEN.wrapping_add_signed(logit));
+        }
+        self.reduced.lay_into(&input, &self.odds, probability)?;
+        for byte in probability.as_mut_slice() {
+            *byte = self.probability[usize::from(*byte)];
+        }
+        clear_unseen(input.validity, probability);
+        Ok(evidence_of_a_network(RoadMethod::Network.name(), &input, probability))
+    }
+
+    fn network(&self) -> Option<&RoadNetwork> {
+        Some(&self.network)
+    }
+
+    fn reset(&mut self) {}
+}
+
+#[cfg(test)]
+mod tests;
