@@ -10,6 +10,7 @@ mod lanes;
 mod machine;
 mod measure;
 mod motion;
+mod network;
 mod peer;
 mod recording;
 mod results;
@@ -113,6 +114,10 @@ fn main() -> Result<()> {
     }
     if timed("height") {
         sections.push(height::height(effort)?);
+    }
+    if timed("network") {
+        sections.push(network::network(effort, &footage, &sets)?);
+        CodePath::limit(most);
     }
     if timed("candidates") {
         sections.push(candidates::candidates(effort, &footage)?);

@@ -4,14 +4,14 @@ use std::env::{consts, var_os};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
-use fingerpost::road_surface::{NetworkConfig, RoadNetwork};
+use fingerpost::road_surface::{OnnxConfig, UserNetwork};
 use fingerpost_onnx::{OnnxRuntime, SegmentationNetwork};
 
 /// Names the shared library of ONNX Runtime where the configuration does not.
 const LIBRARY_VARIABLE: &str = "FINGERPOST_ONNX_LIBRARY";
 
 /// Loads the network.
-pub(crate) fn network(config: &NetworkConfig) -> Result<Box<dyn RoadNetwork>> {
+pub(crate) fn network(config: &OnnxConfig) -> Result<Box<dyn UserNetwork>> {
     if config.model.is_empty() {
         bail!("road_surface.onnx.model names no network; give the path of its ONNX file");
     }
@@ -22,7 +22,7 @@ pub(crate) fn network(config: &NetworkConfig) -> Result<Box<dyn RoadNetwork>> {
 }
 
 /// Where ONNX Runtime is: by the configuration, by the environment, or wherever the system's loader looks.
-fn library(config: &NetworkConfig) -> PathBuf {
+fn library(config: &OnnxConfig) -> PathBuf {
     if !config.library.is_empty() {
         return PathBuf::from(&config.library);
     }

@@ -4,15 +4,15 @@ use anyhow::{Context, Result, bail};
 use fingerpost_format::FrameRecord;
 use fingerpost_geometry::{Camera, PictureScale, Pixel};
 use fingerpost_record::{PIXEL_DIGITS, rounded};
-use fingerpost_vision::picture::RgbImage;
-use fingerpost_vision::shrinking::Shrinker;
+use fingerpost_vision::picture::{Rect, RgbImage};
+use fingerpost_vision::resampling::Resampler;
 
 /// Makes a camera's pictures smaller.
 pub(crate) struct PictureScaling {
     camera: Camera,
     input_px: (usize, usize),
     scale: PictureScale,
-    shrinker: Shrinker,
+    resampler: Resampler,
     picture: RgbImage,
 }
 
@@ -36,12 +36,13 @@ impl PictureScaling {
         // Rounded to the nearest.
         let height = (2 * input_px.1 * width + input_px.0) / (2 * input_px.0);
         let context = || format!("pictures of {width} x {height} pixels, as --width {width} makes them");
+        let whole = Rect { x: 0, y: 0, width: input_px.0, height: input_px.1 };
         let scaled = camera.scaled_to(width, height).with_context(context)?;
         Ok(Some(Self {
             camera: scaled,
             input_px,
             scale: PictureScale::between(input_px, (width, height)),
-            shrinker: Shrinker::new(input_px, (width, height)).with_context(context)?,
+            resampler: Resampler::new(input_px, whole, (width, height)).with_context(context)?,
             picture: RgbImage::new(width, height),
         }))
     }
@@ -58,7 +59,7 @@ impl PictureScaling {
 
     /// Takes a picture in. Says whether it has the size that the calibration states; others are not made smaller.
     pub(crate) fn shrink(&mut self, picture: &RgbImage) -> bool {
-        self.shrinker.shrink(picture, &mut self.picture).is_ok()
+        self.resampler.resample(picture, &mut self.picture).is_ok()
     }
 
     /// The picture that was taken in last, at the lower resolution.

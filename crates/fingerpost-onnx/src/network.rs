@@ -2,9 +2,7 @@
 
 use std::fmt::Display;
 
-use fingerpost::road_surface::{
-    ChannelOrder, NetworkConfig, RoadError, RoadNetwork, ScoreKind, TensorLayout,
-};
+use fingerpost::road_surface::{ChannelOrder, OnnxConfig, RoadError, ScoreKind, TensorLayout, UserNetwork};
 use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::warp::WarpTable;
 use ort::session::Session;
@@ -16,7 +14,7 @@ use crate::runtime::OnnxRuntime;
 /// A network with its settings, ready to run.
 #[derive(Debug)]
 pub struct SegmentationNetwork {
-    config: NetworkConfig,
+    config: OnnxConfig,
     session: Session,
     /// Index of the output that is read.
     output: usize,
@@ -41,7 +39,7 @@ impl SegmentationNetwork {
     ///
     /// # Errors
     /// [`NetworkError`] when ONNX Runtime refuses the network, or a setting does not fit it.
-    pub fn new(runtime: &OnnxRuntime, config: &NetworkConfig, model: &[u8]) -> Result<Self, NetworkError> {
+    pub fn new(runtime: &OnnxRuntime, config: &OnnxConfig, model: &[u8]) -> Result<Self, NetworkError> {
         config.check()?;
         if config.road_classes.is_empty() {
             let reason = "it names none; name the class that is road".to_owned();
@@ -109,14 +107,14 @@ impl SegmentationNetwork {
     }
 }
 
-impl RoadNetwork for SegmentationNetwork {
+impl UserNetwork for SegmentationNetwork {
     fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
         self.find(frame, probability).map_err(|error| RoadError::Network { reason: error.to_string() })
     }
 }
 
 /// The shape of what goes in.
-const fn input_shape(config: &NetworkConfig) -> [usize; 4] {
+const fn input_shape(config: &OnnxConfig) -> [usize; 4] {
     let (width, height) = (config.width_px, config.height_px);
     match config.layout {
         TensorLayout::Nchw => [1, RgbImage::CHANNELS, height, width],
@@ -125,7 +123,7 @@ const fn input_shape(config: &NetworkConfig) -> [usize; 4] {
 }
 
 /// Checks what the network says of its input; sides that it leaves open fit any.
-fn check_input(session: &Session, config: &NetworkConfig) -> Result<(), NetworkError> {
+fn check_input(session: &Session, config: &OnnxConfig) -> Result<(), NetworkError> {
     let shape = input_shape(config).map(|side| side as i64);
     let taken = match session.inputs() {
         [input] => match input.dtype() {
@@ -174,7 +172,7 @@ fn reduction(from: (usize, usize), to: (usize, usize)) -> Result<WarpTable, Netw
 }
 
 /// Writes the picture as the network wants it.
-fn fill(config: &NetworkConfig, picture: &RgbImage, tensor: &mut [f32]) {
+fn fill(config: &OnnxConfig, picture: &RgbImage, tensor: &mut [f32]) {
     let (width, height) = picture.size();
     let order = match config.channels {
         ChannelOrder::Rgb => [0, 1, 2],
@@ -216,7 +214,7 @@ fn score_raster(shape: &[i64], layout: TensorLayout) -> Result<ScoreRaster, Netw
 }
 
 /// The probability of road of one pixel from its scores, 0 to 1; scores that are no numbers give 0.
-fn road_probability(config: &NetworkConfig, classes: usize, score: impl Fn(usize) -> f32) -> f32 {
+fn road_probability(config: &OnnxConfig, classes: usize, score: impl Fn(usize) -> f32) -> f32 {
     let of_road = |each: &dyn Fn(f32) -> f32| -> f32 {
         config.road_classes.iter().map(|&class| each(score(class))).sum()
     };
@@ -251,19 +249,13 @@ mod tests {
     #[test]
     fn channels_and_layout_are_as_configured() {
         let mut tensor = [0.0; 6];
-        let config = NetworkConfig {
-            mean: [0.0, 0.0, 0.2],
-            standard_deviation: [1.0, 2.0, 1.0],
-            ..Default::default()
-        };
+        let config =
+            OnnxConfig { mean: [0.0, 0.0, 0.2], standard_deviation: [1.0, 2.0, 1.0], ..Default::default() };
         fill(&config, &picture(), &mut tensor);
         let expected = [1.0, 0.0, 0.0, 0.2, 0.0, 0.6];
         assert!(tensor.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{tensor:?}");
-        let config = NetworkConfig {
-            layout: TensorLayout::Nhwc,
-            channels: ChannelOrder::Bgr,
-            ..NetworkConfig::default()
-        };
+        let config =
+            OnnxConfig { layout: TensorLayout::Nhwc, channels: ChannelOrder::Bgr, ..OnnxConfig::default() };
         fill(&config, &picture(), &mut tensor);
         let expected = [0.2, 0.0, 1.0, 0.8, 0.4, 0.0];
         assert!(tensor.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{tensor:?}");
@@ -273,7 +265,7 @@ mod tests {
     fn scores_become_probabilities_of_the_road_classes() {
         let of = |scores, values: [f32; 3], road_classes: &[usize]| {
             let road_classes = road_classes.iter().copied().collect();
-            let config = NetworkConfig { scores, road_classes, ..Default::default() };
+            let config = OnnxConfig { scores, road_classes, ..Default::default() };
             road_probability(&config, 3, |class| values[class])
         };
         assert!((of(ScoreKind::Softmax, [1e4, 1e4, 0.0], &[1]) - 0.5).abs() < 1e-6);
@@ -282,7 +274,7 @@ mod tests {
         assert!((of(ScoreKind::None, [0.7, 0.2, 0.1], &[0]) - 0.7).abs() < 1e-6);
         assert!(of(ScoreKind::None, [f32::NAN, 0.2, 0.1], &[0]) == 0.0);
         assert!(of(ScoreKind::None, [0.7, 0.6, 0.1], &[0, 1]) >= 1.0);
-        let config = NetworkConfig { log_odds_offset: 2.0, scores: ScoreKind::None, ..Default::default() };
+        let config = OnnxConfig { log_odds_offset: 2.0, scores: ScoreKind::None, ..Default::default() };
         let offset = |probability: f32| road_probability(&config, 2, |_| probability);
         assert!((offset(0.1) - 1.0 / (1.0 + 9.0 * libm::expf(-2.0))).abs() < 1e-6);
         assert!(offset(0.0) <= 0.0 && offset(1.0) >= 1.0);

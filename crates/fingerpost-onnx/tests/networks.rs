@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use fingerpost::road_surface::{ChannelOrder, NetworkConfig, RoadNetwork, TensorLayout};
+use fingerpost::road_surface::{ChannelOrder, OnnxConfig, TensorLayout, UserNetwork};
 use fingerpost_onnx::{NetworkError, OnnxRuntime, SegmentationNetwork};
 use fingerpost_vision::picture::{Plane, RgbImage};
 
@@ -18,8 +18,8 @@ fn runtime() -> OnnxRuntime {
     OnnxRuntime::load(Path::new(&library)).unwrap()
 }
 
-fn config() -> NetworkConfig {
-    NetworkConfig { width_px: 64, height_px: 32, ..NetworkConfig::default() }
+fn config() -> OnnxConfig {
+    OnnxConfig { width_px: 64, height_px: 32, ..OnnxConfig::default() }
 }
 
 /// Left half green, right half red.
@@ -40,7 +40,7 @@ fn a_network_finds_its_road() {
     assert_eq!(probability.get(3, 8).unwrap(), expected.round() as u8);
     assert_eq!(probability.get(28, 8).unwrap(), 255 - expected.round() as u8);
     // A frame of another size, with the channels the other way round: blue and green stay, red moves.
-    let bgr = NetworkConfig { channels: ChannelOrder::Bgr, ..config() };
+    let bgr = OnnxConfig { channels: ChannelOrder::Bgr, ..config() };
     let mut network = SegmentationNetwork::new(&runtime(), &bgr, MODEL).unwrap();
     network.segment(&RgbImage::new(200, 100), &mut probability).unwrap();
     assert_eq!(probability.get(5, 5), Some(128));
@@ -48,19 +48,18 @@ fn a_network_finds_its_road() {
 
 #[test]
 fn what_does_not_fit_is_refused_before_the_drive() {
-    let refused = |config: NetworkConfig, model: &[u8]| {
-        SegmentationNetwork::new(&runtime(), &config, model).unwrap_err()
-    };
+    let refused =
+        |config: OnnxConfig, model: &[u8]| SegmentationNetwork::new(&runtime(), &config, model).unwrap_err();
     assert!(matches!(refused(config(), b"no network"), NetworkError::Model { .. }));
-    let classes = NetworkConfig { road_classes: BTreeSet::from([2]), ..config() };
+    let classes = OnnxConfig { road_classes: BTreeSet::from([2]), ..config() };
     assert!(matches!(refused(classes, MODEL), NetworkError::Setting { key: "road_classes", .. }));
-    let classes = NetworkConfig { road_classes: BTreeSet::new(), ..config() };
+    let classes = OnnxConfig { road_classes: BTreeSet::new(), ..config() };
     assert!(matches!(refused(classes, MODEL), NetworkError::Setting { key: "road_classes", .. }));
-    let size = NetworkConfig { width_px: 0, ..config() };
+    let size = OnnxConfig { width_px: 0, ..config() };
     assert!(matches!(refused(size, MODEL), NetworkError::Config(_)));
-    let error = refused(NetworkConfig { output: "masks".into(), ..config() }, MODEL);
+    let error = refused(OnnxConfig { output: "masks".into(), ..config() }, MODEL);
     assert!(error.to_string().contains("scores"), "{error}");
-    let layout = NetworkConfig { layout: TensorLayout::Nhwc, ..config() };
+    let layout = OnnxConfig { layout: TensorLayout::Nhwc, ..config() };
     let error = refused(layout, MODEL).to_string();
     assert!(error.contains("1 x 3 x ? x ? of f32") && error.contains("1 x 32 x 64 x 3"), "{error}");
 }

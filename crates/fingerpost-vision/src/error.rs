@@ -66,21 +66,6 @@ pub enum PictureError {
         /// Height given, pixels.
         found_height: usize,
     },
-    /// A picture is to be made smaller, but the size given for it is none or longer than its own.
-    #[error(
-        "a picture of {width} x {height} pixels cannot be made smaller to {target_width} x {target_height}; \
-         give sides from one pixel to the picture's own"
-    )]
-    Growth {
-        /// Width of the picture, pixels.
-        width: usize,
-        /// Height of the picture, pixels.
-        height: usize,
-        /// Width asked for, pixels.
-        target_width: usize,
-        /// Height asked for, pixels.
-        target_height: usize,
-    },
     /// A picture without any pixel where at least one is needed.
     #[error("the {what} has no pixels ({width} x {height}); give a picture of at least one pixel")]
     Empty {

@@ -25,7 +25,8 @@
 //! | [`hough`] | straight lines and segments | Hough 1962; Duda & Hart 1972 |
 //! | [`components`] | connected components | Galler & Fischer 1964 |
 //! | [`filter`], [`pyramid`] | smoothing, resizing and halving | Burt & Adelson 1983 |
-//! | [`shrinking`] | colour pictures made smaller by area averaging | |
+//! | [`resampling`] | colour pictures of another size: by area averaging where they shrink | |
+//! | [`road_network`] | a small convolutional network in whole numbers | Howard et al. 2017; Jacob et al. 2018 |
 //! | [`farneback`] | dense optical flow | Farneback 2003 |
 //! | [`alignment`] | direct alignment of two pictures | Baker & Matthews 2004 |
 //! | [`corners`], [`lucas_kanade`] | corners, and where they went | Shi & Tomasi 1994; Lucas & Kanade 1981 |
@@ -67,7 +68,8 @@ pub mod parallax;
 pub mod passage;
 pub mod picture;
 pub mod pyramid;
-pub mod shrinking;
+pub mod resampling;
+pub mod road_network;
 pub mod simd;
 pub mod smoothing;
 pub mod sobel;

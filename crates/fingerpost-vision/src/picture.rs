@@ -26,6 +26,19 @@ pub struct Rect {
     pub height: usize,
 }
 
+impl Rect {
+    /// Checks that it lies inside a picture of `width` x `height` pixels.
+    pub(crate) fn check_inside(self, (width, height): (usize, usize)) -> Result<(), PictureError> {
+        let fits = |start: usize, length: usize, limit: usize| {
+            start.checked_add(length).is_some_and(|end| end <= limit)
+        };
+        if fits(self.x, self.width, width) && fits(self.y, self.height, height) {
+            return Ok(());
+        }
+        Err(PictureError::CropOutside { rect: self, width, height })
+    }
+}
+
 /// A single-channel picture with tightly packed rows.
 ///
 /// ```

@@ -16,7 +16,7 @@ pub enum InstructionSet {
     Portable,
     /// x86-64 with AVX2, BMI1, BMI2, LZCNT and POPCNT: Intel since 2013, AMD since 2015.
     Avx2,
-    /// x86-64 with AVX-512 F, BW, DQ, VL and VBMI besides: Intel since 2019, AMD since 2022.
+    /// x86-64 with AVX-512 F, BW, DQ, VL, VBMI and VNNI besides: Intel since 2019, AMD since 2022.
     Avx512,
 }
 
@@ -86,6 +86,7 @@ fn has(set: InstructionSet) -> bool {
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512vbmi")
+            && is_x86_feature_detected!("avx512vnni")
     };
     match set {
         InstructionSet::Portable => true,
@@ -123,7 +124,7 @@ macro_rules! simd_kernel {
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(
-                enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx2,bmi1,bmi2,lzcnt,popcnt"
+                enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vbmi,avx512vnni,avx2,bmi1,bmi2,lzcnt,popcnt"
             )]
             #[allow(clippy::too_many_arguments, reason = "a kernel's arrays are its arguments")]
             fn avx512$(<$(const $constant: $of),+>)?($($parameter: $type),*) $(-> $result)? {

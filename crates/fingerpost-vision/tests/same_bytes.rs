@@ -13,9 +13,9 @@ use fingerpost_vision::hough::{HoughLines, HoughParams};
 use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
 use fingerpost_vision::lucas_kanade::LucasKanade;
 use fingerpost_vision::morphology::{Dilation, StructuringElement};
-use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
+use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
 use fingerpost_vision::pyramid::{GreyPyramid, halve};
-use fingerpost_vision::shrinking::Shrinker;
+use fingerpost_vision::resampling::Resampler;
 use fingerpost_vision::smoothing::{BoxBlur, GaussianBlur};
 use fingerpost_vision::sobel::Sobel;
 use fingerpost_vision::warp::WarpTable;
@@ -93,8 +93,10 @@ fn every_kernel_gives_the_bytes_that_it_always_gave() {
     sums.push(("perspective warp", Sum::of(seen.as_slice().iter().copied())));
 
     let mut small = RgbImage::new(61, 37);
-    Shrinker::new((WIDTH, HEIGHT), (61, 37)).unwrap().shrink(&colour(), &mut small).unwrap();
-    sums.push(("shrinking", Sum::of(small.as_slice().iter().copied())));
+    let whole = Rect { x: 0, y: 0, width: WIDTH, height: HEIGHT };
+    let mut resampler = Resampler::new((WIDTH, HEIGHT), whole, (61, 37)).unwrap();
+    resampler.resample(&colour(), &mut small).unwrap();
+    sums.push(("resampling", Sum::of(small.as_slice().iter().copied())));
 
     sums.push(("JPEG", Sum::of(jpeg_file(&colour(), 85, ChromaSampling::Halved).unwrap())));
 
@@ -170,7 +172,7 @@ fn every_kernel_gives_the_bytes_that_it_always_gave() {
 
 const EXPECTED: [&str; 15] = [
     "perspective warp d9046ef2d2519993",
-    "shrinking 5871babf9eeb6e4c",
+    "resampling 5871babf9eeb6e4c",
     "JPEG 4336cda0f28b307c",
     "Sobel 392ba89dfb94e3d7",
     "Canny da439c316c043ca8",

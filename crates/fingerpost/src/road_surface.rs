@@ -14,7 +14,9 @@ mod memory;
 mod named;
 mod network;
 mod online;
+mod onnx;
 mod perspective;
+mod reduced_frame;
 mod region;
 mod verge_colours;
 mod way_colours;
@@ -24,6 +26,7 @@ use fingerpost_vision::colour::ColourError;
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::histogram::HistogramError;
 use fingerpost_vision::picture::{Plane, Rect, RgbImage, ValidityMask};
+use fingerpost_vision::road_network::{RoadNetwork, RoadNetworkError};
 use fingerpost_vision::span::RowSums;
 use nalgebra::Point2;
 use schemars::JsonSchema;
@@ -35,8 +38,9 @@ pub use known_surfaces::{
     BankConfig, BankEvidence, SurfaceFile, SurfaceMemory, SurfaceRecord, SurfacesError,
 };
 pub use memory::{Memory, MemoryConfig, MemoryEvidence, RememberedMethod};
-pub use network::{ChannelOrder, Network, NetworkConfig, RoadNetwork, ScoreKind, TensorLayout};
+pub use network::{NETWORK_WEIGHTS, Network, NetworkOutput};
 pub use online::{Online, OnlineConfig, OnlineEvidence};
+pub use onnx::{ChannelOrder, Onnx, OnnxConfig, ScoreKind, TensorLayout, UserNetwork};
 pub use perspective::{KnownPerspective, clear_unseen};
 pub use region::Region;
 
@@ -70,8 +74,8 @@ pub struct RoadSurfaceConfig {
     pub bank: BankConfig,
     /// The classifier trained as the drive goes.
     pub online: OnlineConfig,
-    /// The network.
-    pub onnx: NetworkConfig,
+    /// The network that a user brings.
+    pub onnx: OnnxConfig,
     /// The memory.
     pub memory: MemoryConfig,
 }
@@ -86,7 +90,7 @@ impl Default for RoadSurfaceConfig {
             backprojection: BackprojectionConfig::default(),
             bank: BankConfig::default(),
             online: OnlineConfig::default(),
-            onnx: NetworkConfig::default(),
+            onnx: OnnxConfig::default(),
             memory: MemoryConfig::default(),
         }
     }
@@ -102,7 +106,9 @@ pub enum RoadMethod {
     Bank,
     /// A classifier trained as the drive goes ([`Online`]).
     Online,
-    /// A segmentation network, in programs built for it ([`Network`]).
+    /// The small network that comes with the program ([`Network`]).
+    Network,
+    /// A segmentation network that a user brings, in programs built for it ([`Onnx`]).
     Onnx,
     /// What another of these sees, remembered as the vehicle moves on ([`Memory`]).
     Memory,
@@ -113,8 +119,15 @@ pub enum RoadMethod {
 
 impl RoadMethod {
     /// All of them, the simplest first.
-    pub const ALL: [Self; 6] =
-        [Self::Backprojection, Self::Bank, Self::Online, Self::Onnx, Self::Memory, Self::Combined];
+    pub const ALL: [Self; 7] = [
+        Self::Backprojection,
+        Self::Bank,
+        Self::Online,
+        Self::Network,
+        Self::Onnx,
+        Self::Memory,
+        Self::Combined,
+    ];
 
     /// Its name in configurations, command lines and evidence.
     pub const fn name(self) -> &'static str {
@@ -124,6 +137,7 @@ impl RoadMethod {
             Self::Memory => "memory",
             Self::Combined => "combined",
             Self::Online => "online",
+            Self::Network => "network",
             Self::Onnx => "onnx",
         }
     }
@@ -153,7 +167,7 @@ impl RoadSurfaceConfig {
         self.detector_with(None)
     }
 
-    /// The same with another detector that sees, alone or to be remembered: a [`Network`] where [`Self::needs_network`], or the
+    /// The same with another detector that sees, alone or to be remembered: an [`Onnx`] where [`Self::needs_onnx`], or the
     /// papers'.
     ///
     /// # Errors
@@ -174,8 +188,8 @@ impl RoadSurfaceConfig {
         })
     }
 
-    /// Whether the detector asks a network, itself or as what is remembered.
-    pub fn needs_network(&self) -> bool {
+    /// Whether the detector asks a user's network, itself or as what is remembered.
+    pub fn needs_onnx(&self) -> bool {
         self.seen_by() == RememberedMethod::Onnx
     }
 
@@ -185,6 +199,7 @@ impl RoadSurfaceConfig {
             RoadMethod::Backprojection => RememberedMethod::Backprojection,
             RoadMethod::Bank => RememberedMethod::Bank,
             RoadMethod::Online => RememberedMethod::Online,
+            RoadMethod::Network => RememberedMethod::Network,
             RoadMethod::Onnx => RememberedMethod::Onnx,
             RoadMethod::Memory | RoadMethod::Combined => self.memory.of,
         }
@@ -200,7 +215,8 @@ impl RoadSurfaceConfig {
             }
             (RememberedMethod::Bank, _) => return Err(RoadError::NoBank),
             (RememberedMethod::Online, _) => Box::new(Online::new(&self.online)),
-            (RememberedMethod::Onnx, _) => return Err(RoadError::NoNetwork),
+            (RememberedMethod::Network, _) => Box::new(Network::new()?),
+            (RememberedMethod::Onnx, _) => return Err(RoadError::NoOnnx),
             (RememberedMethod::Fused, _) => {
                 Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?)
             }
@@ -357,12 +373,15 @@ pub enum RoadError {
     /// The known surfaces cannot be used.
     #[error(transparent)]
     Surfaces(#[from] SurfacesError),
-    /// A network is asked for, and none was given.
+    /// The weights of the network are damaged.
+    #[error("road_surface: {0}")]
+    Weights(#[from] RoadNetworkError),
+    /// A user's network is asked for, and none was given.
     #[error(
         "road_surface asks for \"onnx\" and this program runs no networks: build it with `--features onnx`, or choose another \
          detector"
     )]
-    NoNetwork,
+    NoOnnx,
     /// The bank of known surfaces is asked for, and was not given.
     #[error(
         "road_surface asks for \"bank\", the papers' own: give the pipeline the parts of `fingerpost_papers::parts`, or choose \
@@ -375,7 +394,7 @@ pub enum RoadError {
          \"ground_view\""
     )]
     NoCameraPicture,
-    /// The network fails.
+    /// The user's network fails.
     #[error("road_surface: {reason}")]
     Network {
         /// What it says.
@@ -416,6 +435,12 @@ pub trait RoadDetector: Send {
 
     /// The surfaces known by now; none of a detector that knows none.
     fn known_surfaces(&self) -> Option<SurfaceFile> {
+        None
+    }
+
+    /// The network that looked at the last picture; none of a detector that asks none. Its logits say more than where road is, by
+    /// [`NetworkOutput`], at half the size of its own picture, which shows the whole frame.
+    fn network(&self) -> Option<&RoadNetwork> {
         None
     }
 

@@ -11,7 +11,7 @@ use allocation_counter::measure;
 use fingerpost::Config;
 use fingerpost::height::HeightUse;
 use fingerpost::pipeline::Parts;
-use fingerpost::road_surface::{Network, RoadDetector, RoadError, RoadMethod, RoadNetwork};
+use fingerpost::road_surface::{Onnx, RoadDetector, RoadError, RoadMethod, UserNetwork};
 use fingerpost::track::{State, TrackMethod};
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::{Plane, RgbImage};
@@ -27,7 +27,7 @@ fn coarse_belief() -> Config {
 /// In place of a network, whose own memory is not the method's.
 struct AllIsRoad;
 
-impl RoadNetwork for AllIsRoad {
+impl UserNetwork for AllIsRoad {
     fn segment(&mut self, _: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
         if probability.size() != (80, 60) {
             probability.reset(80, 60, 255);
@@ -47,7 +47,7 @@ fn no_road_detector_allocates_anything() {
     for detector in RoadMethod::ALL.into_iter().filter(|method| *method != RoadMethod::Bank) {
         let mut config = coarse();
         config.road_surface.detector = detector;
-        let network = Some(Network::new(Box::new(AllIsRoad))).filter(|_| config.road_surface.needs_network());
+        let network = Some(Onnx::new(Box::new(AllIsRoad))).filter(|_| config.road_surface.needs_onnx());
         let seeing = network.map(|network| -> Box<dyn RoadDetector> { Box::new(network) });
         let road_detector = Some(config.road_surface.detector_with(seeing).unwrap());
         let parts = Parts { road_detector, ..Parts::default() };

@@ -120,11 +120,6 @@ fn check_stride(width: usize, height: usize, stride: usize, found: usize) -> Res
 }
 
 fn crop_start(rect: Rect, width: usize, height: usize, stride: usize) -> Result<usize, PictureError> {
-    let fits =
-        |start: usize, length: usize, limit: usize| start.checked_add(length).is_some_and(|end| end <= limit);
-    if fits(rect.x, rect.width, width) && fits(rect.y, rect.height, height) {
-        Ok(rect.y * stride + rect.x)
-    } else {
-        Err(PictureError::CropOutside { rect, width, height })
-    }
+    rect.check_inside((width, height))?;
+    Ok(rect.y * stride + rect.x)
 }

@@ -16,6 +16,7 @@ use std::ops::Range;
 
 use fingerpost_vision::fusion::fuse;
 use fingerpost_vision::picture::{Plane, Run, ValidityMask};
+use fingerpost_vision::road_network::RoadNetwork;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +81,9 @@ pub enum RememberedMethod {
     Bank,
     /// A classifier trained as the drive goes.
     Online,
-    /// A segmentation network, in programs built for it.
+    /// The small network that comes with the program.
+    Network,
+    /// A segmentation network that a user brings, in programs built for it.
     Onnx,
     /// Back-projection where colours tell the road, and elsewhere "online", sharpened by the colours of what it finds.
     #[default]
@@ -254,6 +257,10 @@ impl RoadDetector for Memory {
 
     fn known_surfaces(&self) -> Option<SurfaceFile> {
         self.seeing.known_surfaces()
+    }
+
+    fn network(&self) -> Option<&RoadNetwork> {
+        self.seeing.network()
     }
 
     fn reset(&mut self) {

@@ -1,6 +1,7 @@
 //! Another detector for each perspective, with the surface under way named by the bank of known surfaces.
 
 use fingerpost_vision::picture::Plane;
+use fingerpost_vision::road_network::RoadNetwork;
 
 use super::{
     BankConfig, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile, SurfaceMemory,
@@ -44,6 +45,10 @@ impl RoadDetector for Named {
 
     fn known_surfaces(&self) -> Option<SurfaceFile> {
         Some(self.surfaces.file())
+    }
+
+    fn network(&self) -> Option<&RoadNetwork> {
+        self.in_ground.network()
     }
 
     fn reset(&mut self) {

@@ -1,150 +1,80 @@
-//! Road from a segmentation network that a user brings.
+//! Road from the small network that comes with the program.
 //!
-//! Networks differ in the size and layout of their input and in what their output means; all of it is configured, so
-//! that any network of one picture in and one score a class and pixel out can be used. The method itself runs none: a
-//! [`RoadNetwork`] is given to it, and what that finds in the camera picture is laid into the picture asked for.
+//! [`RoadNetwork`] looks at the whole camera picture, stretched to its own size, and gives the log-odds of road, and of what else it
+//! was trained on, at half of that. They are interpolated into the picture that is asked for, and only then made probabilities, so
+//! that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
+//!
+//! Limits: the weights in this version were not trained but set by hand: road is what has the colours of the strip just ahead, and the
+//! other outputs say nothing.
 
-use std::collections::BTreeSet;
+use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::road_network::{LOGIT_STEPS, RoadNetwork};
 
-use fingerpost_geometry::Pixel;
-use fingerpost_vision::picture::{Plane, Rect, RgbImage};
-use fingerpost_vision::warp::WarpTable;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::perspective::clear_unseen;
+use super::reduced_frame::{ReducedFrame, evidence_of_a_network};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod};
 
-use super::perspective::{KnownPerspective, clear_unseen};
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
-use crate::declared::{self, ConfigError};
+/// The weights that come with the program, as [`RoadNetwork::from_bytes`] reads them.
+pub const NETWORK_WEIGHTS: &[u8] = include_bytes!("road_network.weights");
 
-/// Settings of the detector "onnx": which network, and what goes in and comes out of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct NetworkConfig {
-    /// ONNX file of the network; none by default.
-    pub model: String,
-    /// Shared library of ONNX Runtime 1.20 or later (`libonnxruntime.so`); empty, as by default: the one that the
-    /// environment variable `FINGERPOST_ONNX_LIBRARY` names, else the system's.
-    pub library: String,
-    /// Width of the picture that goes in, pixels.
-    #[schemars(range(min = 16, max = 4096))]
-    pub width_px: usize,
-    /// Its height, pixels.
-    #[schemars(range(min = 16, max = 4096))]
-    pub height_px: usize,
-    /// Order of the numbers.
-    pub layout: TensorLayout,
-    /// Order of the channels.
-    pub channels: ChannelOrder,
-    /// What is taken from each channel after division by 255, in the channels' order.
-    #[schemars(inner(range(min = -1000.0, max = 1000.0)))]
-    pub mean: [f32; 3],
-    /// What each channel is then divided by.
-    #[schemars(inner(range(min = 0.001, max = 1000.0)))]
-    pub standard_deviation: [f32; 3],
-    /// Name of the output with a score for every class and pixel; empty, as by default: the first.
-    pub output: String,
-    /// How scores become probabilities.
-    pub scores: ScoreKind,
-    /// Classes that are road, counted from 0; their probabilities are added up.
-    #[schemars(inner(range(min = 0, max = 65535)))]
-    pub road_classes: BTreeSet<usize>,
-    /// Added to the logarithm of the odds of road; above 0 where the network takes too little for road.
-    #[schemars(range(min = -20.0, max = 20.0))]
-    pub log_odds_offset: f32,
-    /// Threads of the network; with one a run always gives the same bytes.
-    #[schemars(range(min = 1, max = 256))]
-    pub threads: usize,
+/// What the network's outputs say, each by itself: log-odds at the places of [`RoadNetwork::logits`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NetworkOutput {
+    /// Road that is seen.
+    Road = 0,
+    /// Paint on the road.
+    Paint = 1,
+    /// Raised ground, as pavements.
+    Raised = 2,
+    /// Ground that a vehicle or another thing hides.
+    Hidden = 3,
 }
 
-/// Order of the numbers of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TensorLayout {
-    /// Channel, row, column: plane after plane.
-    Nchw,
-    /// Row, column, channel: channels together.
-    Nhwc,
-}
-
-/// Order of a picture's channels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ChannelOrder {
-    /// Red, green, blue.
-    Rgb,
-    /// Blue, green, red.
-    Bgr,
-}
-
-/// What a network's scores are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ScoreKind {
-    /// By their softmax over the classes.
-    Softmax,
-    /// By the sigmoid of each.
-    Sigmoid,
-    /// They are probabilities already.
-    None,
-}
-
-impl Default for NetworkConfig {
-    fn default() -> Self {
-        Self {
-            model: String::new(),
-            library: String::new(),
-            width_px: 640,
-            height_px: 360,
-            layout: TensorLayout::Nchw,
-            channels: ChannelOrder::Rgb,
-            mean: [0.0; 3],
-            standard_deviation: [1.0; 3],
-            output: String::new(),
-            scores: ScoreKind::Softmax,
-            road_classes: BTreeSet::from([1]),
-            log_odds_offset: 0.0,
-            threads: 1,
-        }
+impl NetworkOutput {
+    /// Its index among the network's outputs.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
     }
 }
 
-impl NetworkConfig {
-    /// Checks every number against its range.
-    ///
-    /// # Errors
-    /// [`ConfigError`] names the first key out of range.
-    pub fn check(&self) -> Result<(), ConfigError> {
-        declared::check(&declared::schema_of::<Self>(), "road_surface.onnx", self)
-    }
-}
-
-/// A network that is ready to run.
-pub trait RoadNetwork: Send {
-    /// Finds the probability of road (255 = 1) all over `frame`, into `probability`, whose size is the network's choice.
-    ///
-    /// # Errors
-    /// [`RoadError::Network`] when the network fails.
-    fn segment(&mut self, frame: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError>;
-}
-
-/// The detector that asks a network.
+/// The detector that asks the network.
 pub struct Network {
-    network: Box<dyn RoadNetwork>,
-    found: Plane<u8>,
-    layout: Option<Layout>,
+    network: RoadNetwork,
+    /// Logits of road as bytes without a sign; 0 is none.
+    odds: Plane<u8>,
+    reduced: ReducedFrame,
+    /// Probability of road by these bytes.
+    probability: [u8; 256],
 }
 
-/// Where the network's output lies in the picture that is asked for.
-struct Layout {
-    perspective: KnownPerspective,
-    frame: (usize, usize),
-    table: WarpTable,
-}
+/// What stands for even odds.
+const EVEN: u8 = 128;
 
 impl Network {
-    /// A detector around `network`.
-    pub fn new(network: Box<dyn RoadNetwork>) -> Self {
-        Self { network, found: Plane::default(), layout: None }
+    /// With the weights of a file ([`RoadNetwork::from_bytes`]).
+    ///
+    /// # Errors
+    /// [`RoadError::Weights`] when the bytes are no such file.
+    pub fn from_bytes(weights: &[u8]) -> Result<Self, RoadError> {
+        let network = RoadNetwork::from_bytes(weights)?;
+        let (width, height) = network.logit_size();
+        let probability = |byte: u8| {
+            let log_odds = (f64::from(byte) - f64::from(EVEN)) / f64::from(LOGIT_STEPS);
+            if byte == 0 { 0 } else { (255.0 / (1.0 + libm::exp(-log_odds))).round() as u8 }
+        };
+        let mut table = [0; 256];
+        (0..=u8::MAX).zip(&mut table).for_each(|(byte, entry)| *entry = probability(byte));
+        let odds = Plane::new(width, height, 0);
+        Ok(Self { network, odds, reduced: ReducedFrame::default(), probability: table })
+    }
+
+    /// With the weights that come with the program.
+    ///
+    /// # Errors
+    /// [`RoadError::Weights`] when these are damaged.
+    pub fn new() -> Result<Self, RoadError> {
+        Self::from_bytes(NETWORK_WEIGHTS)
     }
 }
 
@@ -155,142 +85,26 @@ impl RoadDetector for Network {
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
         let frame = input.camera_picture();
-        self.network.segment(frame, &mut self.found)?;
-        let layout = match self.layout.take() {
-            Some(layout) if layout.serves(&input, &self.found) => layout,
-            _ => Layout::new(&input, &self.found)?,
-        };
-        let layout = self.layout.insert(layout);
-        if probability.size() != input.validity.size() {
-            let (width, height) = input.validity.size();
-            probability.reset(width, height, 0);
+        let whole = Rect { x: 0, y: 0, width: frame.width(), height: frame.height() };
+        self.network.see(frame, whole)?;
+        if let Some(road) = self.network.logits(NetworkOutput::Road.index()) {
+            let bytes = self.odds.as_mut_slice().iter_mut().zip(road.as_slice());
+            bytes.for_each(|(byte, &logit)| *byte = EVEN.wrapping_add_signed(logit));
         }
-        layout.table.warp_grey(&self.found, probability)?;
+        self.reduced.lay_into(&input, &self.odds, probability)?;
+        for byte in probability.as_mut_slice() {
+            *byte = self.probability[usize::from(*byte)];
+        }
         clear_unseen(input.validity, probability);
-        Ok(RoadEvidence {
-            detector: "onnx",
-            sample: input.sample,
-            sample_use: SampleUse::Unused,
-            sample_probability: mean_inside(input.sample, probability),
-            ..RoadEvidence::default()
-        })
+        Ok(evidence_of_a_network(RoadMethod::Network.name(), &input, probability))
+    }
+
+    fn network(&self) -> Option<&RoadNetwork> {
+        Some(&self.network)
     }
 
     fn reset(&mut self) {}
 }
 
-impl Layout {
-    fn new(input: &RoadInput<'_>, found: &Plane<u8>) -> Result<Self, RoadError> {
-        let frame = input.camera_picture().size();
-        let place = |place: f64, from: usize, to: usize| (place + 0.5) * to as f64 / from.max(1) as f64 - 0.5;
-        let found_from_frame =
-            |p: Pixel| [place(p.u, frame.0, found.width()), place(p.v, frame.1, found.height())];
-        Ok(Self {
-            perspective: KnownPerspective::of(input.perspective),
-            frame,
-            table: input.table_from_reduced(found.size(), found_from_frame)?,
-        })
-    }
-
-    fn serves(&self, input: &RoadInput<'_>, found: &Plane<u8>) -> bool {
-        self.perspective.is(input.perspective)
-            && self.frame == input.camera_picture().size()
-            && self.table.source_size() == found.size()
-            && self.table.target_size() == input.validity.size()
-    }
-}
-
-/// Mean probability inside a rectangle, 0 to 1.
-fn mean_inside(rect: Rect, probability: &Plane<u8>) -> f64 {
-    let (width, height) = probability.size();
-    let columns = rect.x.min(width)..(rect.x + rect.width).min(width);
-    let rows = rect.y.min(height)..(rect.y + rect.height).min(height);
-    let count = columns.len() * rows.len();
-    let total: u64 = rows.flat_map(|y| &probability.row(y)[columns.clone()]).map(|&p| u64::from(p)).sum();
-    total as f64 / (255 * count.max(1)) as f64
-}
-
 #[cfg(test)]
-mod tests {
-    use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
-    use fingerpost_vision::colour::HueSaturationBins;
-    use fingerpost_vision::picture::ValidityMask;
-    use nalgebra::Point2;
-
-    use super::*;
-    use crate::ground_view::{GroundPicture, GroundView, GroundViewConfig};
-    use crate::road_surface::Perspective;
-
-    /// Finds road in the left half of the picture.
-    struct LeftIsRoad;
-
-    impl RoadNetwork for LeftIsRoad {
-        fn segment(&mut self, _: &RgbImage, probability: &mut Plane<u8>) -> Result<(), RoadError> {
-            probability.reset(32, 24, 0);
-            (0..24).for_each(|y| probability.row_mut(y)[..16].fill(200));
-            Ok(())
-        }
-    }
-
-    struct Fails;
-
-    impl RoadNetwork for Fails {
-        fn segment(&mut self, _: &RgbImage, _: &mut Plane<u8>) -> Result<(), RoadError> {
-            Err(RoadError::Network { reason: "it is tired".into() })
-        }
-    }
-
-    const BINS: HueSaturationBins = HueSaturationBins { hue: 8, saturation: 8 };
-
-    fn estimate(network: Box<dyn RoadNetwork>, input: RoadInput<'_>) -> Result<Plane<u8>, RoadError> {
-        let mut probability = Plane::default();
-        Network::new(network).estimate(input, &mut probability)?;
-        Ok(probability)
-    }
-
-    #[test]
-    fn what_a_network_finds_is_laid_over_the_camera_picture() {
-        let picture = GroundPicture { colour: RgbImage::new(64, 48), ..GroundPicture::new(64, 48, BINS) };
-        let mut seen = Plane::new(64, 48, 1_u8);
-        seen.row_mut(10).fill(0);
-        let validity = ValidityMask::from_plane(seen);
-        let perspective = Perspective::Camera { horizon_row: 16.0 };
-        let sample = Rect { x: 0, y: 20, width: 64, height: 10 };
-        let input = RoadInput {
-            picture: &picture,
-            validity: &validity,
-            sample,
-            perspective,
-            motion: None,
-            height: None,
-        };
-        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
-        let at = |x, y| found.get(x, y);
-        assert_eq!([at(0, 47), at(28, 30), at(36, 30), at(63, 0)], [200, 200, 0, 0].map(Some));
-        assert_eq!(at(5, 10), Some(0), "an unseen row is no road");
-        let error = estimate(Box::new(Fails), input).unwrap_err();
-        assert!(error.to_string().contains("it is tired"), "{error}");
-    }
-
-    #[test]
-    fn the_left_of_the_camera_is_the_left_of_the_ground_view() {
-        let intrinsics = Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 10.0 };
-        let camera = Camera::calibrated(64, 48, intrinsics, Distortion::None, Mount::level(1.5)).unwrap();
-        let view = GroundView::new(&GroundViewConfig::default(), BINS, &camera).unwrap();
-        let (picture, frame) = (view.black_picture(), RgbImage::new(64, 48));
-        let input = RoadInput {
-            picture: &picture,
-            validity: view.validity(),
-            sample: Rect { x: 0, y: 0, width: 1, height: 1 },
-            perspective: Perspective::Ground { view: &view, frame: &frame },
-            motion: None,
-            height: None,
-        };
-        let found = estimate(Box::new(LeftIsRoad), input).unwrap();
-        let at = |forward_m: f64, left_m: f64| {
-            let pixel = view.grid().ground_from_vehicle(Point2::new(forward_m, left_m));
-            found.get(pixel.column.round() as usize, pixel.row.round() as usize)
-        };
-        assert_eq!([at(10.0, 2.0), at(10.0, -2.0), at(18.0, 4.0)], [200, 0, 200].map(Some));
-    }
-}
+mod tests;
