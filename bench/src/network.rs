@@ -28,7 +28,8 @@ pub fn network(effort: Effort, footage: &Footage, sets: &[InstructionSet]) -> Re
             let _ = network.see(frame, whole);
         }));
     }
-    let mut section = Section::new("Network", "one thread; medians; from a frame of the footage to all logits");
+    let mut section =
+        Section::new("Network", "one thread; medians; from a frame of the footage to all logits");
     for (&set, measured) in sets.iter().zip(side_by_side(effort, &mut contestants)?) {
         section.figures.push(Figure {
             what: format!("road network, {}", measured.name),
