@@ -1,0 +1,69 @@
+"""Log-odds that are right as often as they say: a slope and an offset for each output, fitted on worlds that were not trained on.
+
+Fitted to whole pixels' classes by logistic regression (Platt 1999, "Probabilistic outputs for support vector machines"), with the
+pixels at edges counted as much as all the others together, because an offset moves edges and nothing else that matters.
+"""
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from days import Days
+from network import OUTPUTS, inputs
+from pictures import crops, targets
+
+# Pictures that are looked at, and how far an edge reaches, places of the network's output.
+PICTURES, EDGE = 384, 2
+
+
+def said_and_true(network, pictures, classes, seed):
+    """Log-odds, shares of each output and weights of every place (outputs x places), on days of their own."""
+    said, true, weight = [], [], []
+    for part in range(PICTURES // 16):
+        rng = np.random.default_rng((seed, part))
+        x, c = Days(network.shape, int(rng.integers(1 << 31)))(*crops(pictures, classes, 16, network.shape, rng))
+        wanted, shown = targets(c)
+        with torch.no_grad():
+            said.append(network(inputs(x, network.shape)))
+        size = 2 * EDGE + 1
+        spread = F.max_pool2d(wanted, size, 1, EDGE) + F.max_pool2d(-wanted, size, 1, EDGE)
+        true.append(wanted)
+        weight.append(shown * (spread > 0.5))
+    rows = lambda parts: torch.cat(parts).transpose(0, 1).flatten(1)
+    return rows(said), rows(true), rows(weight), rows([torch.ones_like(w) for w in weight])
+
+
+def fitted(said, true, at_edge):
+    """Slope and offset by Newton's method; places at edges and all places each count half."""
+    weight = at_edge / at_edge.sum().clamp_min(1) + 1 / len(said)
+    x = torch.stack([said, torch.ones_like(said)], 1).double()
+    w = torch.tensor([1.0, 0.0], dtype=torch.float64)
+    for _ in range(30):
+        p = torch.sigmoid(x @ w)
+        gradient = x.T @ ((p - true) * weight)
+        curvature = (x * (p * (1 - p) * weight)[:, None]).T @ x + 1e-9 * torch.eye(2, dtype=torch.float64)
+        w = w - torch.linalg.solve(curvature, gradient)
+    return w
+
+
+def calibrate(network, pictures, classes, seed):
+    """Fits and builds slope and offset into the last layer. Gives them, by output."""
+    said, true, at_edge, _ = said_and_true(network, pictures, classes, seed)
+    fits = {}
+    for i, name in enumerate(OUTPUTS):
+        slope, offset = fitted(said[i], true[i], at_edge[i]).tolist()
+        network.head.weight.data[i] *= slope
+        network.head.bias.data[i] = network.head.bias.data[i] * slope + offset
+        fits[name] = [slope, offset]
+    return fits
+
+
+def reliability(said, true, weight=None):
+    """For each tenth of the probability: how much of what was called that is true, and how many places were."""
+    p = torch.sigmoid(said)
+    weight = torch.ones_like(p) if weight is None else weight
+    bins = (p * 10).long().clamp(0, 9)
+    count = torch.zeros(10).scatter_add_(0, bins, weight)
+    hits = torch.zeros(10).scatter_add_(0, bins, true * weight)
+    mean = torch.zeros(10).scatter_add_(0, bins, p * weight)
+    return [[float(m / n), float(h / n), int(n)] if n > 0 else None for m, h, n in zip(mean, hits, count)]
