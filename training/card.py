@@ -1,14 +1,12 @@
 """What a training came to: the model card with its curves and pictures."""
 
-import glob
-import os
 
 import numpy as np
 import torch.nn.functional as F
 import torch
 from PIL import Image
 
-from labelled import log_odds, prepared
+from labelled import log_odds
 
 # Colours of what is drawn over a picture: road, raised ground, hidden ground, paint.
 COLOURS = {0: (40, 200, 90), 2: (230, 60, 200), 3: (40, 80, 230), 1: (255, 230, 0)}

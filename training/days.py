@@ -8,7 +8,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from pictures import PAINT, RAISED, ROAD, SKY, STRUCTURE, THING, VERGE, VOID
+from pictures import PAINT, RAISED, ROAD, SKY, STRUCTURE, THING, VERGE
 
 
 class Days:

@@ -9,7 +9,7 @@ import torch
 import torch.nn.functional as F
 
 from days import Days
-from network import OUTPUTS, RoadNetwork, inputs
+from network import RoadNetwork, inputs
 from pictures import crops, targets
 
 # Share of the steps at the end for which the network computes in whole numbers.
