@@ -17,8 +17,9 @@ PICTURES, EDGE = 384, 2
 
 
 def said_and_true(network, pictures, classes, seed):
-    """Log-odds, shares of each output and weights of every place (outputs x places), on days of their own."""
-    said, true, weight = [], [], []
+    """Log-odds, shares of each output, and whether an edge of it is near, of every place that shows anything (lists of outputs), on days of
+    their own."""
+    said, true, near, seen = [], [], [], []
     for part in range(PICTURES // 16):
         rng = np.random.default_rng((seed, part))
         x, c = Days(network.shape, int(rng.integers(1 << 31)))(*crops(pictures, classes, 16, network.shape, rng))
@@ -28,14 +29,16 @@ def said_and_true(network, pictures, classes, seed):
         size = 2 * EDGE + 1
         spread = F.max_pool2d(wanted, size, 1, EDGE) + F.max_pool2d(-wanted, size, 1, EDGE)
         true.append(wanted)
-        weight.append(shown * (spread > 0.5))
-    rows = lambda parts: torch.cat(parts).transpose(0, 1).flatten(1)
-    return rows(said), rows(true), rows(weight), rows([torch.ones_like(w) for w in weight])
+        near.append(spread > 0.5)
+        seen.append(shown[:, 0] > 0.5)
+    is_seen = torch.cat(seen).flatten()
+    rows = lambda parts: [row[is_seen] for row in torch.cat(parts).transpose(0, 1).flatten(1)]
+    return rows(said), rows(true), rows(near)
 
 
 def fitted(said, true, at_edge):
     """Slope and offset by Newton's method; places at edges and all places each count half."""
-    weight = at_edge / at_edge.sum().clamp_min(1) + 1 / len(said)
+    weight = at_edge.double() / at_edge.sum().clamp_min(1) + 1 / len(said)
     x = torch.stack([said, torch.ones_like(said)], 1).double()
     w = torch.tensor([1.0, 0.0], dtype=torch.float64)
     for _ in range(30):
@@ -48,7 +51,7 @@ def fitted(said, true, at_edge):
 
 def calibrate(network, pictures, classes, seed):
     """Fits and builds slope and offset into the last layer. Gives them, by output."""
-    said, true, at_edge, _ = said_and_true(network, pictures, classes, seed)
+    said, true, at_edge = said_and_true(network, pictures, classes, seed)
     fits = {}
     for i, name in enumerate(OUTPUTS):
         slope, offset = fitted(said[i], true[i], at_edge[i]).tolist()
@@ -58,12 +61,17 @@ def calibrate(network, pictures, classes, seed):
     return fits
 
 
-def reliability(said, true, weight=None):
-    """For each tenth of the probability: how much of what was called that is true, and how many places were."""
+def reliability(said, true):
+    """For each tenth of the probability: its mean, how much of what was called that is true, and how many places were; none where none was."""
     p = torch.sigmoid(said)
-    weight = torch.ones_like(p) if weight is None else weight
     bins = (p * 10).long().clamp(0, 9)
-    count = torch.zeros(10).scatter_add_(0, bins, weight)
-    hits = torch.zeros(10).scatter_add_(0, bins, true * weight)
-    mean = torch.zeros(10).scatter_add_(0, bins, p * weight)
-    return [[float(m / n), float(h / n), int(n)] if n > 0 else None for m, h, n in zip(mean, hits, count)]
+    add = lambda of: torch.zeros(10).scatter_add_(0, bins, of)
+    return [[float(m / n), float(h / n), int(n)] if n > 0 else None for m, h, n in zip(add(p), add(true), add(torch.ones_like(p)))]
+
+
+def measured(network, pictures, classes, seed):
+    """The reliability of every output on worlds of their own, and intersection over union of road at even odds."""
+    said, true, _ = said_and_true(network, pictures, classes, seed)
+    road, is_road = said[0] > 0, true[0] > 0.5
+    by_output = {name: reliability(said[i], true[i]) for i, name in enumerate(OUTPUTS)}
+    return {"by_output": by_output, "road_iou": float((road & is_road).sum() / (road | is_road).sum())}

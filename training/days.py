@@ -64,7 +64,7 @@ class Days:
             if there.sum() < 20 or not self.chance(0.5):
                 continue
             grey = x.mean(0, keepdim=True)
-            if kind in (RAISED, VERGE) and self.chance(0.45):
+            if kind in (RAISED, VERGE) and self.chance(0.3):
                 # Ground of about the road's own tone, as asphalted pavements and trodden verges have.
                 pattern = (grey / grey[:, there > 0].mean().clamp_min(0.03)).clamp(0.2, 3) ** self.rng.uniform(0, 1)
                 other = tone * self.tint(0.08) * np.exp(self.rng.normal(0, 0.2)) * pattern

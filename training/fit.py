@@ -1,8 +1,10 @@
-"""Training: drawn crops on drawn days, in floating point first, then in the program's own arithmetic."""
+"""Training: drawn crops on drawn days; on small pictures first, then on those of the network's size, last in the program's arithmetic."""
 
 import json
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import torch
@@ -12,8 +14,11 @@ from days import Days
 from network import RoadNetwork, inputs
 from pictures import crops, targets
 
-# Share of the steps at the end for which the network computes in whole numbers.
-FOLDED_SHARE = 0.12
+# Shares of the steps: at the start on small pictures, which cost a third; at the end with the ranges of the activations measured, and then
+# in whole numbers.
+SMALL_SHARE, MEASURED_SHARE, FOLDED_SHARE = 0.68, 0.06, 0.04
+# Size of the small pictures: whole multiples of the coarsest level's places, of nearly the network's aspect.
+SMALL = (144, 80)
 # How much each output's error counts: road is what the program lives on.
 COUNTS = torch.tensor([1.0, 0.4, 0.3, 0.3]).view(1, -1, 1, 1)
 
@@ -36,6 +41,15 @@ class Training:
     @property
     def folds_at(self):
         return int(self.steps * (1 - FOLDED_SHARE))
+
+    def drawn(self, pictures, classes, step):
+        """Inputs and targets of a step. Each step draws from a stream of its own, so that neither where a training was stopped nor which
+        thread draws matters."""
+        rng = np.random.default_rng((self.seed, step))
+        is_small = step < self.steps * SMALL_SHARE
+        shape = replace(self.shape, width=SMALL[0], height=SMALL[1]) if is_small else self.shape
+        x, c = Days(shape, int(rng.integers(1 << 31)))(*crops(pictures, classes, self.batch, shape, rng))
+        return inputs(x, shape).contiguous(memory_format=torch.channels_last), targets(c)
 
     def restart_optimiser(self):
         folded = self.network.is_folded
@@ -60,27 +74,35 @@ class Training:
         self.rate.load_state_dict(state["rate"])
         self.step, self.curve = state["step"], state["curve"]
 
+    def advance(self, x, wanted):
+        """One step; gives its loss."""
+        if self.step >= self.steps * (1 - MEASURED_SHARE):
+            self.network.measure()
+        if self.step == self.folds_at and not self.network.is_folded:
+            self.network.fold()
+            self.restart_optimiser()
+        self.network.train()
+        loss = loss_of(self.network(x), *wanted)
+        self.optimiser.zero_grad()
+        loss.backward()
+        self.optimiser.step()
+        self.rate.step()
+        self.step += 1
+        return float(loss.detach())
+
     def run(self, pictures, classes, path, every=250, watch=lambda network: {}):
-        began, before = time.time(), self.step
-        while self.step < self.steps:
-            if self.step == self.folds_at and not self.network.is_folded:
-                self.network.fold()
-                self.restart_optimiser()
-            # Each step draws from a stream of its own, so that where a training was stopped does not matter.
-            rng = np.random.default_rng((self.seed, self.step))
-            x, c = Days(self.shape, int(rng.integers(1 << 31)))(*crops(pictures, classes, self.batch, self.shape, rng))
-            self.network.train()
-            said = self.network(inputs(x, self.shape).contiguous(memory_format=torch.channels_last))
-            loss = loss_of(said, *targets(c))
-            self.optimiser.zero_grad()
-            loss.backward()
-            self.optimiser.step()
-            self.rate.step()
-            self.step += 1
-            if self.step % every == 0 or self.step == self.steps:
-                self.network.eval()
-                seen = watch(self.network)
-                self.curve.append({"step": self.step, "loss": float(loss.detach()), **seen})
-                seconds = (time.time() - began) / (self.step - before)
-                print(json.dumps(self.curve[-1]), f"{seconds:.2f} s a step", flush=True)
-                self.save(path)
+        """Trains to the end; after `every` steps what `watch` says of the network joins the curve, and all is saved at `path`."""
+        began, before, losses = time.time(), self.step, []
+        with ThreadPoolExecutor(1) as ahead:
+            next_batch = ahead.submit(self.drawn, pictures, classes, self.step)
+            while self.step < self.steps:
+                batch = next_batch.result()
+                next_batch = ahead.submit(self.drawn, pictures, classes, self.step + 1)
+                losses.append(self.advance(*batch))
+                if self.step % every == 0 or self.step == self.steps:
+                    self.network.eval()
+                    self.curve.append({"step": self.step, "loss": float(np.mean(losses)), **watch(self.network)})
+                    losses.clear()
+                    seconds = (time.time() - began) / (self.step - before)
+                    print(json.dumps(self.curve[-1]), f"{seconds:.2f} s a step", flush=True)
+                    self.save(path)

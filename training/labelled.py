@@ -2,6 +2,7 @@
 
 import glob
 import os
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -23,16 +24,40 @@ def log_odds(network, path):
         return network(inputs(prepared(path, network.shape), network.shape))[0]
 
 
-def road_scores(network, images, labels, road, void, every=1):
-    """Intersection over union at the best threshold and at even odds, rows below a third, one threshold for the set."""
-    said, true = [], []
-    for path in sorted(glob.glob(f"{images}/*"))[::every]:
-        label = np.asarray(Image.open(f"{labels}/{os.path.basename(path)}"))
-        y = F.interpolate(log_odds(network, path)[None, :1], size=label.shape, mode="bilinear")[0, 0].numpy()
-        first = len(label) // 3
-        known = label[first:] != void
-        said.append(y[first:][known])
-        true.append((label[first:] == road)[known])
-    said, true = np.concatenate(said), np.concatenate(true)
-    at = lambda odds: ((said > odds) & true).sum() / ((said > odds) | true).sum()
-    return float(max(at(o) for o in np.linspace(-4, 4, 33))), float(at(0.0))
+@dataclass(frozen=True)
+class LabelledSet:
+    """A folder of pictures and one of labels of the same names: grey pictures whose levels are classes."""
+
+    name: str
+    images: str
+    labels: str
+    road: int
+    void: int
+
+    @classmethod
+    def named(cls, text):
+        """From `NAME=IMAGES:LABELS:ROAD:VOID`."""
+        name, rest = text.split("=", 1)
+        images, labels, road, void = rest.split(":")
+        return cls(name, images, labels, int(road), int(void))
+
+    def pictures(self):
+        return sorted(glob.glob(f"{self.images}/*"))
+
+    def said_and_true(self, network, every=1):
+        """Log-odds of road and whether it is road, of all pixels with a label, rows below a third."""
+        said, true = [], []
+        for path in self.pictures()[::every]:
+            label = np.asarray(Image.open(f"{self.labels}/{os.path.basename(path)}"))
+            y = F.interpolate(log_odds(network, path)[None, :1], size=label.shape, mode="bilinear")[0, 0].numpy()
+            first = len(label) // 3
+            known = label[first:] != self.void
+            said.append(y[first:][known])
+            true.append((label[first:] == self.road)[known])
+        return np.concatenate(said), np.concatenate(true)
+
+    def scores(self, network, every=1):
+        """Intersection over union at the best threshold and at even odds, one threshold for the set."""
+        said, true = self.said_and_true(network, every)
+        at = lambda odds: ((said > odds) & true).sum() / ((said > odds) | true).sum()
+        return float(max(at(o) for o in np.linspace(-4, 4, 33))), float(at(0.0))

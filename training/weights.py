@@ -35,8 +35,8 @@ def numbers(tensor):
     return tensor.detach().double().numpy()
 
 
-def written(network):
-    """The file's bytes."""
+def written(network, joining):
+    """The file's bytes; `joining` are what the network's log-odds of road count, what those of the drive's colours count, and an offset."""
     assert network.is_folded
     shape, file = network.shape, Layers()
     stem = numbers(network.stem.convolution.weight) * numbers(INPUT_STEPS).reshape(1, -1, 1, 1)
@@ -66,7 +66,7 @@ def written(network):
         step = separable(merge, after)
     file.add(numbers(network.head.weight), numbers(network.head.bias), step, 1 / PER_LOG_ODDS)
     head = b"FPROAD01" + struct.pack("<2I4f4I3II", shape.width, shape.height, *shape.strip, *shape.channels, *shape.blocks, len(OUTPUTS))
-    return head + file.bytes
+    return head + file.bytes + f32(joining)
 
 
 class Reader:
@@ -129,5 +129,5 @@ def integer_log_odds(data, quantised_input):
         y = separable(y, c[k], c[k])
     w, b, m = arrays(outputs, c[0], 1, 1)
     out = requantised(convolved(y, w), b, m, -127)
-    assert read.at == len(data)
+    assert read.at + 12 == len(data)
     return out

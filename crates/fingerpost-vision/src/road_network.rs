@@ -139,6 +139,12 @@ impl RoadNetwork {
         self.logits.get(output)
     }
 
+    /// What it looked at last, at its own size; twice that of the logits.
+    #[must_use]
+    pub fn picture(&self) -> &RgbImage {
+        &self.picture
+    }
+
     /// Looks at a `part` of a picture.
     ///
     /// # Errors

@@ -7,6 +7,7 @@
 mod backprojection;
 mod colour_counts;
 mod colours;
+mod drive_colours;
 mod fused;
 mod height_joining;
 mod known_surfaces;
@@ -376,6 +377,11 @@ pub enum RoadError {
     /// The weights of the network are damaged.
     #[error("road_surface: {0}")]
     Weights(#[from] RoadNetworkError),
+    /// The numbers that join the drive's colours to the network are missing or not finite.
+    #[error(
+        "road_surface: the road network's file does not end with three finite numbers that join colours to it; write it anew"
+    )]
+    Joining,
     /// A user's network is asked for, and none was given.
     #[error(
         "road_surface asks for \"onnx\" and this program runs no networks: build it with `--features onnx`, or choose another \

@@ -1,8 +1,9 @@
 //! Road from the small network that comes with the program.
 //!
 //! [`RoadNetwork`] looks at the whole camera picture, stretched to its own size, and gives the log-odds of road, and of what else it
-//! was trained on, at half of that. They are interpolated into the picture that is asked for, and only then made probabilities, so
-//! that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
+//! was trained on, at half of that. What the drive's own colours say ([`DriveColours`]) is joined to those of road; as the two err
+//! together, both count what they count on simulated drives. The sum is interpolated into the picture that is asked for, and only
+//! then made a probability, so that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
 //!
 //! Limits: the weights in this version were not trained but set by hand: road is what has the colours of the strip just ahead, and the
 //! other outputs say nothing.
@@ -10,11 +11,12 @@
 use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::road_network::{LOGIT_STEPS, RoadNetwork};
 
+use super::drive_colours::DriveColours;
 use super::perspective::clear_unseen;
 use super::reduced_frame::{ReducedFrame, evidence_of_a_network};
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod};
 
-/// The weights that come with the program, as [`RoadNetwork::from_bytes`] reads them.
+/// The weights that come with the program, as [`Network::from_bytes`] reads them.
 pub const NETWORK_WEIGHTS: &[u8] = include_bytes!("road_network.weights");
 
 /// What the network's outputs say, each by itself: log-odds at the places of [`RoadNetwork::logits`].
@@ -38,10 +40,22 @@ impl NetworkOutput {
     }
 }
 
+/// What the log-odds of road are made of.
+#[derive(Debug, Clone, Copy)]
+struct Joining {
+    /// What the network's log-odds count.
+    network: f32,
+    /// What those of the drive's colours count.
+    colours: f32,
+    offset: f32,
+}
+
 /// The detector that asks the network.
 pub struct Network {
     network: RoadNetwork,
-    /// Logits of road as bytes without a sign; 0 is none.
+    colours: DriveColours,
+    joining: Joining,
+    /// Log-odds of road in the network's steps, as bytes without a sign; 0 is none.
     odds: Plane<u8>,
     reduced: ReducedFrame,
     /// Probability of road by these bytes.
@@ -51,13 +65,38 @@ pub struct Network {
 /// What stands for even odds.
 const EVEN: u8 = 128;
 
+/// Bytes of a [`Joining`] at the end of a file.
+const JOINING_BYTES: usize = 12;
+
+impl Joining {
+    fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let (numbers, []) = bytes.as_chunks() else { return None };
+        let [network, colours, offset] = *numbers else { return None };
+        let [network, colours, offset] = [network, colours, offset].map(f32::from_le_bytes);
+        [network, colours, offset].iter().all(|number| number.is_finite()).then_some(Self {
+            network,
+            colours,
+            offset,
+        })
+    }
+
+    /// Log-odds of road, in the network's steps from [`EVEN`], of one of its logits and what colours add to it.
+    fn byte(self, logit: i8, added: f32) -> u8 {
+        let joined = self.network * f32::from(logit) + LOGIT_STEPS * (self.colours * added + self.offset);
+        EVEN.wrapping_add_signed(joined.round().clamp(-127.0, 127.0) as i8)
+    }
+}
+
 impl Network {
-    /// With the weights of a file ([`RoadNetwork::from_bytes`]).
+    /// With the weights of a file: a network as [`RoadNetwork::from_bytes`] reads it, and then three `f32`, little endian: what its
+    /// log-odds of road count, what those of the drive's colours count, and an offset.
     ///
     /// # Errors
     /// [`RoadError::Weights`] when the bytes are no such file.
     pub fn from_bytes(weights: &[u8]) -> Result<Self, RoadError> {
+        let (weights, joining) = weights.split_at(weights.len().saturating_sub(JOINING_BYTES));
         let network = RoadNetwork::from_bytes(weights)?;
+        let joining = Joining::from_bytes(joining).ok_or(RoadError::Joining)?;
         let (width, height) = network.logit_size();
         let probability = |byte: u8| {
             let log_odds = (f64::from(byte) - f64::from(EVEN)) / f64::from(LOGIT_STEPS);
@@ -66,7 +105,8 @@ impl Network {
         let mut table = [0; 256];
         (0..=u8::MAX).zip(&mut table).for_each(|(byte, entry)| *entry = probability(byte));
         let odds = Plane::new(width, height, 0);
-        Ok(Self { network, odds, reduced: ReducedFrame::default(), probability: table })
+        let colours = DriveColours::new();
+        Ok(Self { network, colours, joining, odds, reduced: ReducedFrame::default(), probability: table })
     }
 
     /// With the weights that come with the program.
@@ -88,8 +128,16 @@ impl RoadDetector for Network {
         let whole = Rect { x: 0, y: 0, width: frame.width(), height: frame.height() };
         self.network.see(frame, whole)?;
         if let Some(road) = self.network.logits(NetworkOutput::Road.index()) {
-            let bytes = self.odds.as_mut_slice().iter_mut().zip(road.as_slice());
-            bytes.for_each(|(byte, &logit)| *byte = EVEN.wrapping_add_signed(logit));
+            let rows_a_pixel = road.height() as f64 / frame.height() as f64;
+            let horizon = (input.vanishing_point().v + 0.5) * rows_a_pixel;
+            let first_row = horizon.ceil().clamp(0.0, road.height() as f64) as usize;
+            self.colours.learn(self.network.picture(), road, first_row);
+            for y in 0..road.height() {
+                let logits = road.row(y).iter().zip(self.colours.row(y));
+                for (byte, (&logit, added)) in self.odds.row_mut(y).iter_mut().zip(logits) {
+                    *byte = self.joining.byte(logit, added);
+                }
+            }
         }
         self.reduced.lay_into(&input, &self.odds, probability)?;
         for byte in probability.as_mut_slice() {
@@ -103,7 +151,9 @@ impl RoadDetector for Network {
         Some(&self.network)
     }
 
-    fn reset(&mut self) {}
+    fn reset(&mut self) {
+        self.colours.forget();
+    }
 }
 
 #[cfg(test)]

@@ -7,8 +7,12 @@ use fingerpost_geometry::{Camera, GroundGrid, GroundPixel, Pixel};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
 use fingerpost_vision::warp::WarpTable;
+use nalgebra::Point2;
 
 use super::{Perspective, RoadInput};
+
+/// How far ahead the horizon is measured, metres: farther the road's row changes by less than a hundredth of a pixel.
+const FAR_AWAY_M: f64 = 1e5;
 
 /// A perspective to be remembered: what a table from the camera picture depends on.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +62,19 @@ impl<'a> RoadInput<'a> {
         match self.perspective {
             Perspective::Camera { .. } => &self.picture.colour,
             Perspective::Ground { frame, .. } => frame,
+        }
+    }
+
+    /// Where straight roads ahead meet the horizon, pixels of the camera picture; in the middle of its upper edge where that is unknown.
+    pub(super) fn vanishing_point(&self) -> Pixel {
+        let middle = 0.5 * (self.camera_picture().width() as f64 - 1.0);
+        match self.perspective {
+            Perspective::Camera { horizon_row } => Pixel::new(middle, horizon_row),
+            Perspective::Ground { view, .. } => {
+                let foot = view.camera_foot();
+                let far_ahead = view.camera().pixel_of_ground(Point2::new(foot.x + FAR_AWAY_M, foot.y));
+                far_ahead.unwrap_or(Pixel::new(middle, 0.0))
+            }
         }
     }
 

@@ -23,8 +23,8 @@ fn layer(inputs: usize, outputs: usize, at: Option<usize>, bias: i32, scale: f32
     bytes
 }
 
-/// A network to which red is road, and all else is none.
-fn red_is_road() -> Network {
+/// A network to which red is road, and all else is none, joined to the drive's colours as given.
+fn red_is_road(joining: [f32; 3]) -> Network {
     let mut bytes = b"FPROAD01".to_vec();
     let mut numbers = |numbers: &[u32]| bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
     numbers(&[64, 48]);
@@ -47,6 +47,7 @@ fn red_is_road() -> Network {
     }
     // From -120 to 120 sixteenths.
     bytes.extend(layer(CHANNELS, 2, Some(0), -127 * 127 / 2, 240.0 / (127.0 * 127.0), &[]));
+    bytes.extend(joining.map(f32::to_le_bytes).as_flattened());
     Network::from_bytes(&bytes).unwrap()
 }
 
@@ -70,7 +71,7 @@ fn what_the_network_finds_is_laid_over_the_camera_picture() {
         motion: None,
         height: None,
     };
-    let (mut network, mut found) = (red_is_road(), Plane::default());
+    let (mut network, mut found) = (red_is_road([1.0, 0.0, 0.0]), Plane::default());
     let evidence = network.estimate(input, &mut found).unwrap();
     let row = found.row(30);
     assert!(row[..28].iter().all(|&road| road == 255) && row[36..].iter().all(|&road| road == 0), "{row:?}");
@@ -96,7 +97,7 @@ fn the_left_of_the_camera_is_the_left_of_the_ground_view_and_other_planes_are_at
         height: None,
     };
     let mut found = Plane::default();
-    let mut network = red_is_road();
+    let mut network = red_is_road([1.0, 0.0, 0.0]);
     network.estimate(input, &mut found).unwrap();
     let at = |forward_m: f64, left_m: f64| {
         let pixel = view.grid().ground_from_vehicle(Point2::new(forward_m, left_m));
@@ -120,4 +121,30 @@ fn the_weights_that_come_with_the_program_are_a_network_with_all_outputs() {
     assert!(network.network.outputs() > NetworkOutput::Hidden.index());
     let damaged = Network::from_bytes(&NETWORK_WEIGHTS[..NETWORK_WEIGHTS.len() - 1]).err().unwrap();
     assert!(damaged.to_string().contains("cut off"), "{damaged}");
+}
+
+#[test]
+fn colours_count_what_the_file_says() {
+    let picture = GroundPicture { colour: picture(), ..GroundPicture::new(64, 48, BINS) };
+    let validity = ValidityMask::all_seen(64, 48);
+    let input = RoadInput {
+        picture: &picture,
+        validity: &validity,
+        sample: Rect { x: 0, y: 20, width: 16, height: 10 },
+        perspective: Perspective::Camera { horizon_row: 16.0 },
+        motion: None,
+        height: None,
+    };
+    let found = |joining| {
+        let (mut network, mut found) = (red_is_road(joining), Plane::default());
+        network.estimate(input, &mut found).unwrap();
+        [found.get(10, 40), found.get(54, 40)].map(Option::unwrap)
+    };
+    let [red, grey] = found([0.1, 0.0, 0.0]);
+    assert!((160..190).contains(&red) && (66..96).contains(&grey), "{red} {grey}");
+    let [with_colours, without] = found([0.1, 1.0, 0.0]);
+    assert!(with_colours > 250 && without < 5, "{with_colours} {without}");
+    assert!(found([0.1, 0.0, 3.0])[1] > 200);
+    let damaged = Network::from_bytes(&[NETWORK_WEIGHTS, &[0; 3]].concat()).err().unwrap();
+    assert!(damaged.to_string().contains("bytes"), "{damaged}");
 }

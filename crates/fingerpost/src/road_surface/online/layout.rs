@@ -10,14 +10,11 @@ use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::warp::WarpTable;
 use nalgebra::Point2;
 
-use crate::ground_view::GroundView;
 use crate::road_surface::perspective::KnownPerspective;
 use crate::road_surface::{Perspective, RoadInput};
 
 use super::OnlineConfig;
 
-/// How far ahead the horizon is measured, metres: farther the road's row changes by less than a hundredth of a pixel.
-const FAR_AWAY_M: f64 = 1e5;
 /// Share of the rows above the horizon, next to it, that show what is certainly not road: walls, trees, sky; farther up it is
 /// mostly sky, which is easy to tell.
 const OTHER_SHARE: f64 = 0.4;
@@ -94,11 +91,7 @@ impl Layout {
         }
         let block = Block::for_at_most(config.columns, config.rows, width, height);
         let (columns, block_rows) = block.grid(width, height);
-        let middle = 0.5 * (width as f64 - 1.0);
-        let vanishing = match input.perspective {
-            Perspective::Camera { horizon_row } => Pixel::new(middle, horizon_row),
-            Perspective::Ground { view, .. } => vanishing_point(view).unwrap_or(Pixel::new(middle, 0.0)),
-        };
+        let vanishing = input.vanishing_point();
         let horizon = row_of(block, vanishing.v);
         let first_road_row = horizon.ceil().clamp(0.0, block_rows as f64) as usize;
         let other_rows = ((OTHER_SHARE * first_road_row as f64).ceil() as usize).min(MAX_OTHER_ROWS);
@@ -206,12 +199,6 @@ impl Layout {
             && row < self.rows as f64;
         is_road.then_some((column as usize, row as usize))
     }
-}
-
-/// Where straight roads ahead meet the horizon.
-fn vanishing_point(view: &GroundView) -> Option<Pixel> {
-    let foot = view.camera_foot();
-    view.camera().pixel_of_ground(Point2::new(foot.x + FAR_AWAY_M, foot.y))
 }
 
 fn column_of(block: Block, u: f64) -> f64 {

@@ -1,0 +1,140 @@
+//! The colours of road on this drive, learned from what the network is sure of.
+//!
+//! The network knows roads in general; what the road of today looks like shows in the places of which it is sure. So the colours of these
+//! places are counted, on the road and beside it, as much as it is sure of each, and every place gets the logarithm of the
+//! ratio of what its colour has on either side (naive Bayes; as in the self-supervised detectors of H. Dahlkamp et al., 2006). The
+//! colours err together with the network that taught them: how much either counts beside the other was fitted on simulated drives and
+//! comes with the weights (`training/colours.py` has the same computation).
+//!
+//! Limits: what has the road's colours beside it is drawn to the road, as far as the network is unsure of it.
+
+use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::road_network::LOGIT_STEPS;
+
+/// Steps of either chromaticity and of brightness that are distinguished.
+const BINS: usize = 24;
+/// Sum of the levels of a place's twelve numbers (four pixels of three colours), at most.
+const BRIGHTEST: usize = 12 * 255;
+/// Share of the counts that is kept from frame to frame: the last ten frames' worth.
+const KEPT: f32 = 0.9;
+/// Share of either side's places that a colour has for doubt: one that neither side had says nothing.
+const DOUBT: f32 = 0.002;
+
+/// What was counted on the drive so far.
+#[derive(Debug, Clone)]
+pub(super) struct DriveColours {
+    /// Step of brightness by the sum of a place's levels.
+    brightness: Vec<u8>,
+    /// How sure a logit is, 0 to 1; its sign says of what.
+    sureness: [f32; 256],
+    colours: Plane<u16>,
+    road: Vec<f32>,
+    beside: Vec<f32>,
+    smooth: [Vec<f32>; 2],
+    spare: Vec<f32>,
+    log_ratio: Vec<f32>,
+}
+
+impl DriveColours {
+    pub(super) fn new() -> Self {
+        let brightness = |sum: usize| {
+            // The same steps everywhere between a level of 1 % and full white.
+            let log = libm::log(sum as f64 / (4.0 * 255.0) + 0.05);
+            ((log / 2.2 + 1.0) / 1.6 * BINS as f64).clamp(0.0, (BINS - 1) as f64) as u8
+        };
+        let mut sureness = [0.0; 256];
+        for (logit, sure) in (i8::MIN..=i8::MAX).zip(&mut sureness) {
+            *sure = libm::fabs(libm::tanh(0.5 * f64::from(logit) / f64::from(LOGIT_STEPS))) as f32;
+        }
+        let nothing = vec![0.0; BINS * BINS * BINS];
+        Self {
+            brightness: (0..=BRIGHTEST).map(brightness).collect(),
+            sureness,
+            colours: Plane::default(),
+            road: nothing.clone(),
+            beside: nothing.clone(),
+            smooth: [nothing.clone(), nothing.clone()],
+            spare: nothing.clone(),
+            log_ratio: nothing,
+        }
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.road.fill(0.0);
+        self.beside.fill(0.0);
+    }
+
+    /// Learns from a picture of twice the size of `road`, the network's logits; rows before `first_row` show no ground.
+    pub(super) fn learn(&mut self, picture: &RgbImage, road: &Plane<i8>, first_row: usize) {
+        self.name_colours(picture, road.size());
+        for counts in [&mut self.road, &mut self.beside] {
+            counts.iter_mut().for_each(|count| *count *= KEPT);
+        }
+        for y in first_row..road.height() {
+            for (&colour, &logit) in self.colours.row(y).iter().zip(road.row(y)) {
+                let side = if logit > 0 { &mut self.road } else { &mut self.beside };
+                side[usize::from(colour)] += self.sureness[(i16::from(logit) + 128) as usize];
+            }
+        }
+        let totals = [&self.road, &self.beside].map(|counts| counts.iter().sum::<f32>());
+        // Without both there is nothing to compare.
+        if totals.iter().any(|&total| total < 1.0) {
+            self.log_ratio.fill(0.0);
+            return;
+        }
+        for (counts, smooth) in [&self.road, &self.beside].into_iter().zip(&mut self.smooth) {
+            smooth.copy_from_slice(counts);
+            for stride in [1, BINS, BINS * BINS] {
+                spread(smooth, stride, &mut self.spare);
+                std::mem::swap(smooth, &mut self.spare);
+            }
+        }
+        let [on_road, beside] = &self.smooth;
+        for ((ratio, &road), &other) in self.log_ratio.iter_mut().zip(on_road).zip(beside) {
+            let is_known = road > 0.0 || other > 0.0;
+            let odds = (road / totals[0] + DOUBT) / (other / totals[1] + DOUBT);
+            *ratio = if is_known { libm::logf(odds) } else { 0.0 };
+        }
+    }
+
+    /// Log-odds that the colours of a row's places add, for even ones before, in the row's order.
+    pub(super) fn row(&self, y: usize) -> impl Iterator<Item = f32> {
+        self.colours.row(y).iter().map(|&colour| self.log_ratio[usize::from(colour)])
+    }
+
+    /// Names the colour of each place of `size`: chromaticities of red and blue, and brightness, of its four pixels.
+    fn name_colours(&mut self, picture: &RgbImage, (width, height): (usize, usize)) {
+        if self.colours.size() != (width, height) {
+            self.colours.reset(width, height, 0);
+        }
+        for y in 0..height {
+            let (above, below) = (picture.row(2 * y), picture.row(2 * y + 1));
+            let fours = above.chunks_exact(6).zip(below.chunks_exact(6));
+            for (colour, (above, below)) in self.colours.row_mut(y).iter_mut().zip(fours) {
+                let sum =
+                    |c: usize| [above[c], above[c + 3], below[c], below[c + 3]].map(usize::from).iter().sum();
+                let [red, green, blue]: [usize; 3] = [0, 1, 2].map(sum);
+                let total = red + green + blue;
+                // From a sixth to a half: grey has a third of each.
+                let chromaticity = |part: usize| (72 * part / (total + 12)).clamp(12, 11 + BINS) - 12;
+                let brightness = usize::from(self.brightness[total.min(BRIGHTEST)]);
+                *colour = ((chromaticity(red) * BINS + chromaticity(blue)) * BINS + brightness) as u16;
+            }
+        }
+    }
+}
+
+/// Spreads counts over neighbours along an axis, with weights 1, 2, 1; what would leave the ends stays there.
+fn spread(counts: &[f32], stride: usize, out: &mut [f32]) {
+    let block = stride * BINS;
+    for (counts, out) in counts.chunks_exact(block).zip(out.chunks_exact_mut(block)) {
+        for (at, out) in out.iter_mut().enumerate() {
+            let before = counts[at.checked_sub(stride).unwrap_or(at)];
+            let after = counts.get(at + stride).copied().unwrap_or(counts[at]);
+            *out = 0.25 * before + 0.5 * counts[at] + 0.25 * after;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
