@@ -80,7 +80,11 @@ impl World {
     /// [`SimError::Map`] for a map without roads, [`SimError::NoRandomRoute`] for one without a fitting route,
     /// [`SimError::NoDrawnCamera`], [`SimError::OutOfRange`] and [`SimError::Geometry`] for options that make no drive.
     pub fn draw(seed: u64, osm: &OsmData, options: &WorldOptions) -> Result<Self, SimError> {
-        let built = drawn_map::as_built(osm, seed);
+        let broadness = match options.ranges {
+            WorldRanges::Usual => 1.0,
+            WorldRanges::Wide => wide::broadness(seed),
+        };
+        let built = drawn_map::as_built(osm, seed, broadness);
         let roads = RoadGraph::from_osm(&built)?;
         let known = RoadGraph::from_osm(&drawn_map::as_mapped(osm, &roads, seed))?;
         let usual = RandomRouteOptions::default();

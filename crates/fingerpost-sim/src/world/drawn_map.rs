@@ -6,15 +6,17 @@ use nalgebra::{Point2, Vector2};
 use super::ranges;
 use crate::noise::{Stream, mix, value_noise};
 
-/// The map with each street as wide as it is: wider or narrower than tagged, the same along a name.
-pub(super) fn as_built(osm: &OsmData, seed: u64) -> OsmData {
+/// The map with each street as wide as it is: wider or narrower than tagged, the same along a name; all of them `broadness` times as
+/// wide.
+pub(super) fn as_built(osm: &OsmData, seed: u64, broadness: f64) -> OsmData {
     let mut built = osm.clone();
     for way in &mut built.ways {
         let Some(attributes) = RoadAttributes::from_tags(&way.tags) else { continue };
         let street = attributes.name.as_deref().map_or(mix(way.id as u64), |name| {
             name.bytes().fold(0, |hash, byte| mix(hash ^ u64::from(byte)))
         });
-        let factor = libm::exp(Stream::new(seed ^ 0x5749_4454, street).normal(ranges::WIDTH_LOG_SIGMA));
+        let factor =
+            broadness * libm::exp(Stream::new(seed ^ 0x5749_4454, street).normal(ranges::WIDTH_LOG_SIGMA));
         way.tags.insert("width".to_owned(), format!("{:.3}", factor * attributes.width_m));
     }
     built

@@ -81,7 +81,7 @@ fn known_maps_are_off_by_what_they_are_said_to_be() {
     let (mut largest_m, mut missing, mut invented, mut nodes_inside) = (0.0_f64, 0, 0, 0);
     let seeds = 1..=12;
     for seed in seeds.clone() {
-        let roads = RoadGraph::from_osm(&drawn_map::as_built(&town, seed)).unwrap();
+        let roads = RoadGraph::from_osm(&drawn_map::as_built(&town, seed, 1.0)).unwrap();
         let mapped = drawn_map::as_mapped(&town, &roads, seed);
         for (real, known) in town.nodes.iter().zip(mapped.nodes.iter().filter(|node| node.id > 0)) {
             assert_eq!(real.id, known.id);
@@ -107,7 +107,7 @@ fn streets_differ_from_their_tags_and_are_as_wide_all_along() {
     let town = town();
     let mut logs = Vec::new();
     for seed in 1..=8 {
-        let built = drawn_map::as_built(&town, seed);
+        let built = drawn_map::as_built(&town, seed, 1.0);
         let mut of_name = std::collections::BTreeMap::new();
         for (known, real) in town.ways.iter().zip(&built.ways) {
             let widths = [known, real].map(|way| RoadAttributes::from_tags(&way.tags));

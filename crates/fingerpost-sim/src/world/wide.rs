@@ -57,6 +57,13 @@ const HOUSES_PER_100_M: [f64; 2] = [0.0, 8.0];
 const PARKED_PER_100_M: [f64; 2] = [0.0, 3.0];
 const POSTS_PER_100_M: [f64; 2] = [0.0, 8.0];
 const TRAFFIC: [f64; 2] = [0.2, 1.5];
+/// Share of the worlds whose roads are broad, and how many times as wide as usual: streets of two lanes become arterial roads of three to
+/// six.
+const BROAD: f64 = 0.35;
+const BROADNESS: [f64; 2] = [1.5, 2.8];
+/// Share of the worlds whose lanes have lines between them, as many as there is room for.
+const LINED_LANES: f64 = 0.4;
+
 /// Share of the worlds in which others drive.
 const WITH_TRAFFIC: f64 = 0.35;
 const WORN: [f64; 2] = [0.0, 0.8];
@@ -91,6 +98,13 @@ const FURNISHED: f64 = 0.6;
 const LINED: f64 = 0.6;
 /// Share of the worlds with manholes, crossings and arrows.
 const FITTED: f64 = 0.6;
+
+/// How many times as wide as usual a world's roads are.
+pub(super) fn broadness(seed: u64) -> f64 {
+    let mut stream = Stream::new(seed, 0x4252_4f41);
+    let broad = stream.between(BROADNESS[0], BROADNESS[1]);
+    if stream.unit() < BROAD { broad } else { 1.0 }
+}
 
 /// A day, its streets and its camera.
 pub(super) fn conditions(stream: &mut Stream) -> Conditions {
@@ -130,6 +144,9 @@ pub(super) fn conditions(stream: &mut Stream) -> Conditions {
     drawn.streetscape = streetscape(stream);
     draw_sides(stream, &mut drawn);
     drawn.camera = camera_look(stream);
+    if stream.unit() < LINED_LANES {
+        drawn.markings = Markings::Lanes;
+    }
     drawn
 }
 

@@ -29,7 +29,7 @@ fn what_the_network_is_sure_of_teaches_the_rest() {
     assert!(at(&colours, 2) > 3.0 && at(&colours, 13) < -3.0);
     colours.forget();
     colours.learn(&picture, &unsure, 4);
-    assert_eq!([at(&colours, 2), at(&colours, 13)], [0.0; 2]);
+    assert!(at(&colours, 2).abs() < 1e-6 && at(&colours, 13).abs() < 1e-6);
 }
 
 #[test]

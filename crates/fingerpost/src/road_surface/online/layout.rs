@@ -8,7 +8,6 @@ use fingerpost_vision::line_gradient::LineDirection;
 use fingerpost_vision::log_colour::Block;
 use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::warp::WarpTable;
-use nalgebra::Point2;
 
 use crate::road_surface::perspective::KnownPerspective;
 use crate::road_surface::{Perspective, RoadInput};
