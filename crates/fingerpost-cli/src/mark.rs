@@ -41,7 +41,8 @@ pub(crate) struct MarkArgs {
     #[arg(long, value_name = "N", default_value_t = 8420, conflicts_with_all = ["marks", "export"])]
     port: u16,
     /// Frames a second, 0.01 to 1000: of pictures without times.txt (else the times in their names, or 10 as a guess), and of a video in
-    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it.
+    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it. Where a times.txt, a camera or a
+    /// stream times the frames, it is refused.
     #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// Marks to make truth of, marks.json.
