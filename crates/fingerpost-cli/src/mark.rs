@@ -9,7 +9,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_format::marks_from_json;
-use fingerpost_io::{FolderKind, OutputFolder, without_users};
+use fingerpost_io::{FolderKind, OutputFolder, without_credentials};
 use fingerpost_mark::server::{Limits, LocalServer};
 use fingerpost_mark::{Desk, LaneMarks};
 
@@ -116,7 +116,7 @@ fn read_marks(path: &Path, footage: &Footage) -> Result<LaneMarks> {
 
 /// The input's name with a word behind it, in the folder at hand. A folder such as `.` has its name from where it is.
 fn default_folder(input: &str) -> PathBuf {
-    let shown = without_users(input);
+    let shown = without_credentials(input);
     let given = Path::new(&shown);
     let place = match given.file_name() {
         Some(_) => given.to_owned(),

@@ -11,7 +11,7 @@ use fingerpost_format::TruthRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_io::{
     FfmpegPrograms, FolderKind, Frame, FrameDecoder, FrameError, FrameSource, RunFolder, SourceOptions,
-    VideoDecoder, VideoError, without_users,
+    VideoDecoder, VideoError, without_credentials,
 };
 use fingerpost_map::{LatLon, RoadGraph, Route};
 use fingerpost_record::FrameTime;
@@ -243,7 +243,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         sequence: if args.stills { Sequence::Stills } else { Sequence::Drive },
     };
     let wishes = Wishes {
-        title: without_users(&args.input),
+        title: without_credentials(&args.input),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },
