@@ -61,7 +61,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Parser, Subcommand};
-use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT, without_users};
+use fingerpost_io::{DEFAULT_LONGEST_WAIT, TETHER_ARGUMENT};
 
 use crate::arguments::WaitingTime;
 use crate::examples::examples;
@@ -130,12 +130,13 @@ impl Command {
 /// Says why arguments are refused, or what was asked for: help and version are errors of the parser too.
 fn refuse(refused: &clap::Error) -> ExitCode {
     let text = refused.render().to_string();
-    if without_users(&text) == text {
+    // The parser repeats the arguments that it refuses.
+    let shown = made_from::without_credentials_of(std::env::args_os(), &text);
+    if shown == text {
         // Nobody may be left who reads it.
         let _ = refused.print();
     } else {
-        // The parser repeats the arguments that it refuses.
-        output::line(text.trim_end());
+        output::line(shown.trim_end());
     }
     if let Some(hint) = usage_hints::hint(refused, std::env::args().skip(1)) {
         output::line(hint);

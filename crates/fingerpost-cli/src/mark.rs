@@ -9,7 +9,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_format::marks_from_json;
-use fingerpost_io::{FolderKind, OutputFolder, without_users};
+use fingerpost_io::{FolderKind, OutputFolder, without_credentials};
 use fingerpost_mark::server::{Limits, LocalServer};
 use fingerpost_mark::{Desk, LaneMarks};
 
@@ -41,7 +41,8 @@ pub(crate) struct MarkArgs {
     #[arg(long, value_name = "N", default_value_t = 8420, conflicts_with_all = ["marks", "export"])]
     port: u16,
     /// Frames a second, 0.01 to 1000: of pictures without times.txt (else the times in their names, or 10 as a guess), and of a video in
-    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it.
+    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it. Where a times.txt, a camera or a
+    /// stream times the frames, it is refused.
     #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// Marks to make truth of, marks.json.
@@ -115,7 +116,7 @@ fn read_marks(path: &Path, footage: &Footage) -> Result<LaneMarks> {
 
 /// The input's name with a word behind it, in the folder at hand. A folder such as `.` has its name from where it is.
 fn default_folder(input: &str) -> PathBuf {
-    let shown = without_users(input);
+    let shown = without_credentials(input);
     let given = Path::new(&shown);
     let place = match given.file_name() {
         Some(_) => given.to_owned(),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost_format::{DriveSummary, ErrorQuantiles, FeatureOutcome, StageTime, Summary};
-use fingerpost_io::without_users;
+use fingerpost_io::without_credentials;
 use fingerpost_map::escaped;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use log::{Level, LevelFilter, log_enabled};
@@ -28,7 +28,7 @@ pub(crate) fn error(text: &str) {
 /// Much of what is said comes from files and arguments, whose names may hold line breaks and what steers a terminal; addresses are
 /// without their users' passwords.
 pub(crate) fn line(text: &str) {
-    let _ = writeln!(io::stderr(), "{}", escaped(&without_users(text)));
+    let _ = writeln!(io::stderr(), "{}", escaped(&without_credentials(text)));
 }
 
 /// Data on standard output, as one JSON object on a line.

@@ -11,7 +11,7 @@ use fingerpost_format::TruthRecord;
 use fingerpost_geometry::Camera;
 use fingerpost_io::{
     FfmpegPrograms, FolderKind, Frame, FrameDecoder, FrameError, FrameSource, RunFolder, SourceOptions,
-    VideoDecoder, VideoError, without_users,
+    VideoDecoder, VideoError, without_credentials,
 };
 use fingerpost_map::{LatLon, RoadGraph, Route};
 use fingerpost_record::FrameTime;
@@ -99,8 +99,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
     /// Frames a second, 0.01 to 1000: of pictures without times.txt (else the times in their names, or 10 as a guess), and of a video in
-    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it. Cameras and streams time their frames
-    /// themselves: with them it is refused.
+    /// place of its own times. Bare streams (.h264, .hevc, .mjpeg) have none and need it. Where a times.txt, a camera or a
+    /// stream times the frames, it is refused.
     #[arg(long, value_name = "N", value_parser = crate::arguments::frame_rate)]
     fps: Option<f64>,
     /// The pictures have nothing to do with each other: each is taken as a drive's first frame.
@@ -243,7 +243,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         sequence: if args.stills { Sequence::Stills } else { Sequence::Drive },
     };
     let wishes = Wishes {
-        title: without_users(&args.input),
+        title: without_credentials(&args.input),
         pictures: args.pictures.clone().map_or(Pictures::None, Pictures::Frames),
         video: args.video.then(|| VideoWish { fps: source.fps(), programs }),
         recording: if args.no_recording { RecordingWish::None } else { RecordingWish::Mcap },

@@ -30,6 +30,7 @@ pub struct Parser {
 /// Every parser of files that come from outside, and of results that are read again.
 pub const PARSERS: &[Parser] = &[
     Parser { name: "picture", body: pictures::picture, seeds: pictures::seeds },
+    Parser { name: "road_network", body: pictures::road_network, seeds: pictures::road_network_seeds },
     Parser { name: "camera_toml", body: drives::camera_toml, seeds: drives::camera_toml_seeds },
     Parser { name: "camera_yaml", body: drives::camera_yaml, seeds: drives::camera_yaml_seeds },
     Parser { name: "mount_toml", body: drives::mount_toml, seeds: drives::mount_toml_seeds },

@@ -88,11 +88,16 @@ fn in_zstd(message: &[u8]) -> Option<Vec<u8>> {
 }
 
 pub(crate) fn bag_seeds() -> Vec<Vec<u8>> {
-    [None, Some(Compression::Lz4), Some(Compression::Zstd)].into_iter().map(written).collect()
+    let options = || WriteOptions::new().chunk_size(Some(400));
+    let compressions = [None, Some(Compression::Lz4), Some(Compression::Zstd)];
+    let mut seeds: Vec<_> =
+        compressions.into_iter().map(|compression| written(options().compression(compression))).collect();
+    // Where no checksum is told, changes within a chunk come as far as the reader of its records.
+    seeds.push(written(options().compression(None).calculate_chunk_crcs(false)));
+    seeds
 }
 
-fn written(compression: Option<Compression>) -> Vec<u8> {
-    let options = WriteOptions::new().compression(compression).chunk_size(Some(400));
+fn written(options: WriteOptions) -> Vec<u8> {
     let mut writer = must(options.create(Cursor::new(Vec::new())), "a seed");
     for (index, schema) in ros().filter(|(_, schema)| *schema != Schema::RosCompressedImage) {
         let schema_id = must(writer.add_schema(schema.name(), "ros2msg", b""), "a seed");

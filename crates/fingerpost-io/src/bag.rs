@@ -21,6 +21,7 @@
 
 mod cdr;
 mod choice;
+mod chunk_bounds;
 mod foxglove_messages;
 mod frame_names;
 mod frames;

@@ -19,7 +19,7 @@ use std::{
 use thiserror::Error;
 
 use crate::{
-    address::without_users,
+    address::without_credentials,
     file::FileError,
     tether::{is_there, tethered},
     waiting::Patience,
@@ -249,7 +249,7 @@ impl RunningProgram {
     /// The last line that it said, once it has ended, with the input's address as it may be shown.
     pub(crate) fn last_line(&mut self) -> Option<String> {
         let line = last_line(&self.messages.tail.take()?.recv_timeout(CLOSING).ok()?)?;
-        Some(without_users(&line))
+        Some(without_credentials(&line))
     }
 }
 

@@ -45,7 +45,7 @@ mod video_writer;
 mod waiting;
 mod whole_file;
 
-pub use address::without_users;
+pub use address::without_credentials;
 #[cfg(feature = "bags")]
 pub use bag_files::{BagFilesError, bag_files, open_bag};
 pub use camera::{CameraReadError, read_camera};

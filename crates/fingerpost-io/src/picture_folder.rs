@@ -67,7 +67,12 @@ pub(crate) struct PictureFolder {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum PictureTimes {
     /// Those of a file of times.
-    File(Vec<f64>),
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Its times.
+        times_s: Vec<f64>,
+    },
     /// Those that the pictures are named by.
     Names(Vec<f64>),
     /// Nothing says them.
@@ -93,7 +98,7 @@ impl PictureFolder {
         }
         let times_file = times_files.into_iter().find(|path| path.exists());
         let times = match times_file {
-            Some(path) => PictureTimes::File(read_times(&path, paths.len())?),
+            Some(path) => PictureTimes::File { times_s: read_times(&path, paths.len())?, path },
             None => times_in_names(&paths).map_or(PictureTimes::None, PictureTimes::Names),
         };
         Ok(Self { paths, times })

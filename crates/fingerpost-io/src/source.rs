@@ -1,6 +1,11 @@
 //! The frames of a drive, one after the other, wherever they come from.
 
-use std::{collections::VecDeque, num::NonZeroUsize, path::Path, time::Duration};
+use std::{
+    collections::VecDeque,
+    num::NonZeroUsize,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 
 use fingerpost_vision::picture::RgbImage;
 use thiserror::Error;
@@ -22,8 +27,8 @@ pub const DEFAULT_PICTURE_FPS: f64 = 10.0;
 /// How to read an input.
 #[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
-    /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`], times in the names of pictures, or a video's own times; a `times.txt` goes
-    /// before it.
+    /// Frames a second, in place of [`DEFAULT_PICTURE_FPS`], times in the names of pictures, or a video's own times. Refused of
+    /// pictures with a `times.txt`, and of an input that is under way.
     pub fps: Option<f64>,
     /// Which frames are used. Pictures of a folder that are not are never opened.
     pub sampling: Sampling,
@@ -62,6 +67,15 @@ pub enum SourceError {
     RateOfLive {
         /// The input as it was given.
         input: String,
+    },
+    /// A rate is given of pictures that have a file of times.
+    #[error(
+        "{} says when each of its pictures was taken, and a rate says nothing of them; leave the rate (--fps) out, or remove the file \
+         where its times are wrong", .path.display()
+    )]
+    RateOfTimed {
+        /// The file of times.
+        path: PathBuf,
     },
     /// A folder that is no recorded drive.
     #[error(transparent)]
@@ -151,7 +165,8 @@ impl FrameSource {
         if path.is_dir() {
             let PictureFolder { paths, times } = PictureFolder::open(path)?;
             let (clock, times_s) = match (times, options.fps) {
-                (PictureTimes::File(times_s), _) => (FrameClock::Own, Some(times_s)),
+                (PictureTimes::File { path, .. }, Some(_)) => return Err(SourceError::RateOfTimed { path }),
+                (PictureTimes::File { times_s, .. }, None) => (FrameClock::Own, Some(times_s)),
                 (_, Some(_)) => (FrameClock::Given, None),
                 (PictureTimes::Names(times_s), None) => (FrameClock::Names, Some(times_s)),
                 (PictureTimes::None, None) => (FrameClock::Guessed, None),

@@ -44,7 +44,7 @@ use self::{
     y4m::Y4mReader,
 };
 use crate::{
-    address::without_users,
+    address::without_credentials,
     decoders::{Decode, Decoded, Decoders},
     ffmpeg::{FfmpegPrograms, RunningProgram, VideoError, start_error},
     latest::{Latest, Reusable},
@@ -213,7 +213,7 @@ impl VideoReader {
                 Pictures::All(Box::new(pictures))
             }
         };
-        let (input, frames, ended) = (without_users(input), 0, false);
+        let (input, frames, ended) = (without_credentials(input), 0, false);
         Ok(Self { input, ffmpeg, patience, rate, timing, length, expected, log, frames, ended, pictures })
     }
 

@@ -186,6 +186,43 @@ fn what_is_larger_than_any_record_is_named_and_asks_for_no_memory() {
     }
 }
 
+#[test]
+fn a_record_that_runs_past_its_chunk_or_the_file_is_refused_and_what_came_before_counts() {
+    let begin = [channel(1, 0, "/a", "cdr"), message(1)].concat();
+    // A message of 29 bytes behind its head, told of as longer.
+    let told_of_as = |bytes: u64| {
+        let mut message = message(1);
+        message[1..9].copy_from_slice(&bytes.to_le_bytes());
+        message
+    };
+    let behind = message(1);
+    let past_chunk = [begin.clone(), told_of_as(30)].concat();
+    let to_last_byte_of_file = [begin.clone(), told_of_as(29 + behind.len() as u64)].concat();
+    let past_file = [begin.clone(), told_of_as(1_000_000)].concat();
+    let part_of_a_head = [begin.clone(), vec![op::MESSAGE, 1, 0]].concat();
+    for records in [past_chunk, to_last_byte_of_file, past_file, part_of_a_head] {
+        let record_at = MAGIC.len() + 9 + 8 + 9 + 40 + begin.len();
+        for (number, pack) in PACKINGS.into_iter().enumerate().skip(1) {
+            let found = survey([&file(&[pack(&records), behind.clone()].concat())[..]]);
+            let said = found.cut_short.as_ref().unwrap().to_string();
+            assert!(matches!(found.cut_short, Some(RecordsError::Damaged { .. })), "{said}");
+            assert!(said.contains("mcap recover"), "{said}");
+            assert_eq!(
+                said.contains(&format!("at byte {record_at} runs past")),
+                number == 1,
+                "{number}: {said}"
+            );
+            assert_eq!(messages(&found), 1, "{number}: {said}");
+        }
+    }
+    // Bytes behind a chunk's records are passed over, and what follows the chunk is read.
+    let mut padded = chunk(&begin, "", &begin);
+    padded.extend([0xFF; 5]);
+    let length = padded.len() as u64 - 9;
+    padded[1..9].copy_from_slice(&length.to_le_bytes());
+    assert_eq!(messages(&survey([&file(&[padded, behind].concat())[..]])), 2);
+}
+
 /// A message's header at a time of zero.
 fn header(frame_id: &str) -> Vec<u8> {
     let mut cdr = [&[0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &text(frame_id)].concat();

@@ -103,6 +103,18 @@ fn a_given_rate_replaces_the_default_and_must_be_possible() {
 }
 
 #[test]
+fn a_rate_of_pictures_with_a_file_of_times_is_refused_with_both() {
+    let folder = tempfile::tempdir().unwrap();
+    write_png(&folder.path().join("1.png"), &picture(1)).unwrap();
+    fs::write(folder.path().join("times.txt"), "0\n").unwrap();
+    let options = SourceOptions { fps: Some(4.0), ..SourceOptions::default() };
+    let refused = FrameSource::open(folder.path().to_str().unwrap(), &options).unwrap_err();
+    assert!(matches!(refused, SourceError::RateOfTimed { .. }), "{refused}");
+    let said = refused.to_string();
+    assert!(said.contains("times.txt") && said.contains("--fps"), "{said}");
+}
+
+#[test]
 fn frames_that_are_used_keep_their_numbers_and_times() {
     let folder = tempfile::tempdir().unwrap();
     for number in 0..9 {
@@ -174,8 +186,8 @@ fn pictures_named_by_times_have_their_order_and_times() {
     assert_eq!(source(Some(2.0)).clock(), FrameClock::Given);
     assert_eq!(read(Some(2.0)), [(0.0, 0), (0.5, 1), (1.0, 2), (1.5, 3), (2.0, 4)]);
     fs::write(folder.path().join("times.txt"), "0\n1\n2\n3\n4\n").unwrap();
-    assert_eq!(source(Some(2.0)).clock(), FrameClock::Own);
-    assert_eq!(read(Some(2.0)).last(), Some(&(4.0, 4)));
+    assert_eq!(source(None).clock(), FrameClock::Own);
+    assert_eq!(read(None).last(), Some(&(4.0, 4)));
 }
 
 #[test]

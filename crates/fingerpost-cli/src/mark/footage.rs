@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use fingerpost_io::{
-    FrameSource, MARKED_FRAMES_FOLDER, SourceOptions, picture_paths, read_picture, without_users, write_jpeg,
+    FrameSource, MARKED_FRAMES_FOLDER, SourceOptions, picture_paths, read_picture, without_credentials,
+    write_jpeg,
 };
 use fingerpost_mark::{Cause, Picture, Pictures};
 use fingerpost_vision::{jpeg::ChromaSampling, picture::RgbImage};
@@ -41,7 +42,7 @@ impl Footage {
             &SourceOptions { fps, programs: inputs::ffmpeg(), ..SourceOptions::default() },
         )?;
         let path = Path::new(input);
-        let shown = without_users(input);
+        let shown = without_credentials(input);
         let name = Path::new(&shown).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let times_s = source.picture_times_s().map(<[f64]>::to_vec);
         let Some(times_s) = times_s else { return Self::of_video(source, folder, name) };

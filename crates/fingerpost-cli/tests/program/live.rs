@@ -85,33 +85,44 @@ fn files(folder: &Path) -> Vec<std::path::PathBuf> {
 
 #[test]
 fn a_cameras_password_is_in_no_message_and_no_file() {
-    let address = Path::new("rtsp://guard:s3cret@camera/1");
     let is_shown = |bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes);
         text.contains("s3cret") || text.contains("guard")
     };
     let refuses = r#"for word in "$@"; do echo "$word: Connection refused" >&2; done; exit 1"#;
     let answers = r#"echo '{"streams":[{"avg_frame_rate":"10/1","r_frame_rate":"10/1"}]}'"#;
-    for (stub, has_report) in [
-        (VideoStub::described(refuses, ""), false),
-        (VideoStub::described(answers, refuses), true),
-        (camera(), true),
+    for address in [
+        "rtsp://guard:s3cret@camera/1",
+        "rtsp://guard:a/s3cret@camera/1",
+        "rtsp://camera/1?user=guard&password=s3cret",
     ] {
-        let out = TempDir::new().unwrap();
-        let called = Called::from(stub.run_on(address, out.path()).arg("-vv").output().unwrap());
-        assert!(called.stderr.contains("rtsp://camera/1"), "{}", called.stderr);
-        assert!(!is_shown(called.stderr.as_bytes()), "{}", called.stderr);
-        let written = files(out.path());
-        assert_eq!(written.iter().any(|path| path.ends_with("report.html")), has_report, "{written:?}");
-        for path in written {
-            assert!(!is_shown(&fs::read(&path).unwrap()), "{}", path.display());
+        let address = Path::new(address);
+        for (stub, has_report) in [
+            (VideoStub::described(refuses, ""), false),
+            (VideoStub::described(answers, refuses), true),
+            (camera(), true),
+        ] {
+            let out = TempDir::new().unwrap();
+            let called = Called::from(stub.run_on(address, out.path()).arg("-vv").output().unwrap());
+            assert!(called.stderr.contains("rtsp://camera/1"), "{}", called.stderr);
+            assert!(!is_shown(called.stderr.as_bytes()), "{}", called.stderr);
+            let written = files(out.path());
+            assert_eq!(written.iter().any(|path| path.ends_with("report.html")), has_report, "{written:?}");
+            for path in written {
+                assert!(!is_shown(&fs::read(&path).unwrap()), "{}", path.display());
+            }
         }
+        // The parser of the command line repeats what it refuses.
+        let called = Called::from(camera().run_on(address, Path::new("out")).arg(address).output().unwrap());
+        assert!(
+            called.stderr.contains("rtsp://camera/1") && !is_shown(called.stderr.as_bytes()),
+            "{}",
+            called.stderr
+        );
     }
-    // The parser of the command line repeats what it refuses.
-    let called = Called::from(camera().run_on(address, Path::new("out")).arg(address).output().unwrap());
-    assert!(
-        called.stderr.contains("rtsp://camera/1") && !is_shown(called.stderr.as_bytes()),
-        "{}",
-        called.stderr
-    );
+    // Without quotes a shell makes several arguments of one.
+    let split = Path::new("rtsp://guard:a/ s3cret@camera/1");
+    let called = Called::from(camera().run_on(split, Path::new("out")).output().unwrap());
+    assert!(called.stderr.contains("unexpected argument 'hidden'"), "{}", called.stderr);
+    assert!(!is_shown(called.stderr.as_bytes()), "{}", called.stderr);
 }

@@ -22,6 +22,10 @@ impl<'a> Fields<'a> {
         self.take(N)?.try_into().ok()
     }
 
+    pub(crate) fn u8(&mut self) -> Option<u8> {
+        self.number().map(u8::from_le_bytes)
+    }
+
     pub(crate) fn u16(&mut self) -> Option<u16> {
         self.number().map(u16::from_le_bytes)
     }

@@ -8,6 +8,7 @@ use mcap::records::op;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use thiserror::Error;
 
+use super::chunk_bounds::ChunkBounds;
 use super::record_fields::Fields;
 use super::topics::{Channel, MOST_NAMES_BYTES, Topics};
 use super::zstd_chunks::ZstdChunks;
@@ -90,7 +91,7 @@ pub struct Record {
 
 /// Messages in the order in which they were written.
 pub struct Records<R> {
-    stream: R,
+    stream: ChunkBounds<R>,
     reader: LinearReader,
     topics: Topics,
     without_channel: u64,
@@ -107,7 +108,13 @@ impl<R: Read> Records<R> {
         let mut reader = LinearReader::new_with_options(options);
         // Only a decoder without a name is refused; a chunk that none is there for says so when it is met.
         reader.add_decompressor(ZstdChunks::new()).ok();
-        Self { stream, reader, topics: Topics::default(), without_channel: 0, ended: false }
+        Self {
+            stream: ChunkBounds::new(stream),
+            reader,
+            topics: Topics::default(),
+            without_channel: 0,
+            ended: false,
+        }
     }
 
     /// Messages so far under a number that no channel had been introduced with; they are passed over.

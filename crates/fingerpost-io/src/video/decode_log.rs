@@ -16,7 +16,7 @@ use std::{
 
 use thiserror::Error;
 
-use crate::address::without_users;
+use crate::address::without_credentials;
 
 /// What makes ffmpeg write a line for every frame, and mark every line with its level.
 pub(super) const LOG_ARGUMENTS: [&str; 4] = ["-hide_banner", "-nostats", "-v", "repeat+level+info"];
@@ -156,7 +156,7 @@ impl DecodeLog {
 
     /// The last complaint, with the input's address as it may be shown.
     pub(super) fn complaint(&self) -> Option<String> {
-        self.taken_in().lines.last_complaint().map(|line| without_users(&line))
+        self.taken_in().lines.last_complaint().map(|line| without_credentials(&line))
     }
 }
 

@@ -6,7 +6,7 @@ use fingerpost_vision::colour::{YuvCoding, YuvMatrix, YuvRange};
 use serde::Deserialize;
 
 use super::stamps::Timing;
-use crate::address::without_users;
+use crate::address::without_credentials;
 use crate::ffmpeg::{FfmpegPrograms, VideoError, answer, start_error};
 
 /// Frame rate that is taken where a stream states none.
@@ -150,7 +150,7 @@ impl Stream {
         let arguments = question.into_iter().chain(about.iter().copied());
         let mut ffprobe =
             programs.start(&programs.ffprobe, arguments, Stdio::null(), programs.patience())?.listened_to();
-        let input = || without_users(input);
+        let input = || without_credentials(input);
         let (status, answer) =
             answer(&mut ffprobe, MAX_ANSWER_BYTES).map_err(|cause| match cause.kind() {
                 ErrorKind::TimedOut => VideoError::Stalled { input: input(), frames: 0, cause },
