@@ -299,6 +299,19 @@ impl MotionEstimator for DirectMotion {
         Ok(motion.map(|(motion, doubt)| (MotionOutput { motion, camera, doubt }, &self.evidence)))
     }
 
+    fn change_view(&mut self, view: &GroundView, before: &GroundPicture) -> Result<(), MotionError> {
+        self.patch = Patch::new(view, &self.config);
+        if let Some((last, patch)) = self.last.as_ref().zip(self.patch.as_mut()) {
+            patch.look_at(&before.grey)?;
+            patch.keep(curvature_per_m(&last.current_from_previous.inverse()));
+        }
+        Ok(())
+    }
+
+    fn has_region(&self, view: &GroundView) -> bool {
+        patch::region(view, &self.config).is_some()
+    }
+
     fn reset(&mut self) {
         self.last = None;
         self.turn = TurnFilter::default();
