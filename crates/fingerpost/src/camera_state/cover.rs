@@ -12,13 +12,15 @@
 //! A vehicle that stands has no way, whatever passes it, and then nothing is said.
 //!
 //! A block of smooth road, sky or fog does not change either: it says nothing, but for one that is black by day, because daylight leaves
-//! nothing black. A cover is one thing: black blocks that lie together count together, above the horizon too. Of a picture in which what
-//! moves is dark as well they say nothing.
+//! nothing black. A cover is one thing: black blocks that lie together count together, above the horizon too. Whether it is day follows
+//! from how much of the rest is dim: where light fades out much is, and by day hardly anything. The looks add to its log-odds, and a
+//! black block is no surer covered than it is day.
 //!
-//! Limits: an even cover that is not black is not noticed, nor one less than two blocks wide or high, nor is dirt above the horizon that is not black, nor a cover with more
-//! texture than the road beside it. A vehicle ahead that stays in its place of the picture to a sample while a hundred metres and more go by is
-//! taken for a cover. Where blocks do not fill the picture, the last ones speak for what is left over at its right and
-//! lower edge: a cover that lies there alone is not noticed.
+//! Limits: an even cover that is not black is not noticed, nor one less than two blocks wide or high, nor is dirt above the horizon
+//! that is not black, nor a cover with more texture than the road beside it. Nothing black is noticed at dusk, at night, and in shade so
+//! deep that a third of what is seen is dim. A vehicle ahead that stays in its place of the picture to a sample while a hundred metres
+//! and more go by is taken for a cover. Where blocks do not fill the picture, the last ones speak for what is left over at its right
+//! and lower edge: a cover that lies there alone is not noticed.
 
 mod block;
 mod passing;
@@ -50,12 +52,17 @@ const CERTAIN: f32 = 4.6;
 const COVERED_UNTIL: f32 = 0.0;
 /// Log-odds are bounded, so that dirt that is wiped off is forgotten in a few looks.
 const MOST_LOG_ODDS: f32 = 6.0;
+/// Those of day, so that it can make a block certain that was held for open, and a tunnel is night in two looks.
+const MOST_DAY_LOG_ODDS: f32 = 2.0 * MOST_LOG_ODDS;
 /// Part of what is known of a cover that stays when its block neither has texture nor is black any more: the cover may be off and the
 /// sky behind it, which itself says nothing.
 const KEPT: f32 = 0.5;
-/// Share of the moving blocks that may be darker than twice black on a day that leaves nothing black: a clear day has 6 %, a street's
-/// shade 13 % and more, dusk 45 %, the light of headlights 40 %.
-const DARK_BY_DAY: f32 = 0.1;
+/// Share of the blocks that are dim, of those that are not black: by day, and at dusk or in the light of headlights. Means of simulated
+/// drives with and without a cover, of cameras of three sizes: by day 0.02 to 0.06, in shade 0.13; at dusk 0.67, at night 0.65.
+const DIM_BY_DAY: f32 = 0.06;
+const DIM_BY_NIGHT: f32 = 0.65;
+/// Blocks of a look that count as independent: the share's variance by day on the same drives is that of so many.
+const INDEPENDENT_BLOCKS: f32 = 7.0;
 
 /// What has come of a look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +86,8 @@ pub(super) struct CoverWatch {
     frames: usize,
     /// Way since the look before by the vehicle's bus, metres; none where it did not say so in every frame.
     driven_m: Option<f32>,
+    /// Log-odds of day.
+    day_log_odds: f32,
     hidden: HiddenParts,
 }
 
@@ -101,6 +110,7 @@ impl CoverWatch {
             together: Vec::with_capacity(count),
             frames: 0,
             driven_m: Some(0.0),
+            day_log_odds: 0.0,
             hidden: HiddenParts::new(grid.across, grid.down, BLOCK * nth),
         }
     }
@@ -130,7 +140,7 @@ impl CoverWatch {
         judge_changes((&self.grid, &mut self.blocks), (samples, &self.reference), noise, &mut self.changes);
         let way_m = self.way_m(driven_m);
         if way_m > 0.0 {
-            self.weigh(samples, way_m);
+            self.weigh(way_m);
         }
         self.refer_to(samples);
         self.hide()
@@ -176,7 +186,7 @@ impl CoverWatch {
     }
 
     /// Adds to the log-odds what the blocks say after another `way_m`.
-    fn weigh(&mut self, samples: &[u8], way_m: f32) {
+    fn weigh(&mut self, way_m: f32) {
         let at_first = log_odds(COVERED_AT_FIRST);
         for block in &mut self.blocks {
             block.way_m += way_m;
@@ -196,13 +206,14 @@ impl CoverWatch {
                 BlockChange::Black | BlockChange::Unknown => {}
             }
         }
-        if self.is_day(samples) {
-            self.weigh_black();
-        }
+        self.weigh_day();
+        self.weigh_black();
     }
 
     /// Adds to the log-odds of black blocks, of each that lie together where one of them ought to show something else by now.
     fn weigh_black(&mut self) {
+        // Whatever stays black does so at night: of a block that is black however often, the odds grow by one over night's probability.
+        let most = log_odds(COVERED_AT_FIRST) + libm::log1pf(libm::expf(self.day_log_odds));
         let Self { grid, blocks, together, .. } = self;
         for first in 0..blocks.len() {
             if !blocks[first].is_black_and_replaced() {
@@ -210,13 +221,13 @@ impl CoverWatch {
             }
             together.clear();
             together.push(first);
-            blocks[first].count_black();
+            blocks[first].count_black(most);
             let mut done = 0;
             while let Some(&index) = together.get(done) {
                 done += 1;
                 for beside in grid.beside(index) {
                     if blocks[beside].is_black_uncounted() {
-                        blocks[beside].count_black();
+                        blocks[beside].count_black(most);
                         together.push(beside);
                     }
                 }
@@ -224,19 +235,21 @@ impl CoverWatch {
         }
     }
 
-    /// Whether hardly any block that moves is dark: then it is the light of day that makes others look black.
-    fn is_day(&self, samples: &[u8]) -> bool {
-        let (mut dark, mut all) = (0, 0);
-        for (index, _) in
-            self.blocks.iter().enumerate().filter(|(_, block)| block.change_kind == BlockChange::Moved)
+    /// Adds to the log-odds of day what the share of dim blocks says.
+    fn weigh_day(&mut self) {
+        let (mut dim, mut all) = (0.0, 0.0);
+        for block in
+            self.blocks.iter().filter(|block| block.level >= f32::from(BLACK_BELOW) && !block.is_covered)
         {
-            // The sample in its middle stands for a block.
-            let (column, row) = self.grid.place(index);
-            let middle = (row * BLOCK + BLOCK / 2) * self.grid.columns + column * BLOCK + BLOCK / 2;
-            dark += usize::from(samples[middle] < 2 * BLACK_BELOW);
-            all += 1;
+            dim += f32::from(u8::from(block.level < f32::from(2 * BLACK_BELOW)));
+            all += 1.0;
         }
-        (dark as f32) < DARK_BY_DAY * all as f32
+        if all > 0.0 {
+            let of_dim = dim / all * libm::logf(DIM_BY_DAY / DIM_BY_NIGHT);
+            let of_bright = (1.0 - dim / all) * libm::logf((1.0 - DIM_BY_DAY) / (1.0 - DIM_BY_NIGHT));
+            let log_odds = self.day_log_odds + INDEPENDENT_BLOCKS * (of_dim + of_bright);
+            self.day_log_odds = log_odds.clamp(-MOST_DAY_LOG_ODDS, MOST_DAY_LOG_ODDS);
+        }
     }
 
     /// Makes these samples the reference of all blocks but those that have stayed as they were.

@@ -44,7 +44,8 @@ pub(super) struct Block {
     pub(super) is_covered: bool,
     /// Mean square change of its samples from the reference.
     mean_square_change: f32,
-    is_black: bool,
+    /// Their mean, grey levels.
+    pub(super) level: f32,
 }
 
 impl Block {
@@ -69,10 +70,12 @@ impl Block {
         self.is_black_uncounted() && samples_per_m * self.way_m >= BLOCK as f32
     }
 
-    /// Adds to its log-odds that it is black by day.
-    pub(super) fn count_black(&mut self) {
+    /// Adds to its log-odds that it is black by day, up to the `most` that this can make of them.
+    pub(super) fn count_black(&mut self, most: f32) {
         self.is_counted = true;
+        let most = most.max(self.log_odds);
         self.add(STILL_IF_FIXED / STILL_IF_SCENE);
+        self.log_odds = self.log_odds.min(most);
     }
 }
 
@@ -152,8 +155,8 @@ pub(super) fn judge_changes(
             sum += now.iter().map(|&sample| u32::from(sample)).sum::<u32>();
         }
         block.mean_square_change = squares as f32 / (BLOCK * BLOCK) as f32;
-        block.is_black = sum < u32::from(BLACK_BELOW) * (BLOCK * BLOCK) as u32;
-        if !block.is_black {
+        block.level = sum as f32 / (BLOCK * BLOCK) as f32;
+        if block.level >= f32::from(BLACK_BELOW) {
             changes.push(block.mean_square_change);
         }
     }
@@ -172,7 +175,7 @@ pub(super) fn judge_changes(
             true if block.mean_square_change < block.texture => BlockChange::Still,
             true => BlockChange::Moved,
             false if block.mean_square_change > (NOISE_FACTOR * noise).max(least) => BlockChange::Moved,
-            false if block.is_black => BlockChange::Black,
+            false if block.level < f32::from(BLACK_BELOW) => BlockChange::Black,
             false => BlockChange::Unknown,
         };
     }
