@@ -79,6 +79,8 @@ pub struct GroundView {
     whole: Option<WarpTable>,
     division: BinDivision,
     nearest_seen_m: f64,
+    /// The same of what is covered in part.
+    nearest_part_seen_m: f64,
     viewpoint: Viewpoint,
     camera: Camera,
 }
@@ -154,7 +156,18 @@ impl GroundView {
             }
             View::RoadPlane(_) => Viewpoint { foot: Point2::origin(), height_m: CAR_CAMERA_HEIGHT_M },
         };
-        Ok(Self { grid, table, whole: None, division, nearest_seen_m, viewpoint, camera: camera.clone() })
+        let nearest_part_seen_m = nearest_seen_m;
+        let camera = camera.clone();
+        Ok(Self {
+            grid,
+            table,
+            whole: None,
+            division,
+            nearest_seen_m,
+            nearest_part_seen_m,
+            viewpoint,
+            camera,
+        })
     }
 
     /// Shows only what lies outside the `hidden` parts of the picture from now on. The table is made anew.
@@ -162,8 +175,9 @@ impl GroundView {
         let whole = self.whole.take();
         let whole = whole.unwrap_or_else(|| self.table.clone());
         self.table = whole.without(hidden);
-        self.nearest_seen_m = nearest_seen_m(&self.grid, self.table.validity().plane())
-            .unwrap_or_else(|| nearest_part_seen_m(&self.grid, self.table.validity().plane()));
+        let part_m = nearest_part_seen_m(&self.grid, self.table.validity().plane());
+        self.nearest_seen_m = nearest_seen_m(&self.grid, self.table.validity().plane()).unwrap_or(part_m);
+        self.nearest_part_seen_m = if hidden.is_empty() { self.nearest_seen_m } else { part_m };
         self.whole = (!hidden.is_empty()).then_some(whole);
     }
 
@@ -186,6 +200,11 @@ impl GroundView {
     /// The bottom of what is seen straight ahead, metres from the vehicle's origin.
     pub const fn nearest_seen_m(&self) -> f64 {
         self.nearest_seen_m
+    }
+
+    /// The same for what needs no whole row: where a part of the picture is covered, the nearest place ahead of which anything is seen.
+    pub const fn nearest_part_seen_m(&self) -> f64 {
+        self.nearest_part_seen_m
     }
 
     /// Where the camera looks from; for a camera known by points its height is that of a car's.
@@ -260,7 +279,7 @@ fn nearest_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> Option<f64> {
     nearest_row_m(grid, validity, |ahead| ahead.iter().all(|&v| v != 0))
 }
 
-/// The same where no row is seen whole: the nearest of which anything straight ahead is seen, and the upper edge where nothing is.
+/// The nearest row of which anything straight ahead is seen, and the upper edge where nothing is.
 fn nearest_part_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> f64 {
     nearest_row_m(grid, validity, |ahead| ahead.iter().any(|&v| v != 0)).unwrap_or(grid.far_m())
 }

@@ -139,8 +139,9 @@ fn a_cover_is_found_where_it_is_and_forgotten_when_it_is_wiped_off() {
 #[derive(Debug, Default)]
 struct Read {
     named_at: Option<usize>,
-    /// Way by the camera from two seconds on, as a share of the true one.
+    /// Way by the camera from two seconds on, as a share of the true one, in frames that are not passed over.
     way_share: f64,
+    passed_over_frames: usize,
     turned_frames: usize,
     /// Pixels of the ground view that are called seen and show the cover, from two seconds on.
     black_seen: usize,
@@ -153,13 +154,14 @@ fn read(camera: &Camera, simulator: &Simulator, frames: &[RgbImage], part: Part)
         let picture = painted(seen, part, BLACK, frame);
         let sensors = Sensors { dt_s: (frame > 0).then_some(1.0 / FPS), ..Sensors::default() };
         let (output, evidence) = pipeline.step(&picture, sensors, &mut |_| {}).unwrap();
-        assert_eq!(output.camera.state, CameraState::Clear, "frame {frame}: {}", output.why);
         if output.camera.covered_share > 0.0 {
             read.named_at.get_or_insert(frame);
             assert!(output.why.contains("of the picture does not move"), "{}", output.why);
         }
         read.turned_frames += usize::from(output.mount.is_some_and(|mount| mount.fault.is_some()));
-        if frame >= 20 {
+        if output.camera.state != CameraState::Clear {
+            read.passed_over_frames += 1;
+        } else if frame >= 20 {
             let (after, before) = (simulator.truth(frame + FIRST), simulator.truth(frame + FIRST - 1));
             true_m += libm::hypot(after.x_m - before.x_m, after.y_m - before.y_m);
             seen_m += output.motion.unwrap().previous_from_current.translation.x;
@@ -180,9 +182,14 @@ fn nothing_is_read_out_of_a_part_that_is_covered_from_the_start() {
         for (name, part) in PARTS {
             let read = read(&camera, &simulator, &frames, part);
             assert!(read.named_at.is_some_and(|frame| frame <= 15), "{name} of {size:?}: {read:?}");
-            // What is left of the smallest picture's road is far ahead, and few pixels high.
-            let tolerance = if camera.width() < 200 { 0.07 } else { 0.05 };
-            assert!((read.way_share - 1.0).abs() < tolerance, "{name} of {size:?}: {read:?}");
+            // What is left of the smallest picture's road is far ahead, and few rows high.
+            let is_too_little = camera.width() < 200 && name == LOWER_THIRD.0;
+            if is_too_little {
+                assert!(read.passed_over_frames > 50, "{name} of {size:?}: {read:?}");
+            } else {
+                assert_eq!(read.passed_over_frames, 0, "{name} of {size:?}: {read:?}");
+                assert!((read.way_share - 1.0).abs() < 0.05, "{name} of {size:?}: {read:?}");
+            }
             assert_eq!((read.turned_frames, read.black_seen), (0, 0), "{name} of {size:?}: {read:?}");
         }
     }

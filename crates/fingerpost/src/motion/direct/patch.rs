@@ -164,7 +164,7 @@ impl Patch {
 pub(super) fn region(view: &GroundView, config: &DirectMotionConfig) -> Option<Rect> {
     let grid = view.grid();
     let pixels = |length_m: f64| (length_m / grid.metres_per_pixel()).round() as usize;
-    let bottom = pixels(grid.far_m() - view.nearest_seen_m()).min(grid.rows());
+    let bottom = pixels(grid.far_m() - view.nearest_part_seen_m()).min(grid.rows());
     let (middle, half) = (grid.columns() / 2, pixels(0.5 * config.width_m));
     let (left, right) = (middle.saturating_sub(half), (middle + half).min(grid.columns()));
     let top = bottom.saturating_sub(pixels(config.length_m));
