@@ -326,6 +326,7 @@ impl Pipeline {
         self.ego.hide(hidden, &self.view, Some(&self.ground).filter(|_| was_seen))?;
         if self.output.camera.covered_share == 0.0 {
             self.ego.forget();
+            self.lanes.forget();
         }
         // Too little seen of a picture without a cover is a fault of the configuration, and said as such.
         self.is_covered = !hidden.is_empty() && (self.view.is_covered() || !self.ego.has_region(&self.view));

@@ -121,7 +121,7 @@ fn a_cover_is_found_where_it_is_and_forgotten_when_it_is_wiped_off() {
                 let picture = if is_covered { painted(seen, part, paint, frame) } else { seen.clone() };
                 let share = watch.look_at(&picture, None).covered_share;
                 if frame == 9 || frame == 99 {
-                    assert_eq!(share, 0.0, "{name} of {size:?}, frame {frame}");
+                    assert!(share == 0.0, "{name} of {size:?}, frame {frame}: {share}");
                 }
                 if frame == 69 {
                     let [covered, other] = hidden_shares(&watch, size, part);
