@@ -1,7 +1,7 @@
 """Log-odds that are right as often as they say: a slope and an offset for each output, fitted on worlds that were not trained on.
 
-Fitted to whole pixels' classes by logistic regression (Platt 1999, "Probabilistic outputs for support vector machines"), with the
-pixels at edges counted as much as all the others together, because an offset moves edges and nothing else that matters.
+Fitted to the places' shares by logistic regression (Platt 1999, "Probabilistic outputs for support vector machines"); of road the places at
+edges count as much as all the others together, because an offset moves edges and nothing else that matters.
 """
 
 import numpy as np
@@ -36,16 +36,20 @@ def said_and_true(network, pictures, classes, seed):
     return rows(said), rows(true), rows(near)
 
 
-def fitted(said, true, at_edge):
-    """Slope and offset by Newton's method; places at edges and all places each count half."""
-    weight = at_edge.double() / at_edge.sum().clamp_min(1) + 1 / len(said)
+def fitted(said, true, weight):
+    """Slope and offset by Newton's method, its steps halved until they lead down."""
+    weight = weight.double() / weight.sum()
     x = torch.stack([said, torch.ones_like(said)], 1).double()
+    loss = lambda w: (F.binary_cross_entropy_with_logits(x @ w, true.double(), reduction="none") * weight).sum()
     w = torch.tensor([1.0, 0.0], dtype=torch.float64)
     for _ in range(30):
         p = torch.sigmoid(x @ w)
         gradient = x.T @ ((p - true) * weight)
         curvature = (x * (p * (1 - p) * weight)[:, None]).T @ x + 1e-9 * torch.eye(2, dtype=torch.float64)
-        w = w - torch.linalg.solve(curvature, gradient)
+        step, before = torch.linalg.solve(curvature, gradient), loss(w)
+        while loss(w - step) > before and step.abs().max() > 1e-9:
+            step = step / 2
+        w = w - step
     return w
 
 
@@ -54,7 +58,9 @@ def calibrate(network, pictures, classes, seed):
     said, true, at_edge = said_and_true(network, pictures, classes, seed)
     fits = {}
     for i, name in enumerate(OUTPUTS):
-        slope, offset = fitted(said[i], true[i], at_edge[i]).tolist()
+        # Of road the edges are what is measured on; of the others, whether they are there at all.
+        edges = at_edge[i].double() * len(said[i]) / at_edge[i].sum().clamp_min(1) if name == "road" else 0
+        slope, offset = fitted(said[i], true[i], edges + torch.ones_like(said[i])).tolist()
         network.head.weight.data[i] *= slope
         network.head.bias.data[i] = network.head.bias.data[i] * slope + offset
         fits[name] = [slope, offset]

@@ -50,6 +50,9 @@ pub struct RoadEvaluation {
     pub iou: f64,
     /// Probability from which a pixel counts as road, 0 to 1.
     pub threshold: f64,
+    /// Intersection over union where what is likelier road than not counts as road: what a probability is worth that nobody has set a
+    /// threshold for.
+    pub iou_at_half: f64,
 }
 
 impl RoadScores {
@@ -86,14 +89,17 @@ impl RoadScores {
             return Err(EvalError::NoRoad { road: self.labels.road });
         }
         let (mut found_road, mut found_other) = (0, 0);
-        let mut best = RoadEvaluation { max_f: 0.0, iou: 0.0, threshold: 1.0 };
+        let mut best = RoadEvaluation { max_f: 0.0, iou: 0.0, threshold: 1.0, iou_at_half: 0.0 };
         for value in (0..VALUES).rev() {
             found_road += self.road[value];
             found_other += self.other[value];
             let iou = found_road as f64 / (all_road + found_other) as f64;
             if iou > best.iou {
                 let threshold = value as f64 / (VALUES - 1) as f64;
-                best = RoadEvaluation { max_f: 2.0 * iou / (1.0 + iou), iou, threshold };
+                best = RoadEvaluation { max_f: 2.0 * iou / (1.0 + iou), iou, threshold, ..best };
+            }
+            if value == VALUES / 2 {
+                best.iou_at_half = iou;
             }
         }
         Ok(best)

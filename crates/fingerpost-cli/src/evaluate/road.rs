@@ -275,13 +275,15 @@ impl Contestant {
 
 fn print_table(numbers: &RoadNumbers) {
     output::message(&format!("{} pictures, rows from {:.3} of the height", numbers.frames, numbers.from_row));
-    output::message("detector        MaxF   IoU    threshold  ms a frame");
+    output::message("detector        MaxF   IoU    threshold  IoU at 0.5  ms a frame");
     for DetectorNumbers { detector, evaluation, ms_per_frame } in &numbers.detectors {
-        let [max_f, iou, threshold] = match evaluation {
-            Some(of) => [of.max_f, of.iou, of.threshold].map(|number| format!("{number:.3}")),
-            None => ["-"; 3].map(str::to_owned),
+        let [max_f, iou, threshold, at_half] = match evaluation {
+            Some(of) => [of.max_f, of.iou, of.threshold, of.iou_at_half].map(|number| format!("{number:.3}")),
+            None => ["-"; 4].map(str::to_owned),
         };
-        output::message(&format!("{detector:<14}  {max_f:<5}  {iou:<5}  {threshold:<9}  {ms_per_frame:.2}"));
+        output::message(&format!(
+            "{detector:<14}  {max_f:<5}  {iou:<5}  {threshold:<9}  {at_half:<10}  {ms_per_frame:.2}"
+        ));
     }
 }
 

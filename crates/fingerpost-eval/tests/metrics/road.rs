@@ -27,6 +27,8 @@ fn the_best_threshold_of_a_set_is_the_one_that_serves_all_its_pictures() {
     assert!((best.iou - 5.0 / 6.0).abs() < 1e-12, "{best:?}");
     assert!((best.max_f - 10.0 / 11.0).abs() < 1e-12, "{best:?}");
     assert!((best.threshold - 60.0 / 255.0).abs() < 1e-12, "{best:?}");
+    // At 0.5: two of five, and one other.
+    assert!((best.iou_at_half - 2.0 / 6.0).abs() < 1e-12, "{best:?}");
 }
 
 #[test]

@@ -5,8 +5,8 @@
 //! together, both count what they count on simulated drives. The sum is interpolated into the picture that is asked for, and only
 //! then made a probability, so that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
 //!
-//! Limits: the weights in this version were not trained but set by hand: road is what has the colours of the strip just ahead, and the
-//! other outputs say nothing.
+//! Limits: it was trained on simulated pictures alone (`training/`), and is least sure of what these lack; nothing finer than two of
+//! its own pixels is seen.
 
 use fingerpost_vision::picture::{Plane, Rect};
 use fingerpost_vision::road_network::{LOGIT_STEPS, RoadNetwork};
