@@ -9,10 +9,8 @@ use crate::TrafficSide;
 use crate::conditions::{Conditions, LaneMarkings, LineColour, LineStyle, Markings};
 use crate::course::MEDIAN_M;
 use crate::roads::{Stroke, Surface};
-use crate::street_paint::StreetPaint;
+use crate::street_paint::{EDGE_LINE_M, StreetPaint};
 
-/// Distance of an edge line's middle from the road's edge, metres.
-const EDGE_LINE_M: f32 = 0.25;
 /// Narrowest two-way road with a centre line, metres.
 const CENTRE_LINE_FROM_M: f64 = 5.0;
 /// Narrowest road with edge lines, metres.
@@ -84,7 +82,7 @@ impl Layout {
         let mut layout = Self::default();
         let width_m = 2.0 * stroke.half_width_m;
         let has_edges = width_m >= EDGE_LINES_FROM_M;
-        let edge_m = stroke.half_width_m as f32 - EDGE_LINE_M;
+        let edge_m = stroke.half_width_m as f32 - paint.edges_m;
         if has_edges {
             layout.add(&paint.edge_lines(-edge_m));
         }

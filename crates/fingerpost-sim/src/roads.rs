@@ -96,10 +96,10 @@ impl RoadNetwork {
         Self { strokes, junctions }
     }
 
-    /// The same with the lines that `seed` draws for each chain.
-    pub(crate) fn painted(mut self, seed: u64) -> Self {
+    /// The same with the lines that `seed` draws for each chain; a share of them has edges marked as anywhere.
+    pub(crate) fn painted(mut self, seed: u64, edge_paint: f64) -> Self {
         for stroke in &mut self.strokes {
-            stroke.paint = StreetPaint::drawn(seed, stroke.chain);
+            stroke.paint = StreetPaint::drawn(seed, stroke.chain, edge_paint);
         }
         self
     }

@@ -122,7 +122,11 @@ impl Simulator {
         let conditions = &config.conditions;
         let (low, high) = surroundings(&line);
         let roads = RoadNetwork::new(graph, &plane, low, high);
-        let roads = if conditions.markings == Markings::Streets { roads.painted(config.seed) } else { roads };
+        let roads = if conditions.markings == Markings::Streets {
+            roads.painted(config.seed, conditions.streetscape.edge_paint)
+        } else {
+            roads
+        };
         let driven = DrivenLine::new(&line, &roads, config)?;
         let (drive, planned) = plan_drive(&driven, line.length_m(), config)?;
         let relief =

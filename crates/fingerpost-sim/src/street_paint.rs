@@ -25,8 +25,12 @@ pub(crate) struct StreetPaint {
     centre: Stripe,
     /// Colour of that.
     centre_colour: MarkingColour,
-    /// Along both edges; white.
+    /// Along both edges.
     edges: Stripe,
+    /// Colour of these.
+    edge_colour: MarkingColour,
+    /// Distance of their middle from the road's edge, metres.
+    pub(crate) edges_m: f32,
     /// Width of a line, metres.
     line_width_m: f32,
     /// Length of a dash, and of a dash and a gap together, metres.
@@ -41,6 +45,13 @@ const CENTRES: [(f64, Stripe); 4] =
     [(0.40, Stripe::None), (0.35, Stripe::Broken), (0.15, Stripe::Continuous), (0.10, Stripe::Double)];
 /// Kinds of edge lines by their share.
 const EDGES: [(f64, Stripe); 3] = [(0.55, Stripe::None), (0.33, Stripe::Continuous), (0.12, Stripe::Broken)];
+/// The same where edges are marked as anywhere: Britain's double yellow lines, France's broken ones, none.
+const EDGES_ANYWHERE: [(f64, Stripe); 4] =
+    [(0.25, Stripe::None), (0.3, Stripe::Continuous), (0.15, Stripe::Broken), (0.3, Stripe::Double)];
+/// Their distance from the edge, metres: from beside the kerb to a gutter and a hard strip within (Britain's TSRGD, diagrams 1012 and 1018).
+const EDGES_ANYWHERE_M: [f64; 2] = [0.15, 0.9];
+/// Distance of an edge line's middle from the road's edge else, metres.
+pub(crate) const EDGE_LINE_M: f32 = 0.25;
 /// Colours of a centre line by their share: the Vienna Convention on Road Signs and Signals (1968), article 29, allows both, the
 /// Americas have yellow.
 const COLOURS: [(f64, MarkingColour); 2] = [(0.7, MarkingColour::White), (0.3, MarkingColour::Yellow)];
@@ -56,19 +67,32 @@ impl StreetPaint {
         centre: Stripe::Broken,
         centre_colour: MarkingColour::White,
         edges: Stripe::Continuous,
+        edge_colour: MarkingColour::White,
+        edges_m: EDGE_LINE_M,
         line_width_m: 0.14,
         dash_m: [3.0, 9.0],
     };
 
-    /// The lines that `seed` draws for the street of a chain.
-    pub(crate) fn drawn(seed: u64, chain: u32) -> Self {
+    /// The lines that `seed` draws for the street of a chain; a share of the streets has edges marked as anywhere.
+    pub(crate) fn drawn(seed: u64, chain: u32, edge_paint: f64) -> Self {
         let mut stream = Stream::new(seed ^ 0x5354_5245, u64::from(chain));
-        Self {
+        let usual = Self {
             centre: stream.choose(&CENTRES).unwrap_or(Stripe::None),
             centre_colour: stream.choose(&COLOURS).unwrap_or(MarkingColour::White),
             edges: stream.choose(&EDGES).unwrap_or(Stripe::None),
             line_width_m: stream.between(LINE_WIDTHS_M[0], LINE_WIDTHS_M[1]) as f32,
             dash_m: stream.choose(&DASHES_M).unwrap_or(Self::USUAL.dash_m),
+            ..Self::USUAL
+        };
+        if stream.unit() >= edge_paint {
+            return usual;
+        }
+        let colours = [(0.5, MarkingColour::White), (0.5, MarkingColour::Yellow)];
+        Self {
+            edges: stream.choose(&EDGES_ANYWHERE).unwrap_or(Stripe::None),
+            edge_colour: stream.choose(&colours).unwrap_or(MarkingColour::White),
+            edges_m: stream.between(EDGES_ANYWHERE_M[0], EDGES_ANYWHERE_M[1]) as f32,
+            ..usual
         }
     }
 
@@ -79,7 +103,7 @@ impl StreetPaint {
 
     /// The line whose middle is so far left of the axis, metres.
     pub(crate) fn edge_lines(&self, middle_m: f32) -> Vec<Line> {
-        self.lines(self.edges, middle_m, MarkingColour::White)
+        self.lines(self.edges, middle_m, self.edge_colour)
     }
 
     fn lines(&self, stripe: Stripe, middle_m: f32, colour: MarkingColour) -> Vec<Line> {
@@ -105,7 +129,7 @@ mod tests {
 
     #[test]
     fn streets_differ_and_every_kind_comes_up() {
-        let streets: Vec<StreetPaint> = (0..300).map(|chain| StreetPaint::drawn(5, chain)).collect();
+        let streets: Vec<StreetPaint> = (0..300).map(|chain| StreetPaint::drawn(5, chain, 0.0)).collect();
         let share = |is: &dyn Fn(&StreetPaint) -> bool| {
             streets.iter().filter(|street| is(street)).count() as f64 / streets.len() as f64
         };
@@ -116,8 +140,22 @@ mod tests {
             assert!((share(&|street| street.edges == stripe) - expected).abs() < 0.09, "{stripe:?}");
         }
         assert!((share(&|street| street.centre_colour == MarkingColour::Yellow) - 0.3).abs() < 0.09);
-        assert_eq!(StreetPaint::drawn(5, 7), StreetPaint::drawn(5, 7));
-        assert_ne!(StreetPaint::drawn(5, 7), StreetPaint::drawn(6, 7));
+        assert_eq!(StreetPaint::drawn(5, 7, 0.0), StreetPaint::drawn(5, 7, 0.0));
+        assert_ne!(StreetPaint::drawn(5, 7, 0.0), StreetPaint::drawn(6, 7, 0.0));
+    }
+
+    #[test]
+    fn edges_marked_as_anywhere_leave_the_axis_as_it_is() {
+        let streets =
+            (0..300).map(|chain| [0.0, 1.0].map(|edge_paint| StreetPaint::drawn(5, chain, edge_paint)));
+        let mut yellow = 0;
+        for [usual, other] in streets {
+            assert_eq!(usual.centre_lines(), other.centre_lines());
+            assert!((0.15..=0.9).contains(&other.edges_m), "{other:?}");
+            let lines = other.edge_lines(2.0);
+            yellow += usize::from(lines.len() == 2 && lines[0].colour == MarkingColour::Yellow);
+        }
+        assert!((20..80).contains(&yellow), "{yellow} of 300 with double yellow lines");
     }
 
     #[test]

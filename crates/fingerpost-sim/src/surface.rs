@@ -213,6 +213,10 @@ impl Painter {
                 let open = GroundPoint { edge_m: 1.0, ..*point };
                 colour = mixed(colour, self.verge(x, y, &open, fineness), grass);
             }
+            if let Some((width_m, shade)) = ground.gutter {
+                let inside = (point.edge_m + width_m) / footprint.extent_m(point.edge_slope) + 0.5;
+                colour = mixed(colour, colour.map(|c| c * shade), inside.clamp(0.0, 1.0));
+            }
         }
         let mut painted = 0.0;
         if let Some(lane) = lane.filter(|_| !loose) {

@@ -29,6 +29,9 @@ pub struct Streetscape {
     pub fixtures: f64,
     /// Share of the route's sides along which vehicles stand in a row.
     pub parked_rows: f64,
+    /// Share of the streets whose edges are marked as anywhere in the world: double and yellow lines, up to 0.9 m from the edge. 0 for
+    /// single white ones close to it.
+    pub edge_paint: f64,
 }
 
 impl Streetscape {
@@ -44,6 +47,7 @@ impl Streetscape {
         furniture_per_100_m: 0.0,
         fixtures: 0.0,
         parked_rows: 0.0,
+        edge_paint: 0.0,
     };
 
     /// Checks every number.
@@ -58,6 +62,7 @@ impl Streetscape {
         check_range("streetscape.avenue_per_100_m", self.avenue_per_100_m, 0.0, 20.0, "0 to 20")?;
         check_range("streetscape.furniture_per_100_m", self.furniture_per_100_m, 0.0, 50.0, "0 to 50")?;
         check_range("streetscape.fixtures", self.fixtures, 0.0, 1.0, share)?;
-        check_range("streetscape.parked_rows", self.parked_rows, 0.0, 1.0, share)
+        check_range("streetscape.parked_rows", self.parked_rows, 0.0, 1.0, share)?;
+        check_range("streetscape.edge_paint", self.edge_paint, 0.0, 1.0, share)
     }
 }

@@ -19,6 +19,11 @@ const TINT: f64 = 0.08;
 const ASPHALT: [f64; 2] = [0.05, 0.35];
 /// Albedo of concrete and of slabs, of the same source.
 const CONCRETE: [f64; 2] = [0.2, 0.5];
+/// Share of the made roads with a gutter that looks different, its width, metres (a channel block of 125 mm to a tray of half a metre), and its
+/// brightness against the road: from silt to clean concrete.
+const GUTTERS: f64 = 0.5;
+const GUTTER_M: [f64; 2] = [0.12, 0.5];
+const GUTTER_SHADE: [f64; 2] = [0.55, 1.3];
 /// Brightness of a pavement of the road's own kind against the road.
 const ALIKE: [f64; 2] = [0.85, 1.15];
 
@@ -49,6 +54,8 @@ pub(super) struct RoadGround {
     pub(super) pattern: Pattern,
     /// How far its edge wanders, metres.
     pub(super) ragged_m: f32,
+    /// Width of its gutter, metres, and its brightness against the road.
+    pub(super) gutter: Option<(f32, f32)>,
 }
 
 /// What a pavement is made of.
@@ -118,9 +125,10 @@ impl Materials {
             look: Look { base, wear, loose: false },
             pattern,
             ragged_m: 0.0,
+            gutter: None,
         };
         let wear = stream.between(0.4, 1.3) as f32;
-        Some(match stream.choose(&[(8.0, 0), (1.0, 1), (1.5, 2)]) {
+        let made = match stream.choose(&[(8.0, 0), (1.0, 1), (1.5, 2)]) {
             Some(1) => {
                 let side_m = stream.between(3.0, 6.0) as f32;
                 ground(grey(&mut stream, CONCRETE), 0.6 * wear, Pattern::Slabs { side_m })
@@ -131,7 +139,10 @@ impl Materials {
                 ground(stone.map(|c| c * shade), 0.5 * wear, setts(&mut stream))
             }
             _ => ground(grey(&mut stream, ASPHALT), wear, Pattern::Plain),
-        })
+        };
+        let [width_m, shade] = [GUTTER_M, GUTTER_SHADE].map(|[low, high]| stream.between(low, high) as f32);
+        let gutter = (stream.unit() < GUTTERS).then_some((width_m, shade));
+        Some(RoadGround { gutter, ..made })
     }
 
     fn unmade(&self, stream: &mut Stream) -> RoadGround {
@@ -143,6 +154,7 @@ impl Materials {
             look: Look { base: base.map(|c| c * shade), wear: stream.between(0.5, 1.6) as f32, loose: true },
             pattern: pattern.unwrap_or(Pattern::Plain),
             ragged_m: (self.ragged_m * stream.unit()) as f32,
+            gutter: None,
         }
     }
 

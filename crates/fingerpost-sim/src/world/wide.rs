@@ -188,6 +188,7 @@ fn streetscape(stream: &mut Stream) -> Streetscape {
         furniture_per_100_m: some(FURNISHED, [1.0, 10.0]),
         fixtures: some(FITTED, [0.3, 1.0]),
         parked_rows: some(LINED, [0.3, 1.0]),
+        edge_paint: 0.6,
     }
 }
 
