@@ -114,7 +114,7 @@ impl Drive {
     fn input(&self, index: usize) -> LaneInput<'_> {
         let moment = &self.moments[index];
         let dt_s = (index > 0).then_some(self.dt_s);
-        LaneInput { frame: &moment.picture, dt_s, vehicle: &moment.vehicle, pitch_change: None, hidden: None }
+        LaneInput { frame: &moment.picture, dt_s, vehicle: &moment.vehicle, pitch_change: None }
     }
 
     /// Hands the frames over, with what the OpenCV program needs of the camera.

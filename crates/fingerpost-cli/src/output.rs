@@ -130,9 +130,6 @@ pub(crate) fn print_summary(summary: &Summary, out: &Path) {
     for (state, frames) in &summary.camera_frames {
         message(&format!("the camera {state} in {frames} frames"));
     }
-    if let Some(covered) = &summary.covered {
-        message(&covered.to_string());
-    }
     for fault in &summary.mount_faults {
         message(&fault.to_string());
     }

@@ -10,8 +10,8 @@ use anyhow::{Context, Result};
 use fingerpost::motion::MEASURED_QUALITY;
 use fingerpost_eval::{DriveTotals, FeatureIdentity, FeatureOutcomes, evaluate_junctions};
 use fingerpost_format::{
-    CameraRecordState, CoveredRecord, FrameRecord, MountFaultRecord, SamplingRecord, Summary, TrackState,
-    TruthRecord, TruthSummary, json_lines,
+    CameraRecordState, FrameRecord, MountFaultRecord, SamplingRecord, Summary, TrackState, TruthRecord,
+    TruthSummary, json_lines,
 };
 use fingerpost_io::{FfmpegPrograms, RunFolder, VideoWriter};
 use fingerpost_map::{RoadGraph, Route};
@@ -150,7 +150,6 @@ pub(crate) struct Recorder {
     totals: DriveTotals,
     mount_faults: Vec<MountFaultRecord>,
     camera_frames: BTreeMap<CameraRecordState, u64>,
-    covered: Option<CoveredRecord>,
     /// The frame before.
     last: Option<FrameRecord>,
     times: StageTimes,
@@ -199,7 +198,6 @@ impl Recorder {
             totals: DriveTotals::new(MEASURED_QUALITY, |doubt| motion_doubt(doubt).to_string()),
             mount_faults: Vec::new(),
             camera_frames: BTreeMap::new(),
-            covered: None,
             last: None,
             times: StageTimes::default(),
             frames: 0,
@@ -313,9 +311,6 @@ impl Recorder {
         if let Some(state) = camera.filter(|state| *state != CameraRecordState::Clear) {
             *self.camera_frames.entry(state).or_default() += 1;
         }
-        if let Some(share) = record.camera.and_then(|camera| camera.covered_share) {
-            CoveredRecord::add(&mut self.covered, record.frame, share);
-        }
         let fault = record.mount.as_ref().and_then(|mount| mount.fault.as_ref());
         if let Some(fault) = fault.filter(|fault| self.mount_faults.last() != Some(fault)) {
             // The moves of the camera, each once.
@@ -357,7 +352,6 @@ impl Recorder {
             features,
             lost_frames: self.lost_frames,
             camera_frames: self.camera_frames,
-            covered: self.covered,
             mount_faults: self.mount_faults,
             truth: of_truth.map(|(of_truth, _)| of_truth.clone()),
             interrupted: end == RunEnd::Interrupted,

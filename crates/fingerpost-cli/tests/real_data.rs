@@ -71,7 +71,7 @@ fn no_recorded_camera_is_called_blind() {
         let mut count = 0;
         for frame in FrameSource::open(text(&data(name)), &SourceOptions::default()).unwrap() {
             let Ok(picture) = frame.picture else { continue };
-            let evidence = watch.look_at(&picture, None);
+            let evidence = watch.look_at(&picture);
             assert_eq!(evidence.state, CameraState::Clear, "{name}, frame {}: {evidence:?}", frame.index);
             least = least.min(evidence.contrast / evidence.needed_contrast);
             count += 1;

@@ -95,9 +95,6 @@ pub struct CameraRecord {
     pub contrast: f64,
     /// The contrast that stands out from its noise, grey levels.
     pub needed_contrast: f64,
-    /// Share of it that does not move with the rest, 0 to 1, and is left out: dirt on the lens, a bonnet; absent where nothing is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub covered_share: Option<f64>,
 }
 
 /// Whether a camera's picture shows anything.

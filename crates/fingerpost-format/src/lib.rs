@@ -65,8 +65,7 @@ pub use read_camera::{CameraRemark, ReadCamera};
 #[doc(hidden)]
 pub use serde_json;
 pub use summary::{
-    CoveredRecord, ErrorQuantiles, FeatureOutcome, FeatureSummary, SamplingRecord, StageTime, Summary,
-    TruthSummary,
+    ErrorQuantiles, FeatureOutcome, FeatureSummary, SamplingRecord, StageTime, Summary, TruthSummary,
 };
 pub use times::{TimesError, parse_times};
 pub use track_files::{TrackPoint, gps_gpx, track_geojson, track_gpx, track_kitti, track_tum, utc_time};

@@ -1,7 +1,6 @@
 //! `summary.json`: a run in numbers.
 
 use std::collections::BTreeMap;
-use std::fmt::{self, Display, Formatter};
 
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +46,6 @@ pub struct Summary {
     /// Frames in which the camera showed nothing, or nothing new, by what was wrong; none where it always did.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub camera_frames: BTreeMap<CameraRecordState, u64>,
-    /// In how many frames a part of the picture was covered, and how much of it; none where none was.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub covered: Option<CoveredRecord>,
     /// Every time the camera was found to have been turned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mount_faults: Vec<MountFaultRecord>,
@@ -166,36 +162,4 @@ pub struct ErrorQuantiles {
     pub p95: f64,
     /// Largest.
     pub max: f64,
-}
-
-/// A part of the camera's picture that did not move with the rest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct CoveredRecord {
-    /// Frames in which there was one.
-    pub frames: u64,
-    /// The first of them.
-    pub first_frame: u64,
-    /// Its greatest share of the picture, 0 to 1.
-    pub most_share: f64,
-}
-
-impl CoveredRecord {
-    /// Takes in another frame, of which a share was covered.
-    pub fn add(covered: &mut Option<Self>, frame: u64, share: f64) {
-        let covered = covered.get_or_insert(Self { frames: 0, first_frame: frame, most_share: share });
-        covered.frames += 1;
-        covered.most_share = covered.most_share.max(share);
-    }
-}
-
-impl Display for CoveredRecord {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { frames, first_frame, most_share } = self;
-        write!(
-            f,
-            "up to {:.0} % of the camera's picture did not move with the rest in {frames} frames from frame {first_frame} on, as if it \
-             were covered, and was left out",
-            100.0 * most_share
-        )
-    }
 }

@@ -5,11 +5,12 @@
 //! the road is superimposed on how bright they were in the frame before; a motion that lasts in contradicting that is wrong.
 
 use fingerpost_geometry::{Camera, Pixel};
+use fingerpost_vision::picture::RgbImage;
 use nalgebra::Point2;
 
+use super::Side;
 use super::lane_filter::LaneFilter;
 use super::road_view::RoadView;
-use super::{LaneInput, Side};
 
 /// Stretch of road that is compared, metres ahead of the rear axle, and the length of its cells.
 const FROM_M: f64 = 5.0;
@@ -67,7 +68,7 @@ impl DashMotion {
         &mut self,
         camera: &Camera,
         filter: &LaneFilter,
-        input: &LaneInput<'_>,
+        frame: &RgbImage,
         sides: [bool; 2],
     ) {
         std::mem::swap(&mut self.before, &mut self.now);
@@ -83,7 +84,7 @@ impl DashMotion {
                 let left_m = filter.left_at(side, ahead_m);
                 let at = |outside_m: f64| {
                     let place = Point2::new(ahead_m, left_m - side.outward() * outside_m);
-                    level_at(input, view.pixel_of_ground(place)?)
+                    level_at(frame, view.pixel_of_ground(place)?)
                 };
                 if let Some((paint, road)) = at(PAINT_M).zip(at(ROAD_M)) {
                     *level = paint - road;
@@ -147,12 +148,11 @@ impl DashMotion {
     }
 }
 
-/// Red and a third more than blue, as paint is looked for in, at a pixel; none outside of the picture and where it is hidden.
-fn level_at(input: &LaneInput<'_>, pixel: Pixel) -> Option<f32> {
-    let frame = input.frame;
+/// Red and a third more than blue, as paint is looked for in, at a pixel; none outside of the picture.
+fn level_at(frame: &RgbImage, pixel: Pixel) -> Option<f32> {
     let (u, v) = (pixel.u.round(), pixel.v.round());
     let inside = u >= 1.0 && v >= 0.0 && u + 1.0 < frame.width() as f64 && v < frame.height() as f64;
-    if !inside || input.hides(pixel) {
+    if !inside {
         return None;
     }
     let (u, v) = (u as usize, v as usize);
@@ -165,9 +165,7 @@ fn level_at(input: &LaneInput<'_>, pixel: Pixel) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
-    use fingerpost_control::VehicleState;
     use fingerpost_geometry::{Distortion, Intrinsics, Mount};
-    use fingerpost_vision::picture::RgbImage;
 
     use super::*;
 
@@ -200,10 +198,7 @@ mod tests {
         let mut dashes = DashMotion::default();
         for frame in 0..5 {
             let frame = picture(&camera, gap_m, f64::from(frame) * way_m);
-            let vehicle = VehicleState::default();
-            let input =
-                LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None, hidden: None };
-            dashes.look_at(&camera, &filter, &input, [true; 2]);
+            dashes.look_at(&camera, &filter, &frame, [true; 2]);
             dashes.judge_motion(motion_m, DT_S);
         }
         dashes

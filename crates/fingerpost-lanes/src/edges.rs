@@ -12,7 +12,7 @@ use fingerpost_vision::components::{ConnectedComponents, Connectivity};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::frame_buffer::FrameBuffer;
 use fingerpost_vision::morphology::{Dilation, ElementError, StructuringElement, Thinning};
-use fingerpost_vision::picture::{HiddenParts, Plane, RgbImage};
+use fingerpost_vision::picture::{Plane, RgbImage};
 use fingerpost_vision::smoothing::{GaussianBlur, SmoothingError};
 use thiserror::Error;
 
@@ -145,7 +145,7 @@ impl LaneEdges {
         self.buffer.clear();
     }
 
-    /// Finds the lines of a frame outside its hidden parts. `curvature_per_m` is that of the vehicle's way by its yaw rate, positive left.
+    /// Finds the lines of a frame. `curvature_per_m` is that of the vehicle's way by its yaw rate, positive left.
     ///
     /// # Errors
     /// [`LaneError`] when the frame does not reach down to the region's base, or thresholds that are adapted to it cannot be used.
@@ -155,7 +155,7 @@ impl LaneEdges {
         region: &LaneRegion,
         view: &RoadView<'_>,
         curvature_per_m: f64,
-        (frame, hidden): (&RgbImage, Option<&HiddenParts>),
+        frame: &RgbImage,
         steps: &mut EdgeSteps,
     ) -> Result<(), LaneError> {
         let (width, rows) = (frame.width(), region.base_row - region.top_row);
@@ -172,9 +172,6 @@ impl LaneEdges {
         self.canny.apply(self.smooth.view(), &mut steps.edges)?;
         lay_limits(&mut self.limits, config, region, view, curvature_per_m, width);
         self.keep_oriented(steps);
-        if let Some(hidden) = hidden {
-            drop_hidden(hidden, region.top_row, &mut steps.oriented);
-        }
         self.dilation.apply(steps.oriented.view(), &mut steps.dilated)?;
         self.components.find(steps.dilated.view());
         let least = config.min_area_px * width as f64 / AREA_WIDTH_PX;
@@ -258,17 +255,6 @@ fn sobel_at(rows: [&[u8]; 3], x: usize) -> [f32; 2] {
     let below = at(2, x - 1) + 2 * at(2, x) + at(2, x + 1);
     let above = at(0, x - 1) + 2 * at(0, x) + at(0, x + 1);
     [(right - left) as f32, (below - above) as f32]
-}
-
-/// Takes out the edges of what is fixed to the camera.
-fn drop_hidden(hidden: &HiddenParts, top_row: usize, edges: &mut Plane<u8>) {
-    for row in 0..edges.height() {
-        for (column, edge) in edges.row_mut(row).iter_mut().enumerate() {
-            if *edge != 0 && hidden.hides(column, top_row + row) {
-                *edge = 0;
-            }
-        }
-    }
 }
 
 fn params(config: &LanesConfig, high: f64) -> CannyParams {

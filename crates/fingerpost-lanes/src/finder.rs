@@ -122,8 +122,7 @@ impl LaneFinder {
         evidence.region.lay(config, camera, filter.pitch_rad(), input.vehicle.speed_mps);
         let view = RoadView::new(camera, filter.pitch_rad());
         let curvature_per_m = input.way_curvature_per_m();
-        let picture = (input.frame, input.hidden);
-        edges.find(config, &evidence.region, &view, curvature_per_m, picture, &mut evidence.steps)?;
+        edges.find(config, &evidence.region, &view, curvature_per_m, input.frame, &mut evidence.steps)?;
         lines.find(config, &evidence.region, &view, &evidence.steps.thin, |_, _, best| best);
         tracer.lay_rows(&evidence.region);
 
@@ -221,7 +220,7 @@ impl LaneFinder {
     /// How far inside an edge that has just been read the inner line of a double marking runs, metres.
     fn inner_line_m(&mut self, camera: &Camera, input: &LaneInput<'_>, side: Side) -> Option<f64> {
         let step = self.followed[side.index()].look.step;
-        self.tracer.inner_line_m(camera, &self.filter, input, side, step)
+        self.tracer.inner_line_m(camera, &self.filter, input.frame, side, step)
     }
 
     /// Goes over to the inner line of a double marking.
@@ -232,7 +231,7 @@ impl LaneFinder {
         followed.look = look;
         let offset_m = self.filter.offset_m(side) + side.outward() * inside_m;
         self.filter.place_edge(side, offset_m, INNER_SIGMA_M);
-        self.tracer.read(camera, &self.filter, input, side, Reach::Follow(look));
+        self.tracer.read(camera, &self.filter, input.frame, side, Reach::Follow(look));
         self.tracer.drop_unlike(side, &mut self.followed[side.index()].look);
         self.tracer.fit(camera, &mut self.filter, &[side], [look; 2]);
         self.shape.note(camera, &self.filter, side, self.tracer.points());
@@ -243,7 +242,7 @@ impl LaneFinder {
         let mut rows = 0;
         for &side in sides {
             let look = &mut self.followed[side.index()].look;
-            self.tracer.read(camera, filter, input, side, Reach::Follow(*look));
+            self.tracer.read(camera, filter, input.frame, side, Reach::Follow(*look));
             self.tracer.drop_unlike(side, look);
             rows += self.tracer.readings[side.index()].iter().filter(|r| r.paint.is_some()).count();
         }

@@ -32,7 +32,7 @@ mod tracing;
 use fingerpost_control::VehicleState;
 use fingerpost_geometry::{Camera, ObservedAngle, Pixel};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 
 use self::geometry::{EdgeOnRoad, LaneOnRoad};
 
@@ -98,8 +98,6 @@ pub struct LaneInput<'a> {
     pub vehicle: &'a VehicleState,
     /// Change of the camera's pitch since the frame before, radians, positive nose down, where the picture shows it.
     pub pitch_change: Option<ObservedAngle>,
-    /// The parts of the picture that show what is fixed to the camera; none where it shows the road everywhere.
-    pub hidden: Option<&'a HiddenParts>,
 }
 
 impl LaneInput<'_> {
@@ -109,11 +107,6 @@ impl LaneInput<'_> {
         let moving =
             yaw_rate_rps.zip(speed_mps).filter(|(_, speed)| *speed > VehicleState::STANDING_BELOW_MPS);
         moving.map_or(0.0, |(yaw_rate, speed)| yaw_rate / speed)
-    }
-
-    /// Whether the picture shows nothing of the road at a place, pixels.
-    pub(crate) fn hides(&self, pixel: Pixel) -> bool {
-        self.hidden.is_some_and(|hidden| hidden.hides(pixel.u.max(0.0) as usize, pixel.v.max(0.0) as usize))
     }
 
     /// Refuses a frame that has not the size that the calibration is for.

@@ -11,13 +11,14 @@ mod quality;
 use std::ops::Range;
 
 use fingerpost_geometry::{Camera, Pixel};
+use fingerpost_vision::picture::RgbImage;
 use nalgebra::Point2;
 
+use super::Side;
 use super::lane_filter::{EdgePoint, LaneFilter};
 use super::paint::{PaintEdge, PaintFinder, PaintSearch};
 use super::region::LaneRegion;
 use super::road_view::RoadView;
-use super::{LaneInput, Side};
 
 pub(super) use self::candidate::PaintAlong;
 pub(super) use self::look::PaintLook;
@@ -111,12 +112,12 @@ impl Tracer {
         }
     }
 
-    /// Reads one edge along the filter's lane, where the picture shows the road.
+    /// Reads one edge along the filter's lane.
     pub(super) fn read(
         &mut self,
         camera: &Camera,
         filter: &LaneFilter,
-        input: &LaneInput<'_>,
+        frame: &RgbImage,
         side: Side,
         reach: Reach,
     ) {
@@ -134,7 +135,7 @@ impl Tracer {
             let px_per_m = 2.0 * (right.u - left.u);
             // With a rolled camera or a bent lens the place lies in another row; the next one makes up for it.
             let row_read = expected.v.round();
-            if px_per_m <= 0.0 || !(0.0..input.frame.height() as f64).contains(&row_read) {
+            if px_per_m <= 0.0 || !(0.0..frame.height() as f64).contains(&row_read) {
                 continue;
             }
             let sigma_m = filter.left_sigma_m(side, place.x);
@@ -155,10 +156,8 @@ impl Tracer {
                 continue;
             }
             let search = PaintSearch { side, expected_u: expected.u, reach_px, px_per_m };
-            let paint = self.paint.find(input.frame.row(row_read as usize), &search);
-            let paint = paint.filter(|paint| {
-                (paint.u - expected.u).abs() <= reach_px + 1.0 && !input.hides(Pixel::new(paint.u, row_read))
-            });
+            let paint = self.paint.find(frame.row(row_read as usize), &search);
+            let paint = paint.filter(|paint| (paint.u - expected.u).abs() <= reach_px + 1.0);
             readings.push(Reading {
                 row: row_read,
                 ahead_m: place.x,

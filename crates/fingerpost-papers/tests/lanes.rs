@@ -27,11 +27,7 @@ fn lanes(finder: &mut dyn LaneDetector, camera: &Camera, pictures: &[&RgbImage])
     let mut one = |(index, frame): (usize, &&RgbImage)| {
         let dt_s = (index > 0).then_some(0.03);
         finder
-            .find(
-                camera,
-                &LaneInput { frame, dt_s, vehicle: &vehicle, pitch_change: None, hidden: None },
-                &mut lane,
-            )
+            .find(camera, &LaneInput { frame, dt_s, vehicle: &vehicle, pitch_change: None }, &mut lane)
             .unwrap();
         lane.clone().unwrap()
     };
@@ -118,8 +114,7 @@ fn outer_edges_are_candidates_and_not_the_lane() {
     let picture = straight(|_| true).picture(&camera);
     let candidates = |finder: &mut dyn LaneDetector| {
         let (vehicle, mut lane) = (VehicleState::default(), None);
-        let input =
-            LaneInput { frame: &picture, dt_s: None, vehicle: &vehicle, pitch_change: None, hidden: None };
+        let input = LaneInput { frame: &picture, dt_s: None, vehicle: &vehicle, pitch_change: None };
         let evidence = finder.find(&camera, &input, &mut lane).unwrap();
         assert!(evidence.steps.oriented.as_slice().iter().any(|edge| *edge != 0));
         evidence.candidates.iter().filter(|c| c.section == 0).copied().collect::<Vec<_>>()

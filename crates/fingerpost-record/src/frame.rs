@@ -144,7 +144,6 @@ fn camera_record(camera: &CameraEvidence) -> CameraRecord {
         },
         contrast: rounded(camera.contrast, DIGITS),
         needed_contrast: rounded(camera.needed_contrast, DIGITS),
-        covered_share: (camera.covered_share > 0.0).then(|| rounded(camera.covered_share, DIGITS)),
     }
 }
 

@@ -33,7 +33,7 @@ const SIZE: [f64; 2] = [720.0, 500.0];
 /// The scale starts at the next lower multiple of this, and is at least so long.
 const SCALE_STEP_PCT: f64 = 5.0;
 
-/// What the file says of itself, so that it is not taken for a user's.
+/// What the file says of itself, so that it is told from a user's.
 const WRITTEN_BY: &str = "a surface of percentages by fingerpost";
 
 /// A place in the box, each coordinate 0 to 1.

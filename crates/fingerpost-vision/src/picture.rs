@@ -3,12 +3,10 @@
 //! A [`Plane`] owns tightly packed rows; a [`PlaneView`] or [`PlaneViewMut`] is a window on one with a stride, so that
 //! a kernel can work on a region without a copy. Sizes are in pixels; a plane of no pixels is valid.
 
-mod hidden;
 mod rgb;
 mod validity;
 mod view;
 
-pub use hidden::HiddenParts;
 pub use rgb::RgbImage;
 pub use validity::{Run, ValidityMask};
 pub use view::{PlaneView, PlaneViewMut};

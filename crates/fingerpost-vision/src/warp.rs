@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use crate::colour::{BinDivision, grey_and_bins_of_all};
 use crate::error::{PictureError, check_size};
-use crate::picture::{HiddenParts, Plane, RgbImage, ValidityMask};
+use crate::picture::{Plane, RgbImage, ValidityMask};
 use crate::simd::CodePath;
 use resample::{Neighbours, Taps, Weights, resample_grey, resample_rgb};
 
@@ -97,34 +97,6 @@ impl WarpTable {
             indices,
             weights,
         })
-    }
-
-    /// The same table without the target pixels that show a hidden part of the source: these are unseen.
-    #[must_use]
-    pub fn without(&self, hidden: &HiddenParts) -> Self {
-        let mut validity = self.validity.plane().clone();
-        let (mut indices, mut weights) = (Vec::new(), Vec::new());
-        for Part { run, taps, .. } in self.parts() {
-            for (target, (&index, &weight)) in run.zip(taps.indices.iter().zip(taps.weights)) {
-                let (u, v) = (index as usize % self.source_width, index as usize / self.source_width);
-                // The square that holds the first of the four source pixels.
-                if hidden.hides(u, v) {
-                    validity.as_mut_slice()[target] = 0;
-                } else {
-                    indices.push(index);
-                    weights.push(weight);
-                }
-            }
-        }
-        Self { validity: ValidityMask::from_plane(validity), indices, weights, ..*self }
-    }
-
-    /// Whether a picture has the size of the table's source.
-    ///
-    /// # Errors
-    /// [`PictureError::SizeMismatch`] when it has another.
-    pub fn check_source(&self, source: &RgbImage) -> Result<(), PictureError> {
-        check_size("warp source", self.source_size(), source.size())
     }
 
     /// Which target pixels show the source.

@@ -8,17 +8,10 @@
 //!
 //! A picture that is that of the frame before to the last bit shows nothing new: a sensor's noise never repeats.
 //!
-//! A part that stays as it is while road ought to go by in it is covered (`camera_state/cover.rs`), and the rest is used.
-//!
-//! Limits: a blurred picture whose shapes still show is clear. A frozen picture in which the vehicle stood cannot
+//! Limits: a lens that is covered in part is clear where it is not, and so is a blurred one whose shapes still show. A frozen picture in which the vehicle stood cannot
 //! be told from a standing vehicle whose video repeats its pictures.
 
-mod cover;
-
-use fingerpost_geometry::Camera;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
-
-use self::cover::{CoverWatch, Looked};
+use fingerpost_vision::picture::RgbImage;
 
 /// What the camera's picture is good for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -55,8 +48,6 @@ pub struct CameraEvidence {
     pub contrast: f64,
     /// What is needed to stand out from the noise and from what a video's compression makes.
     pub needed_contrast: f64,
-    /// Share of the picture that does not move with the rest: dirt on the lens, a bonnet. Nothing is read out of it.
-    pub covered_share: f64,
 }
 
 /// Columns that a thinned picture has at most.
@@ -87,31 +78,11 @@ pub struct CameraWatch {
     sums: Vec<u32>,
     /// Magnitudes of the blocks' differences.
     differences: Vec<u32>,
-    cover: CoverWatch,
-    has_other_cover: bool,
 }
 
 impl CameraWatch {
-    /// A watch of the pictures of `camera` that has seen none yet.
-    #[must_use]
-    pub fn new(camera: &Camera) -> Self {
-        Self { cover: CoverWatch::new(camera, thinned_to_every(camera.width())), ..Self::default() }
-    }
-
-    /// The parts of the picture that are covered.
-    #[must_use]
-    pub const fn hidden(&self) -> &HiddenParts {
-        self.cover.hidden()
-    }
-
-    /// Whether other parts are covered than in the frame before.
-    #[must_use]
-    pub const fn has_other_cover(&self) -> bool {
-        self.has_other_cover
-    }
-
-    /// Judges the picture of the next frame; `driven_m` is the way since the frame before by the vehicle's bus, metres.
-    pub fn look_at(&mut self, frame: &RgbImage, driven_m: Option<f64>) -> CameraEvidence {
+    /// Judges the picture of the next frame.
+    pub fn look_at(&mut self, frame: &RgbImage) -> CameraEvidence {
         std::mem::swap(&mut self.samples, &mut self.before);
         let (columns, rows) = thin(frame, &mut self.samples);
         let noise = median_difference(&self.samples, columns);
@@ -130,9 +101,7 @@ impl CameraWatch {
         } else {
             CameraState::Clear
         };
-        self.has_other_cover = state == CameraState::Clear
-            && self.cover.look_at(&self.samples, noise, driven_m) == Looked::Changed;
-        CameraEvidence { state, contrast, needed_contrast, covered_share: self.cover.hidden().share() }
+        CameraEvidence { state, contrast, needed_contrast }
     }
 
     fn sum_blocks(&mut self, columns: usize, rows: usize) {
@@ -162,15 +131,10 @@ impl CameraWatch {
     }
 }
 
-/// Which sample of a row of so many pixels is kept.
-fn thinned_to_every(width: usize) -> usize {
-    width.div_ceil(MAX_COLUMNS).max(1)
-}
-
 /// Every n-th sample of the green channel, which carries most of the brightness; gives columns and rows.
 fn thin(frame: &RgbImage, samples: &mut Vec<u8>) -> (usize, usize) {
     let (width, height) = frame.size();
-    let nth = thinned_to_every(width);
+    let nth = width.div_ceil(MAX_COLUMNS).max(1);
     samples.clear();
     let rows = frame.as_slice().chunks_exact((width * RgbImage::CHANNELS).max(1)).step_by(nth);
     for row in rows {

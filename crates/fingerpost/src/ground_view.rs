@@ -9,7 +9,7 @@ mod turn;
 use fingerpost_geometry::{Camera, GeometryError, GroundGrid, GroundPixel, View};
 use fingerpost_vision::colour::{BinDivision, ColourError, HueSaturationBins};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{HiddenParts, Plane, RgbImage, ValidityMask};
+use fingerpost_vision::picture::{Plane, RgbImage, ValidityMask};
 use fingerpost_vision::warp::WarpTable;
 use nalgebra::Point2;
 use schemars::JsonSchema;
@@ -73,14 +73,9 @@ pub enum GroundViewError {
 #[derive(Debug)]
 pub struct GroundView {
     grid: GroundGrid,
-    /// Of what is not covered.
     table: WarpTable,
-    /// Of the whole picture, where a part of it is covered.
-    whole: Option<WarpTable>,
     division: BinDivision,
     nearest_seen_m: f64,
-    /// The same of what is covered in part.
-    nearest_part_seen_m: f64,
     viewpoint: Viewpoint,
     camera: Camera,
 }
@@ -156,35 +151,7 @@ impl GroundView {
             }
             View::RoadPlane(_) => Viewpoint { foot: Point2::origin(), height_m: CAR_CAMERA_HEIGHT_M },
         };
-        let nearest_part_seen_m = nearest_seen_m;
-        let camera = camera.clone();
-        Ok(Self {
-            grid,
-            table,
-            whole: None,
-            division,
-            nearest_seen_m,
-            nearest_part_seen_m,
-            viewpoint,
-            camera,
-        })
-    }
-
-    /// Shows only what lies outside the `hidden` parts of the picture from now on. The table is made anew.
-    pub fn hide(&mut self, hidden: &HiddenParts) {
-        let whole = self.whole.take();
-        let whole = whole.unwrap_or_else(|| self.table.clone());
-        self.table = whole.without(hidden);
-        let part_m = nearest_part_seen_m(&self.grid, self.table.validity().plane());
-        self.nearest_seen_m = nearest_seen_m(&self.grid, self.table.validity().plane()).unwrap_or(part_m);
-        self.nearest_part_seen_m = if hidden.is_empty() { self.nearest_seen_m } else { part_m };
-        self.whole = (!hidden.is_empty()).then_some(whole);
-    }
-
-    /// Whether so little of the picture is left that no arm could be seen whole.
-    pub fn is_covered(&self) -> bool {
-        let validity = self.table.validity();
-        100.0 * (validity.seen() as f64) < MIN_SEEN_PERCENT * validity.plane().as_slice().len() as f64
+        Ok(Self { grid, table, division, nearest_seen_m, viewpoint, camera: camera.clone() })
     }
 
     /// The raster of the ground view.
@@ -200,11 +167,6 @@ impl GroundView {
     /// The bottom of what is seen straight ahead, metres from the vehicle's origin.
     pub const fn nearest_seen_m(&self) -> f64 {
         self.nearest_seen_m
-    }
-
-    /// The same for what needs no whole row: where a part of the picture is covered, the nearest place ahead of which anything is seen.
-    pub const fn nearest_part_seen_m(&self) -> f64 {
-        self.nearest_part_seen_m
     }
 
     /// Where the camera looks from; for a camera known by points its height is that of a car's.
@@ -243,14 +205,6 @@ impl GroundView {
         GroundPicture::new(self.grid.columns(), self.grid.rows(), self.division.bins())
     }
 
-    /// Whether `frame` can be warped.
-    ///
-    /// # Errors
-    /// [`GroundViewError::Frame`] when the frame's size is not the camera's.
-    pub fn check(&self, frame: &RgbImage) -> Result<(), GroundViewError> {
-        Ok(self.table.check_source(frame)?)
-    }
-
     /// Warps `frame` into `picture`, whose memory is reused.
     ///
     /// # Errors
@@ -264,22 +218,12 @@ impl GroundView {
     }
 }
 
-/// The lower edge of the nearest row whose pixels straight ahead `are_seen`, metres ahead.
-fn nearest_row_m(grid: &GroundGrid, validity: &Plane<u8>, are_seen: impl Fn(&[u8]) -> bool) -> Option<f64> {
+fn nearest_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> Option<f64> {
     let middle = 0.5 * grid.columns() as f64;
     let half = CORRIDOR_HALF_WIDTH_M.min(grid.half_width_m()) / grid.metres_per_pixel();
     let columns = (middle - half).floor() as usize..(middle + half).ceil() as usize;
     (0..grid.rows())
         .rev()
-        .find(|&row| are_seen(&validity.row(row)[columns.clone()]))
+        .find(|&row| validity.row(row)[columns.clone()].iter().all(|&v| v != 0))
         .map(|row| grid.vehicle_from_ground(GroundPixel { column: 0.0, row: row as f64 + 0.5 }).x)
-}
-
-fn nearest_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> Option<f64> {
-    nearest_row_m(grid, validity, |ahead| ahead.iter().all(|&v| v != 0))
-}
-
-/// The nearest row of which anything straight ahead is seen, and the upper edge where nothing is.
-fn nearest_part_seen_m(grid: &GroundGrid, validity: &Plane<u8>) -> f64 {
-    nearest_row_m(grid, validity, |ahead| ahead.iter().any(|&v| v != 0)).unwrap_or(grid.far_m())
 }

@@ -254,20 +254,6 @@ pub trait MotionEstimator: Send {
         attitude: &AttitudeObservation,
     ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError>;
 
-    /// Whether so much of this view is seen that motion can be measured in it; asked where a part of the picture is covered.
-    fn has_region(&self, _view: &GroundView) -> bool {
-        true
-    }
-
-    /// From now on views show other parts of the road, as this one does; `before` is the view given last, in which what it did not show is
-    /// black. One that keeps no view passes it by.
-    ///
-    /// # Errors
-    /// [`MotionError`] when pictures do not fit together.
-    fn change_view(&mut self, _view: &GroundView, _before: &GroundPicture) -> Result<(), MotionError> {
-        Ok(())
-    }
-
     /// Takes in how the vehicle moved to the frame given last by a feature that is followed; one that measures passes it by.
     fn learn(&mut self, _step: &FeatureStep) {}
 

@@ -54,14 +54,6 @@ pub struct Sensors {
     pub dt_s: Option<f64>,
 }
 
-impl Sensors {
-    /// The way since the frame before by the vehicle's bus, metres, forward or back; none where it does not say so.
-    fn driven_m(&self) -> Option<f64> {
-        let speed = self.signals?.speed_mps?;
-        Some((speed.value * self.dt_s?).abs()).filter(|way_m| way_m.is_finite())
-    }
-}
-
 /// The stages, in the order of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
@@ -195,8 +187,6 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
-    /// Whether a cover leaves too little of the road to read anything out of it.
-    is_covered: bool,
     /// None where height is not looked at.
     height: Option<HeightStage>,
     joining: Joining,
@@ -261,8 +251,7 @@ impl Pipeline {
         let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
-            camera_watch: CameraWatch::new(camera),
-            is_covered: false,
+            camera_watch: CameraWatch::default(),
             height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
             joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
@@ -301,39 +290,14 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
-        self.view.check(frame)?;
-        let mut camera = self.camera_watch.look_at(frame, sensors.driven_m());
-        if self.camera_watch.has_other_cover() {
-            self.change_cover()?;
-        }
         self.view.render(frame, &mut self.ground)?;
+        let camera = self.camera_watch.look_at(frame);
         finished(Stage::GroundView);
-        if camera.state == CameraState::Clear && self.is_covered {
-            camera.state = CameraState::NoContrast;
-        }
         if camera.state != CameraState::Clear {
             return Ok(self.pass_over(camera, sensors));
         }
         self.output.camera = camera;
         self.take_in(frame, sensors, finished)
-    }
-
-    /// Reads nothing out of what is covered from now on.
-    fn change_cover(&mut self) -> Result<(), PipelineError> {
-        let hidden = self.camera_watch.hidden();
-        self.view.hide(hidden);
-        let was_seen = self.output.camera.state == CameraState::Clear;
-        self.ego.hide(hidden, &self.view, Some(&self.ground).filter(|_| was_seen))?;
-        if self.output.camera.covered_share == 0.0 {
-            self.ego.forget();
-            self.lanes.forget();
-        }
-        // Too little seen of a picture without a cover is a fault of the configuration, and said as such.
-        self.is_covered = !hidden.is_empty() && (self.view.is_covered() || !self.ego.has_region(&self.view));
-        if !self.is_covered {
-            self.tracker.set_nearest_seen_m(self.view.nearest_seen_m());
-        }
-        Ok(())
     }
 
     /// Takes in a frame that shows something, of which the ground view is made.
@@ -349,7 +313,6 @@ impl Pipeline {
         let Self {
             config, view, ground, surface, height, joining, tracker, fix, track_evidence, output, ..
         } = self;
-        let hidden = Some(self.camera_watch.hidden()).filter(|hidden| !hidden.is_empty());
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
@@ -398,13 +361,8 @@ impl Pipeline {
         output.centreline = centreline;
         finished(Stage::Centreline);
 
-        let input = LaneInput {
-            frame,
-            dt_s: ego.dt_s,
-            vehicle: &ego.vehicle,
-            pitch_change: ego.pitch_change,
-            hidden,
-        };
+        let input =
+            LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
         let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
         Why {
             camera: &output.camera,

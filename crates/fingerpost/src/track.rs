@@ -247,9 +247,6 @@ pub trait FeatureTracker: std::fmt::Debug + Send {
     /// The features of the route with their driving lines.
     fn stops(&self) -> &[RouteStop];
 
-    /// From now on the view shows the road ahead from so far on, metres: a part of the picture is covered, or not any more.
-    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64);
-
     /// Takes one frame in: how the vehicle moved, what it shows, and a GPS position in the map frame. Output and evidence take
     /// the place of the last frame's, whose memory is reused.
     ///

@@ -76,14 +76,6 @@ impl Display for Why<'_> {
             write!(f, "{}", SignalsWords(signals))?;
         }
         self.write_feature(f)?;
-        let covered_share = self.camera.covered_share;
-        if covered_share > 0.0 {
-            write!(
-                f,
-                "; {:.0} % of the picture does not move with the rest, as if it were covered, and is left out",
-                100.0 * covered_share
-            )?;
-        }
         if let Some(ways) = self.centreline.ways.as_ref().filter(|ways| ways.is_ambiguous()) {
             write!(f, "; {}", WaysWords(ways))?;
         }

@@ -180,9 +180,9 @@ fn on_no_kind_of_day_is_a_camera_that_sees_called_blind() {
     for name in Conditions::names() {
         let config = SimConfig { conditions: Conditions::named(name).unwrap(), ..SimConfig::default() };
         let simulator = Simulator::new(&graph, &route, &camera, &config).unwrap();
-        let mut watch = CameraWatch::new(&camera);
+        let mut watch = CameraWatch::default();
         for frame in 10..12 {
-            let evidence = watch.look_at(&simulator.frame(frame).picture, None);
+            let evidence = watch.look_at(&simulator.frame(frame).picture);
             assert_eq!(evidence.state, CameraState::Clear, "{name}, frame {frame}: {evidence:?}");
             assert!(evidence.contrast > 1.3 * evidence.needed_contrast, "{name}: {evidence:?}");
         }

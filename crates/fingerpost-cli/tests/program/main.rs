@@ -16,7 +16,6 @@ mod chessboard;
 mod claims;
 mod closed_loop;
 mod converting;
-mod covered;
 mod drive;
 mod evaluating;
 mod evaluating_lanes;

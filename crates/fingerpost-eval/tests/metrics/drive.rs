@@ -14,12 +14,7 @@ const MEASURED: f64 = 0.1;
 const AT_M: [f64; 3] = [20.0, 60.0, 159.0];
 
 fn clear(record: FrameRecord) -> FrameRecord {
-    let camera = CameraRecord {
-        state: CameraRecordState::Clear,
-        contrast: 20.0,
-        needed_contrast: 2.0,
-        covered_share: None,
-    };
+    let camera = CameraRecord { state: CameraRecordState::Clear, contrast: 20.0, needed_contrast: 2.0 };
     FrameRecord { camera: Some(camera), ..record }
 }
 

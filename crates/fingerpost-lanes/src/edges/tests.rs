@@ -66,7 +66,7 @@ fn found(lines: &[Line], way_curvature_per_m: f64) -> Plane<u8> {
     let view = RoadView::new(&camera, 0.0);
     let frame = picture(&camera, lines);
     let mut steps = EdgeSteps::default();
-    edges.find(&config, &region(&camera), &view, way_curvature_per_m, (&frame, None), &mut steps).unwrap();
+    edges.find(&config, &region(&camera), &view, way_curvature_per_m, &frame, &mut steps).unwrap();
     steps.thin
 }
 
@@ -173,7 +173,7 @@ fn specks_are_dropped() {
     }
     let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
     let (view, mut steps) = (RoadView::new(&camera, 0.0), EdgeSteps::default());
-    edges.find(&config, &region(&camera), &view, 0.0, (&frame, None), &mut steps).unwrap();
+    edges.find(&config, &region(&camera), &view, 0.0, &frame, &mut steps).unwrap();
     assert!(steps.oriented.as_slice().iter().any(|edge| *edge != 0), "the speck has edges of that kind");
     assert!(steps.thin.as_slice().iter().all(|edge| *edge == 0));
 }
@@ -195,7 +195,7 @@ fn the_buffer_fills_while_the_region_stays() {
     for (index, level) in [60, 120, 60, 120, 60, 120, 60, 120].into_iter().enumerate() {
         let speed_mps = 37.0 + f64::from(index as u32 % 3) - 1.0;
         region.lay(&config, &camera, 0.002 * f64::from(index as u32 % 2), Some(speed_mps));
-        edges.find(&config, &region, &view, 0.0, (&grey(level), None), &mut steps).unwrap();
+        edges.find(&config, &region, &view, 0.0, &grey(level), &mut steps).unwrap();
         let mean = steps.mean.row(0)[0];
         assert!(index < 3 || (71..=109).contains(&mean), "frame {index}: {mean} is no mean of three");
     }
@@ -224,7 +224,7 @@ fn more_frames_in_the_buffer_leave_less_noise_beside_a_faint_line() {
         let mut edges = LaneEdges::new(&config, MarkingEdges::Inner).unwrap();
         let (view, mut steps) = (RoadView::new(&camera, 0.0), EdgeSteps::default());
         for frame in 0..10 {
-            edges.find(&config, &region(&camera), &view, 0.0, (&noisy(frame), None), &mut steps).unwrap();
+            edges.find(&config, &region(&camera), &view, 0.0, &noisy(frame), &mut steps).unwrap();
         }
         let thin = &steps.thin;
         assert!(share_along(thin, |_| 1.7, 5.0, 20.0) > 0.95, "{buffer_frames} frames show the line");

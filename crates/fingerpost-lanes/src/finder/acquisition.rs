@@ -193,14 +193,14 @@ impl LaneFinder {
         let off_m = guess.offset_m(side) - self.filter.offset_m(side);
         let is_kept = self.followed[side.index()].active && off_m.abs() < SAME_M;
         let mut along = guess.clone();
-        self.tracer.read(camera, &guess, input, side, Reach::Seed);
+        self.tracer.read(camera, &guess, input.frame, side, Reach::Seed);
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
         self.tracer.fit(camera, &mut along, &[side], [look; 2]);
         // Once more where the first fit says, for what the straight guess had missed.
         // What is known of an edge that is seen again stays known.
         let mut settled = if is_kept { self.filter.clone() } else { guess };
-        self.tracer.read(camera, &along, input, side, Reach::Follow(look));
+        self.tracer.read(camera, &along, input.frame, side, Reach::Follow(look));
         let mut look = self.tracer.look(side, PaintLook::default());
         self.tracer.drop_unlike(side, &mut look);
         self.tracer.fit(camera, &mut settled, &[side], [look; 2]);

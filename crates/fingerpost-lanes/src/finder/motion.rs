@@ -50,7 +50,7 @@ impl LaneFinder {
     /// Holds the motion against the dashes of the lane as it is known now.
     pub(super) fn look_at_dashes(&mut self, camera: &Camera, input: &LaneInput<'_>) {
         let sides = [0, 1].map(|side| self.followed[side].active);
-        self.dashes.look_at(camera, &self.filter, input, sides);
+        self.dashes.look_at(camera, &self.filter, input.frame, sides);
         if let Some((held, dt_s)) = self.held.zip(input.dt_s) {
             self.dashes.judge_motion(dt_s * held.speed_mps, dt_s);
         }

@@ -1,13 +1,14 @@
 //! The line inside an edge that makes its marking a double one.
 
 use fingerpost_geometry::Camera;
+use fingerpost_vision::picture::RgbImage;
 use nalgebra::Point2;
 
 use super::{INNER_M, INNER_ROWS, Tracer, WEAK_SHARE};
+use crate::Side;
 use crate::lane_filter::LaneFilter;
 use crate::paint::PaintSearch;
 use crate::road_view::RoadView;
-use crate::{LaneInput, Side};
 
 /// Every so many rows are looked at for it.
 const INNER_STEP: usize = 2;
@@ -22,7 +23,7 @@ impl Tracer {
         &mut self,
         camera: &Camera,
         filter: &LaneFilter,
-        input: &LaneInput<'_>,
+        frame: &RgbImage,
         side: Side,
         strength: f64,
     ) -> Option<f64> {
@@ -40,7 +41,7 @@ impl Tracer {
                 reach_px: 0.5 * (INNER_M[1] - INNER_M[0]) * reading.px_per_m,
                 px_per_m: reading.px_per_m,
             };
-            let row = input.frame.row(reading.row as usize);
+            let row = frame.row(reading.row as usize);
             let found = self.paint.find(row, &search).filter(|paint| paint.step >= WEAK_SHARE * strength);
             let Some(paint) = found else { continue };
             let inside_m = side.outward() * (reading.expected_u - paint.u) / reading.px_per_m;

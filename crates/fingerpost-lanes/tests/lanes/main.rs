@@ -21,13 +21,8 @@ fn found(camera: &Camera, pictures: &[RgbImage]) -> Lane {
     let mut lane = None;
     for (index, frame) in pictures.iter().enumerate() {
         let vehicle = VehicleState::default();
-        let input = LaneInput {
-            frame,
-            dt_s: (index > 0).then_some(0.05),
-            vehicle: &vehicle,
-            pitch_change: None,
-            hidden: None,
-        };
+        let input =
+            LaneInput { frame, dt_s: (index > 0).then_some(0.05), vehicle: &vehicle, pitch_change: None };
         finder.find(camera, &input, &mut lane).unwrap();
     }
     lane.unwrap()
@@ -75,7 +70,6 @@ fn a_pitch_that_the_calibration_does_not_know_is_found() {
             dt_s: (index > 0).then_some(0.05),
             vehicle: &vehicle,
             pitch_change: None,
-            hidden: None,
         };
         pitch_deg = finder.find(&assumed, &input, &mut lane).unwrap().pitch_rad.to_degrees();
     }
@@ -170,8 +164,7 @@ fn the_yaw_rate_says_to_which_side_the_lane_leads() {
                 yaw_rate_rps: Some(yaw_rate_rps),
                 ..VehicleState::default()
             };
-            let input =
-                LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None, hidden: None };
+            let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None };
             let mut lane = None;
             let evidence = finder.find(&camera, &input, &mut lane).unwrap();
             evidence.candidates.iter().filter(|c| c.section > 1).map(|c| c.votes).sum::<u32>()
@@ -187,8 +180,7 @@ fn a_frame_of_another_size_is_refused() {
     let mut finder = LaneFinder::new(&LanesConfig::default()).unwrap();
     for (width, height) in [(WIDTH / 2, HEIGHT / 2), (WIDTH, HEIGHT + 1), (WIDTH + 1, HEIGHT), (0, 0)] {
         let (frame, vehicle) = (RgbImage::new(width, height), VehicleState::default());
-        let input =
-            LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None, hidden: None };
+        let input = LaneInput { frame: &frame, dt_s: None, vehicle: &vehicle, pitch_change: None };
         let mut lane = None;
         let error = finder.find(&camera, &input, &mut lane).unwrap_err();
         assert!(matches!(error, LaneError::Picture(_)), "{error:?}");

@@ -18,7 +18,7 @@ fn found(config: &LanesConfig, frame: &RgbImage, speed_mps: Option<f64>) -> Lane
     let vehicle = VehicleState { speed_mps, ..VehicleState::default() };
     for index in 0..FRAMES {
         let dt_s = (index > 0).then_some(0.01);
-        let input = LaneInput { frame, dt_s, vehicle: &vehicle, pitch_change: None, hidden: None };
+        let input = LaneInput { frame, dt_s, vehicle: &vehicle, pitch_change: None };
         finder.find(&camera(3.0), &input, &mut lane).unwrap();
     }
     lane.unwrap()

@@ -151,8 +151,7 @@ impl LaneDetector for SectionTracker {
         let view = RoadView::new(camera, 0.0);
         evidence.region.lay(config, camera, 0.0, input.vehicle.speed_mps);
         let curvature_per_m = input.way_curvature_per_m();
-        let picture = (input.frame, input.hidden);
-        edges.find(config, &evidence.region, &view, curvature_per_m, picture, &mut evidence.steps)?;
+        edges.find(config, &evidence.region, &view, curvature_per_m, input.frame, &mut evidence.steps)?;
         let last = evidence.region.sections.len().saturating_sub(1);
         lines.find(config, &evidence.region, &view, &evidence.steps.thin, |side, section, found| {
             let kept = tracked[side.index()].sections.get_mut(section)?;

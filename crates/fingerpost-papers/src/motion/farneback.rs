@@ -239,10 +239,6 @@ impl MotionEstimator for FarnebackMotion {
         Ok(result?.map(|motion| (motion.into(), &self.evidence)))
     }
 
-    fn has_region(&self, view: &GroundView) -> bool {
-        region(view, &self.config, &mut Vec::new()).is_some()
-    }
-
     fn reset(&mut self) {
         self.previous = None;
         self.last = Isometry2::identity();

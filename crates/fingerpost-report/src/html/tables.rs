@@ -51,7 +51,6 @@ pub(crate) fn summary(summary: &Summary) -> Markup {
         @for (state, frames) in &summary.camera_frames {
             p class="warning" { "The camera " (state) " in " (frames) " frames." }
         }
-        @if let Some(covered) = &summary.covered { p class="warning" { "In this run " (covered.to_string()) "." } }
         @for fault in &summary.mount_faults { p class="warning" { (fault.to_string()) "." } }
         @if summary.interrupted { p class="warning" { "The run was ended before its input was." } }
     }

@@ -25,14 +25,11 @@ pub(crate) type Fact = (&'static str, String);
 pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     let (output, evidence) = (scene.output, scene.evidence);
     let mut facts: Vec<Fact> = Vec::new();
-    let CameraEvidence { state, contrast, needed_contrast, covered_share } = output.camera;
+    let CameraEvidence { state, contrast, needed_contrast } = output.camera;
     if state != CameraState::Clear {
         let state = state.name().replace('_', " ");
         facts.push(("camera", format!("{state}; contrast {contrast:.1}, needed {needed_contrast:.1}")));
         return facts;
-    }
-    if covered_share > 0.0 {
-        facts.push(("camera", format!("{:.0} % covered", 100.0 * covered_share)));
     }
     if let Some((followed, _)) = scene.followed() {
         let sigma = |axis: usize| followed.covariance[(axis, axis)].max(0.0).sqrt();

@@ -5,7 +5,7 @@
 
 use fingerpost_geometry::{Camera, Mount, View};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 
 use super::camera_motion::{CameraMotion, MotionFit};
@@ -52,11 +52,6 @@ impl Sightings {
     #[must_use]
     pub fn new(setting: SparseSetting) -> Self {
         Self { tracks: SparseTracks::new(setting), fit: MotionFit::default() }
-    }
-
-    /// Reads nothing out of these parts of the picture from now on.
-    pub(super) fn hide(&mut self, hidden: &HiddenParts) {
-        self.tracks.hide(hidden);
     }
 
     /// Takes in a frame: the motion since the one before with the rays that showed it; none where it cannot be told, and

@@ -7,7 +7,7 @@ use fingerpost_vision::colour::grey;
 use fingerpost_vision::corners::{Corner, CornerFinder};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::lucas_kanade::LucasKanade;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 use fingerpost_vision::pyramid::GreyPyramid;
 use nalgebra::Vector3;
 
@@ -67,8 +67,6 @@ pub(super) struct SparseTracks {
     corners: Vec<Corner>,
     pairs: Vec<RayPair>,
     seen: bool,
-    /// Where corners are those of what is fixed to the camera.
-    hidden: HiddenParts,
 }
 
 impl SparseTracks {
@@ -82,13 +80,7 @@ impl SparseTracks {
             corners: Vec::new(),
             pairs: Vec::new(),
             seen: false,
-            hidden: HiddenParts::default(),
         }
-    }
-
-    /// Follows no corners of these parts of the picture from now on.
-    pub(super) fn hide(&mut self, hidden: &HiddenParts) {
-        self.hidden.clone_from(hidden);
     }
 
     /// Takes in a frame: the rays of what was followed from the one before, none for the first.
@@ -126,7 +118,7 @@ impl SparseTracks {
     }
 
     fn follow(&mut self, camera: &Camera) {
-        let Self { setting, previous, current, corners, pairs, hidden, .. } = self;
+        let Self { setting, previous, current, corners, pairs, .. } = self;
         let tracker = LucasKanade { iterations: setting.iterations, least_strength: LEAST_STRENGTH };
         let scale = (1_u32 << setting.find_level) as f32;
         let ray = |place: [f32; 2]| {
@@ -136,13 +128,10 @@ impl SparseTracks {
         };
         for corner in corners.iter() {
             let from = [corner.x as f32 * scale, corner.y as f32 * scale];
-            if hidden.hides(from[0] as usize, from[1] as usize) {
-                continue;
-            }
             let Some(track) = tracker.track(previous, current, setting.follow_level, from, [0.0, 0.0]) else {
                 continue;
             };
-            if track.residual > MOST_RESIDUAL || hidden.hides(track.to[0] as usize, track.to[1] as usize) {
+            if track.residual > MOST_RESIDUAL {
                 continue;
             }
             if setting.check == BackCheck::All {

@@ -2,7 +2,7 @@
 
 use fingerpost_geometry::{Camera, View};
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 
 use super::AttitudeObservation;
 use super::sighting::Sightings;
@@ -34,11 +34,6 @@ impl AttitudeWatch {
             check: BackCheck::Off,
         };
         Self { sightings: Sightings::new(quick) }
-    }
-
-    /// Reads nothing out of these parts of the picture from now on.
-    pub fn hide(&mut self, hidden: &HiddenParts) {
-        self.sightings.hide(hidden);
     }
 
     /// Takes in a frame: what it says about the attitude of `camera` against its mount; none for the first frame, for one

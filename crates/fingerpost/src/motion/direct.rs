@@ -90,9 +90,6 @@ const CLEARLY_LESS: f64 = 0.95;
 /// Share of the distance by which a road's scale is off when it is not quite flat or the vehicle's load tilts the camera, one
 /// standard deviation.
 const SCALE_SIGMA: f64 = 0.015;
-/// Share of the way by which it may be off where road near by is covered: without it the picture shows the camera's pitch no better than
-/// to a row. It is what was asked of the distance; the lower third of 160 x 120 pixels has 0.08, and was off by up to 0.14.
-const MOST_OFF: f64 = 0.05;
 /// A shorter step does not tell how the path bends, metres.
 const LEAST_ARC_M: f64 = 0.05;
 /// No car turns tighter, 1/m.
@@ -302,31 +299,11 @@ impl MotionEstimator for DirectMotion {
         Ok(motion.map(|(motion, doubt)| (MotionOutput { motion, camera, doubt }, &self.evidence)))
     }
 
-    fn change_view(&mut self, view: &GroundView, before: &GroundPicture) -> Result<(), MotionError> {
-        self.patch = Patch::new(view, &self.config);
-        if let Some((last, patch)) = self.last.as_ref().zip(self.patch.as_mut()) {
-            patch.look_at(&before.grey)?;
-            patch.keep(curvature_per_m(&last.current_from_previous.inverse()));
-        }
-        Ok(())
-    }
-
-    fn has_region(&self, view: &GroundView) -> bool {
-        patch::region(view, &self.config).is_some() && share_per_row(view) < MOST_OFF
-    }
-
     fn reset(&mut self) {
         self.last = None;
         self.turn = TurnFilter::default();
         self.travel = SeenTravel::default();
     }
-}
-
-/// The share of its way by which a vehicle seems to go farther where the camera looks a row lower than it is known to: 2 p X / h
-/// ([`camera_turn`](super::camera_turn)), of the nearest road seen.
-fn share_per_row(view: &GroundView) -> f64 {
-    let ahead_m = view.nearest_part_seen_m() - view.viewpoint().foot.x;
-    2.0 * view.row_rad() * ahead_m / view.camera_height_m()
 }
 
 /// How the path bends, 1/m, positive to the left; straight when the vehicle hardly moves.

@@ -86,12 +86,6 @@ impl MountFilter {
         }
     }
 
-    /// A filter of the same camera that has seen nothing yet: what was seen was not of the road.
-    #[must_use]
-    pub fn restarted(&self) -> Self {
-        Self::new(&self.config, self.camera_ahead_m)
-    }
-
     /// Takes in what a frame shows. Frames without motion say nothing of the mount and leave it as it was.
     pub fn observe(&mut self, observation: &AttitudeObservation, motion: &Motion) -> MountEstimate {
         self.drift(observation.pitch_change);

@@ -1,7 +1,7 @@
 //! Ego-motion: how vehicle and camera moved, by the far scene, the road, the mount and the vehicle's bus.
 
 use fingerpost_geometry::Camera;
-use fingerpost_vision::picture::{HiddenParts, RgbImage};
+use fingerpost_vision::picture::RgbImage;
 
 use super::{PipelineError, Sensors, Stage};
 use crate::attitude::{AttitudeWatch, ObservedAngle};
@@ -62,33 +62,6 @@ impl Ego {
     /// Takes in how the vehicle moved to the last frame by a feature that is followed.
     pub(super) fn learn(&mut self, step: &FeatureStep) {
         self.motion.learn(step);
-    }
-
-    /// Reads nothing out of these parts of the picture from now on, without which the ground is as `view` shows it; `before` is the one
-    /// of the frame before, where that showed something.
-    ///
-    /// # Errors
-    /// [`PipelineError`] when pictures do not fit together.
-    pub(super) fn hide(
-        &mut self,
-        hidden: &HiddenParts,
-        view: &GroundView,
-        before: Option<&GroundPicture>,
-    ) -> Result<(), PipelineError> {
-        self.attitude.hide(hidden);
-        before.map_or(Ok(()), |before| self.motion.change_view(view, before))?;
-        Ok(())
-    }
-
-    /// Forgets what the picture has shown: a part of it was not the road, and was believed until now.
-    pub(super) fn forget(&mut self) {
-        self.motion.reset();
-        self.mount = self.mount.restarted();
-    }
-
-    /// Whether motion can be measured in what is left of a ground view.
-    pub(super) fn has_region(&self, view: &GroundView) -> bool {
-        self.motion.has_region(view)
     }
 
     /// Takes one frame in.

@@ -28,14 +28,6 @@ impl LaneWatch {
         Self { finder, departure: DepartureWarning::default() }
     }
 
-    /// Forgets the lane: what was seen of it was not its edges, or they end here.
-    pub(super) fn forget(&mut self) {
-        if let Some(finder) = &mut self.finder {
-            finder.reset();
-        }
-        self.departure = DepartureWarning::default();
-    }
-
     /// Looks for the lane in one frame of a vehicle that follows what `tracker` follows.
     ///
     /// # Errors
@@ -49,13 +41,14 @@ impl LaneWatch {
         output: &mut FrameOutput,
     ) -> Result<LaneFrame<'_>, LaneError> {
         output.departure = None;
+        let Some(finder) = &mut self.finder else { return Ok(LaneFrame::default()) };
         // Lanes end where the vehicle turns through a junction, and lines cross its way.
-        if self.finder.is_some() && tracker.turns_through(&output.track) {
-            self.forget();
+        if tracker.turns_through(&output.track) {
+            finder.reset();
+            self.departure = DepartureWarning::default();
             output.lane = None;
             return Ok(LaneFrame { turns_through: true, ..LaneFrame::default() });
         }
-        let Some(finder) = &mut self.finder else { return Ok(LaneFrame::default()) };
         let evidence = finder.find(camera, input, &mut output.lane)?;
         let on_road = output.lane.as_ref().filter(|_| output.mount.is_some()).map(Lane::on_road);
         let (departure, departure_evidence) = on_road

@@ -313,10 +313,6 @@ impl BeliefTracker {
 }
 
 impl FeatureTracker for BeliefTracker {
-    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
-        self.view_m[0] = nearest_seen_m;
-    }
-
     fn stops(&self) -> &[RouteStop] {
         &self.stops
     }

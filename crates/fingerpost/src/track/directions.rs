@@ -150,12 +150,6 @@ fn sighting(stops: &[RouteStop], found: &Followed, tracker: &Tracker) -> Option<
 }
 
 impl FeatureTracker for Directions {
-    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
-        for Hypothesis { tracker, .. } in &mut self.hypotheses {
-            tracker.set_nearest_seen_m(nearest_seen_m);
-        }
-    }
-
     fn stops(&self) -> &[RouteStop] {
         &self.stops
     }

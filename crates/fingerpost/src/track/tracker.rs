@@ -236,10 +236,6 @@ fn step_by(before: Option<AtHand>, now: Option<AtHand>) -> Option<FeatureStep> {
 }
 
 impl FeatureTracker for Tracker {
-    fn set_nearest_seen_m(&mut self, nearest_seen_m: f64) {
-        self.nearest_seen_m = nearest_seen_m;
-    }
-
     fn stops(&self) -> &[RouteStop] {
         &self.stops
     }

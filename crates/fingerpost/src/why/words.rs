@@ -363,7 +363,7 @@ pub(super) struct CameraWords<'a>(pub(super) &'a CameraEvidence);
 
 impl Display for CameraWords<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let CameraEvidence { state, contrast, needed_contrast, covered_share } = *self.0;
+        let CameraEvidence { state, contrast, needed_contrast } = *self.0;
         match state {
             CameraState::Clear => return f.write_str("the camera shows the road"),
             CameraState::Frozen => {
@@ -373,14 +373,6 @@ impl Display for CameraWords<'_> {
                 );
             }
             CameraState::Black => f.write_str("the camera is black: ")?,
-            CameraState::NoContrast if contrast >= needed_contrast => {
-                return write!(
-                    f,
-                    "the camera shows no road: {:.0} % of its picture does not move with the rest, as if it were covered, so nothing \
-                     is looked for and the motion is not known",
-                    100.0 * covered_share
-                );
-            }
             CameraState::NoContrast => {
                 f.write_str("the camera shows nothing, as if it were covered, fogged or dazzled: ")?;
             }

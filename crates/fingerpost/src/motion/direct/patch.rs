@@ -71,12 +71,17 @@ impl Patch {
         let viewpoint = view.viewpoint();
         let scale = grid.metres_per_pixel();
         let pixels = |length_m: f64| (length_m / scale).round() as usize;
-        let finest = finest_level(&grid);
+        let finest = libm::log2(FINEST_M / scale).ceil().max(0.0) as usize;
         let coarsest = (libm::log2(COARSEST_M / scale).floor().max(0.0) as usize).max(finest);
 
-        let region = region(view, config)?;
-        let (left, top) = (region.x, region.y);
-        let (right, bottom) = (left + region.width, top + region.height);
+        let bottom = pixels(grid.far_m() - view.nearest_seen_m()).min(grid.rows());
+        let (middle, half) = (grid.columns() / 2, pixels(0.5 * config.width_m));
+        let (left, right) = (middle.saturating_sub(half), (middle + half).min(grid.columns()));
+        let top = bottom.saturating_sub(pixels(config.length_m));
+        let region = Rect { x: left, y: top, width: right - left, height: bottom - top };
+        if region.width.min(region.height) >> finest < MIN_SIDE_PX {
+            return None;
+        }
         // Levels correspond pixel by pixel when the area starts at a multiple of the coarsest pixel.
         let (margin, step) = (pixels(MARGIN_M), 1 << coarsest);
         let down = |at: usize| at.saturating_sub(margin) / step * step;
@@ -158,23 +163,6 @@ impl Patch {
             level.template.choose(&level.grey, level.region, level.cell_px, &corridor);
         }
     }
-}
-
-/// The part of the ground view in which template points are chosen; `None` when the view shows too little.
-pub(super) fn region(view: &GroundView, config: &DirectMotionConfig) -> Option<Rect> {
-    let grid = view.grid();
-    let pixels = |length_m: f64| (length_m / grid.metres_per_pixel()).round() as usize;
-    let bottom = pixels(grid.far_m() - view.nearest_part_seen_m()).min(grid.rows());
-    let (middle, half) = (grid.columns() / 2, pixels(0.5 * config.width_m));
-    let (left, right) = (middle.saturating_sub(half), (middle + half).min(grid.columns()));
-    let top = bottom.saturating_sub(pixels(config.length_m));
-    let region = Rect { x: left, y: top, width: right - left, height: bottom - top };
-    (region.width.min(region.height) >> finest_level(grid) >= MIN_SIDE_PX).then_some(region)
-}
-
-/// Index of the finest level that is aligned.
-fn finest_level(grid: &GroundGrid) -> usize {
-    libm::log2(FINEST_M / grid.metres_per_pixel()).ceil().max(0.0) as usize
 }
 
 fn cut(mask: &Plane<u8>, area: Rect) -> Plane<u8> {
