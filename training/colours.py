@@ -5,11 +5,9 @@ import glob
 import os
 
 import numpy as np
-import torch
 from PIL import Image
 
 from labelled import log_odds, prepared
-from network import inputs
 from pictures import PAINT, ROAD, VOID
 
 BINS = 24

@@ -71,6 +71,7 @@ mod tests {
         assert_eq!(same("a"), same("another"));
         assert_eq!(same("a"), "fingerpost run drive --start-m -5");
     }
+
     #[test]
     fn a_piece_of_an_address_is_quoted_in_no_message() {
         let words = ["fp", "run", "rtsp://me:a/", "b", "c@camera/1", "d.mp4"];

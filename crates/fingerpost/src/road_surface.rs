@@ -377,11 +377,11 @@ pub enum RoadError {
     /// The weights of the network are damaged.
     #[error("road_surface: {0}")]
     Weights(#[from] RoadNetworkError),
-    /// The numbers that join the drive's colours to the network are missing or not finite.
+    /// What network and colours count is not finite.
     #[error(
-        "road_surface: the road network's file does not end with three finite numbers that join colours to it; write it anew"
+        "road_surface: the road network's file does not end with three finite numbers, what network and colours count and an offset; write it anew"
     )]
-    Joining,
+    EvidenceWeights,
     /// A user's network is asked for, and none was given.
     #[error(
         "road_surface asks for \"onnx\" and this program runs no networks: build it with `--features onnx`, or choose another \

@@ -40,9 +40,9 @@ impl NetworkOutput {
     }
 }
 
-/// What the log-odds of road are made of.
+/// What each piece of evidence counts in the log-odds of road.
 #[derive(Debug, Clone, Copy)]
-struct Joining {
+struct EvidenceWeights {
     /// What the network's log-odds count.
     network: f32,
     /// What those of the drive's colours count.
@@ -54,7 +54,7 @@ struct Joining {
 pub struct Network {
     network: RoadNetwork,
     colours: DriveColours,
-    joining: Joining,
+    evidence_weights: EvidenceWeights,
     /// Log-odds of road in the network's steps, as bytes without a sign; 0 is none.
     odds: Plane<u8>,
     reduced: ReducedFrame,
@@ -65,10 +65,10 @@ pub struct Network {
 /// What stands for even odds.
 const EVEN: u8 = 128;
 
-/// Bytes of a [`Joining`] at the end of a file.
-const JOINING_BYTES: usize = 12;
+/// Bytes of [`EvidenceWeights`] at the end of a file.
+const EVIDENCE_WEIGHTS_BYTES: usize = 12;
 
-impl Joining {
+impl EvidenceWeights {
     fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (numbers, []) = bytes.as_chunks() else { return None };
         let [network, colours, offset] = *numbers else { return None };
@@ -92,11 +92,11 @@ impl Network {
     /// log-odds of road count, what those of the drive's colours count, and an offset.
     ///
     /// # Errors
-    /// [`RoadError::Weights`] when the bytes are no such file.
+    /// [`RoadError::Weights`] when the bytes are no such file, [`RoadError::EvidenceWeights`] when one of the three is not finite.
     pub fn from_bytes(weights: &[u8]) -> Result<Self, RoadError> {
-        let (weights, joining) = weights.split_at(weights.len().saturating_sub(JOINING_BYTES));
+        let (weights, last) = weights.split_at(weights.len().saturating_sub(EVIDENCE_WEIGHTS_BYTES));
         let network = RoadNetwork::from_bytes(weights)?;
-        let joining = Joining::from_bytes(joining).ok_or(RoadError::Joining)?;
+        let evidence_weights = EvidenceWeights::from_bytes(last).ok_or(RoadError::EvidenceWeights)?;
         let (width, height) = network.logit_size();
         let probability = |byte: u8| {
             let log_odds = (f64::from(byte) - f64::from(EVEN)) / f64::from(LOGIT_STEPS);
@@ -106,7 +106,14 @@ impl Network {
         (0..=u8::MAX).zip(&mut table).for_each(|(byte, entry)| *entry = probability(byte));
         let odds = Plane::new(width, height, 0);
         let colours = DriveColours::new();
-        Ok(Self { network, colours, joining, odds, reduced: ReducedFrame::default(), probability: table })
+        Ok(Self {
+            network,
+            colours,
+            evidence_weights,
+            odds,
+            reduced: ReducedFrame::default(),
+            probability: table,
+        })
     }
 
     /// With the weights that come with the program.
@@ -135,7 +142,7 @@ impl RoadDetector for Network {
             for y in 0..road.height() {
                 let logits = road.row(y).iter().zip(self.colours.row(y));
                 for (byte, (&logit, added)) in self.odds.row_mut(y).iter_mut().zip(logits) {
-                    *byte = self.joining.byte(logit, added);
+                    *byte = self.evidence_weights.byte(logit, added);
                 }
             }
         }

@@ -23,8 +23,8 @@ fn layer(inputs: usize, outputs: usize, at: Option<usize>, bias: i32, scale: f32
     bytes
 }
 
-/// A network to which red is road, and all else is none, joined to the drive's colours as given.
-fn red_is_road(joining: [f32; 3]) -> Network {
+/// A network to which red is road, and all else is none, network, colours and offset weighted as given.
+fn red_is_road(evidence_weights: [f32; 3]) -> Network {
     let mut bytes = b"FPROAD01".to_vec();
     let mut numbers = |numbers: &[u32]| bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
     numbers(&[64, 48]);
@@ -47,7 +47,7 @@ fn red_is_road(joining: [f32; 3]) -> Network {
     }
     // From -120 to 120 sixteenths.
     bytes.extend(layer(CHANNELS, 2, Some(0), -127 * 127 / 2, 240.0 / (127.0 * 127.0), &[]));
-    bytes.extend(joining.map(f32::to_le_bytes).as_flattened());
+    bytes.extend(evidence_weights.map(f32::to_le_bytes).as_flattened());
     Network::from_bytes(&bytes).unwrap()
 }
 
@@ -57,20 +57,25 @@ fn picture() -> RgbImage {
     RgbImage::from_vec(64, 48, row.repeat(48)).unwrap()
 }
 
+/// Road is wanted in a camera picture whose horizon is at a third.
+fn in_camera<'a>(picture: &'a GroundPicture, validity: &'a ValidityMask) -> RoadInput<'a> {
+    RoadInput {
+        picture,
+        validity,
+        sample: Rect { x: 0, y: 20, width: 16, height: 10 },
+        perspective: Perspective::Camera { horizon_row: 16.0 },
+        motion: None,
+        height: None,
+    }
+}
+
 #[test]
 fn what_the_network_finds_is_laid_over_the_camera_picture() {
     let picture = GroundPicture { colour: picture(), ..GroundPicture::new(64, 48, BINS) };
     let mut seen = Plane::new(64, 48, 1_u8);
     seen.row_mut(10).fill(0);
     let validity = ValidityMask::from_plane(seen);
-    let input = RoadInput {
-        picture: &picture,
-        validity: &validity,
-        sample: Rect { x: 0, y: 20, width: 16, height: 10 },
-        perspective: Perspective::Camera { horizon_row: 16.0 },
-        motion: None,
-        height: None,
-    };
+    let input = in_camera(&picture, &validity);
     let (mut network, mut found) = (red_is_road([1.0, 0.0, 0.0]), Plane::default());
     let evidence = network.estimate(input, &mut found).unwrap();
     let row = found.row(30);
@@ -127,16 +132,9 @@ fn the_weights_that_come_with_the_program_are_a_network_with_all_outputs() {
 fn colours_count_what_the_file_says() {
     let picture = GroundPicture { colour: picture(), ..GroundPicture::new(64, 48, BINS) };
     let validity = ValidityMask::all_seen(64, 48);
-    let input = RoadInput {
-        picture: &picture,
-        validity: &validity,
-        sample: Rect { x: 0, y: 20, width: 16, height: 10 },
-        perspective: Perspective::Camera { horizon_row: 16.0 },
-        motion: None,
-        height: None,
-    };
-    let found = |joining| {
-        let (mut network, mut found) = (red_is_road(joining), Plane::default());
+    let input = in_camera(&picture, &validity);
+    let found = |evidence_weights| {
+        let (mut network, mut found) = (red_is_road(evidence_weights), Plane::default());
         network.estimate(input, &mut found).unwrap();
         [found.get(10, 40), found.get(54, 40)].map(Option::unwrap)
     };
@@ -147,4 +145,7 @@ fn colours_count_what_the_file_says() {
     assert!(found([0.1, 0.0, 3.0])[1] > 200);
     let damaged = Network::from_bytes(&[NETWORK_WEIGHTS, &[0; 3]].concat()).err().unwrap();
     assert!(damaged.to_string().contains("bytes"), "{damaged}");
+    let (network, _) = NETWORK_WEIGHTS.split_last_chunk::<4>().unwrap();
+    let infinite = Network::from_bytes(&[network, &f32::INFINITY.to_le_bytes()].concat()).err().unwrap();
+    assert!(infinite.to_string().contains("finite"), "{infinite}");
 }
