@@ -3,6 +3,7 @@
 //! The arms' hues are those of Okabe and Ito ("Color universal design", 2008), which people with any colour vision can
 //! tell apart, lightened where they have to stand on dark asphalt.
 
+use fingerpost::road_surface::NetworkOutput;
 use fingerpost::track::State;
 use fingerpost_format::{FixStatus, TrackState};
 use fingerpost_locate::Status;
@@ -35,6 +36,14 @@ pub(crate) const SAMPLE: Rgb = [255, 255, 255];
 
 /// An edge of the lane.
 pub(crate) const LANE: Rgb = [190, 120, 255];
+
+/// What the network sees, what lies over the others last.
+pub(crate) const NETWORK_CLASSES: [(NetworkOutput, Rgb); 4] = [
+    (NetworkOutput::Road, [40, 200, 90]),
+    (NetworkOutput::Raised, [222, 90, 200]),
+    (NetworkOutput::Hidden, REJECTED),
+    (NetworkOutput::Paint, [255, 255, 255]),
+];
 
 const DRIVING_LINE: Rgb = [124, 224, 84];
 const APPROACH: Rgb = [86, 180, 233];

@@ -1,6 +1,7 @@
 //! Panels: one picture a stage, and all of them composed into one.
 
 mod camera;
+mod classes;
 mod compose;
 mod facts;
 mod flow;
@@ -15,6 +16,7 @@ use fingerpost_vision::picture::{Rect, RgbImage};
 use crate::draw::Canvas;
 use crate::palette;
 use crate::scene::Scene;
+use classes::Classes;
 use ground_plot::GroundPlot;
 
 pub use compose::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, compose};
@@ -38,7 +40,8 @@ pub struct StagePicture {
 /// The pictures of all stages of one frame.
 #[derive(Debug, Clone)]
 pub struct StagePictures {
-    /// In the order of the data: camera, lane steps where lanes are looked for, ground view, road surface, masks, flow.
+    /// In the order of the data: camera, the network's classes where it is asked, lane steps where lanes are looked for, ground view, road
+    /// surface, masks, flow.
     pub pictures: Vec<StagePicture>,
 }
 
@@ -47,6 +50,7 @@ impl StagePictures {
     pub fn draw(scene: &Scene<'_>) -> Self {
         let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
         let mut pictures = vec![stage("camera", camera::LEGEND, camera_picture(scene))];
+        pictures.extend(classes_picture(scene).map(|picture| stage("network", classes::LEGEND, picture)));
         pictures.extend(
             lane_steps_picture(scene).map(|picture| stage("lane steps", lane_steps::LEGEND, picture)),
         );
@@ -68,9 +72,22 @@ fn lane_steps_picture(scene: &Scene<'_>) -> Option<RgbImage> {
     Some(canvas.into_image())
 }
 
-fn camera_picture(scene: &Scene<'_>) -> RgbImage {
+fn classes_picture(scene: &Scene<'_>) -> Option<RgbImage> {
+    let classes = Classes::of(scene)?;
+    let area = camera_area(scene);
+    let mut canvas = Canvas::new(area.width, area.height, palette::BACKGROUND);
+    classes.draw(&mut canvas, area);
+    Some(canvas.into_image())
+}
+
+/// The area of a picture that shows the camera's.
+fn camera_area(scene: &Scene<'_>) -> Rect {
     let (width, height) = scene.picture.size();
-    let area = fitted((width, height), Rect { x: 0, y: 0, width: width.min(MAX_CAMERA_WIDTH_PX), height });
+    fitted((width, height), Rect { x: 0, y: 0, width: width.min(MAX_CAMERA_WIDTH_PX), height })
+}
+
+fn camera_picture(scene: &Scene<'_>) -> RgbImage {
+    let area = camera_area(scene);
     let mut canvas = Canvas::new(area.width, area.height, palette::BACKGROUND);
     camera::draw(&mut canvas, area, scene);
     canvas.into_image()

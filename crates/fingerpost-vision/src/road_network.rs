@@ -145,6 +145,23 @@ impl RoadNetwork {
         &self.picture
     }
 
+    /// The part of the picture that it looked at last; of no size before the first.
+    #[must_use]
+    pub fn part(&self) -> Rect {
+        self.resampler.as_ref().map_or(Rect { x: 0, y: 0, width: 0, height: 0 }, Resampler::part)
+    }
+
+    /// Column and row of the logits at a pixel of the picture that it looked at last, from the centre of the first; within their planes
+    /// where the pixel is in [`Self::part`].
+    #[must_use]
+    pub fn logit_place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let (part, (columns, rows)) = (self.part(), self.logit_size());
+        let place = |at: f64, from: usize, length: usize, to: usize| {
+            (at - from as f64 + 0.5) * to as f64 / length.max(1) as f64 - 0.5
+        };
+        [place(u, part.x, part.width, columns), place(v, part.y, part.height, rows)]
+    }
+
     /// Looks at a `part` of a picture.
     ///
     /// # Errors

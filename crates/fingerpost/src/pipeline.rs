@@ -10,6 +10,7 @@ use fingerpost_geometry::{Camera, GeometryError, View};
 use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
 use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::road_network::RoadNetwork;
 use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
@@ -127,6 +128,8 @@ pub struct FrameEvidence<'a> {
     pub surface: &'a RoadSurface,
     /// How it was found.
     pub road: RoadEvidence,
+    /// The network that looked at the frame; none of a detector that asks none.
+    pub network: Option<&'a RoadNetwork>,
     /// How the road's middle was found.
     pub centreline: &'a CentrelineEvidence,
     /// How the motion was found.
@@ -376,6 +379,7 @@ impl Pipeline {
             lane: output.lane.as_ref().zip(lanes.evidence),
             turns_through: lanes.turns_through,
             centreline: centreline_evidence,
+            by_colours: road.by_colours,
             departure: output.departure.as_ref(),
             fix: fix_evidence.as_ref(),
         }
@@ -391,6 +395,7 @@ impl Pipeline {
             height,
             surface,
             road,
+            network: self.detector.network(),
             centreline: centreline_evidence,
             motion: ego.motion_evidence,
             signals: signals.map(|_| ego.signals_evidence),

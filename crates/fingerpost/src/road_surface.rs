@@ -11,6 +11,7 @@ mod drive_colours;
 mod fused;
 mod height_joining;
 mod known_surfaces;
+mod looked_at;
 mod memory;
 mod named;
 mod network;
@@ -338,6 +339,9 @@ pub struct RoadEvidence {
     pub online: Option<OnlineEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
     pub memory: Option<MemoryEvidence>,
+    /// Share of the places below the horizon, 0 to 1, where the drive's own colours decided against the network alone; none for a
+    /// detector that does not join them.
+    pub by_colours: Option<f64>,
 }
 
 /// What became of a frame's sample of the assumed road.
@@ -445,7 +449,7 @@ pub trait RoadDetector: Send {
     }
 
     /// The network that looked at the last picture; none of a detector that asks none. Its logits say more than where road is, by
-    /// [`NetworkOutput`], at half the size of its own picture, which shows the whole frame.
+    /// [`NetworkOutput`], at [`RoadNetwork::logit_place`] of a pixel of the frame.
     fn network(&self) -> Option<&RoadNetwork> {
         None
     }

@@ -7,8 +7,8 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
     Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, Frames, Hundredths, LackWords,
-    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, SignalsWords, SoughtWords,
-    Threshold, TooTightWords, WaysWords,
+    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, RoadWords, SignalsWords,
+    SoughtWords, Threshold, TooTightWords, WaysWords,
 };
 use crate::camera_state::CameraEvidence;
 use crate::centreline::CentrelineEvidence;
@@ -46,6 +46,8 @@ pub(crate) struct Why<'a> {
     pub(crate) turns_through: bool,
     /// How the road's middle was found.
     pub(crate) centreline: &'a CentrelineEvidence,
+    /// Share of the places in which the drive's own colours decided what is road against the network, where these two did.
+    pub(crate) by_colours: Option<f64>,
     /// How the vehicle moves towards the lane's edges, where that is known.
     pub(crate) departure: Option<&'a DepartureOutput>,
     /// What was made of measurements of the vehicle's place, where there is a map.
@@ -84,6 +86,9 @@ impl Display for Why<'_> {
         }
         if let Some(evidence) = self.fix {
             write!(f, "{}", FixWords { evidence, stops: self.stops })?;
+        }
+        if let Some(share) = self.by_colours {
+            write!(f, "; {}", RoadWords { by_colours: share })?;
         }
         let Some((lane, evidence)) = self.lane else { return Ok(()) };
         let kept_frames = Side::BOTH.map(|side| lane.edge(side).map(|edge| edge.kept_frames));

@@ -9,6 +9,7 @@ use fingerpost_geometry::{Camera, Pixel, Polyline};
 use fingerpost_vision::picture::Rect;
 use nalgebra::{Isometry2, Point2};
 
+use super::classes::Classes;
 use crate::draw::{Canvas, Paint, TextSize};
 use crate::palette;
 use crate::scene::Scene;
@@ -16,7 +17,8 @@ use crate::scene::Scene;
 pub(crate) const LEGEND: &str = "Green ribbon: driving line at the vehicle's width. Circle: the feature's node with its \
     distance and P(F). Lines: the feature's arms in the colours of their masks, dashed where they take no part. \
     Violet: the lane's edges, paler where nothing new is seen; strokes across them: paint that was read, red where it does \
-    not fit; thin and dashed: straight lines considered, white ones kept.";
+    not fit; thin and dashed: straight lines considered, white ones kept. \
+    Orange: the road's edge by the network, as broad as it is in doubt.";
 
 /// Step at which lines on the road are taken into the picture, metres; what lies between is straight to the eye.
 const STEP_M: f64 = 0.5;
@@ -25,7 +27,11 @@ const ARM_LENGTH_M: f64 = 25.0;
 
 /// Draws the camera's picture into `area`, which has its proportions.
 pub(crate) fn draw(canvas: &mut Canvas, area: Rect, scene: &Scene<'_>) {
-    canvas.picture(area, scene.picture.size(), |u, v| scene.picture.get(u, v).unwrap_or_default());
+    let size = scene.picture.size();
+    match Classes::of(scene) {
+        Some(classes) => canvas.picture(area, size, |u, v| classes.with_doubt(u, v)),
+        None => canvas.picture(area, size, |u, v| scene.picture.get(u, v).unwrap_or_default()),
+    }
     let lens = Lens { camera: &scene.setting.camera, area };
     canvas.clipped(area, |canvas| {
         lanes::draw(canvas, &lens, scene);

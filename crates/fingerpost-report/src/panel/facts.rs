@@ -106,6 +106,11 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
         let won = format!("; it wins {:.0} % of the road", 100.0 * bank.won_share);
         facts.push(("surface", if bank.road_share > 0.0 { words + &won } else { words }));
     }
+    if let Some(share) = road.by_colours {
+        let words =
+            format!("of this drive decided against the network in {:.0} % of the places", 100.0 * share);
+        facts.push(("colours", words));
+    }
     if let Some(memory) = &road.memory {
         let [seen, remembered, kept] =
             [memory.seen_share, memory.remembered_share, memory.kept].map(|share| 100.0 * share);

@@ -56,6 +56,7 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
             sample_probability: 0.0,
             ..RoadEvidence::default()
         },
+        network: None,
         centreline: &Default::default(),
         motion: None,
         signals: None,

@@ -57,6 +57,7 @@ impl Pipeline {
             lane: None,
             turns_through: false,
             centreline,
+            by_colours: None,
             departure: None,
             fix: fix_evidence.as_ref(),
         }
@@ -68,6 +69,7 @@ impl Pipeline {
             height: None,
             surface,
             road: RoadEvidence::default(),
+            network: None,
             centreline,
             motion: None,
             signals: signals.map(|_| signals_evidence),

@@ -1,17 +1,18 @@
 //! Road from the small network that comes with the program.
 //!
-//! [`RoadNetwork`] looks at the whole camera picture, stretched to its own size, and gives the log-odds of road, and of what else it
-//! was trained on, at half of that. What the drive's own colours say ([`DriveColours`]) is joined to those of road; as the two err
+//! [`RoadNetwork`] looks at the part of the camera picture that shows the ground wanted ([`LookedAt`]), stretched to its own size, and
+//! gives the log-odds of road, and of what else it was trained on, at half of that. What the drive's own colours say ([`DriveColours`]) is joined to those of road; as the two err
 //! together, both count what they count on simulated drives. The sum is interpolated into the picture that is asked for, and only
 //! then made a probability, so that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
 //!
 //! Limits: it was trained on simulated pictures alone (`training/`), and is least sure of what these lack; nothing finer than two of
 //! its own pixels is seen.
 
-use fingerpost_vision::picture::{Plane, Rect};
+use fingerpost_vision::picture::Plane;
 use fingerpost_vision::road_network::{LOGIT_STEPS, RoadNetwork};
 
 use super::drive_colours::DriveColours;
+use super::looked_at::LookedAt;
 use super::perspective::clear_unseen;
 use super::reduced_frame::{ReducedFrame, evidence_of_a_network};
 use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, RoadMethod};
@@ -57,6 +58,7 @@ pub struct Network {
     evidence_weights: EvidenceWeights,
     /// Log-odds of road in the network's steps, as bytes without a sign; 0 is none.
     odds: Plane<u8>,
+    looked_at: LookedAt,
     reduced: ReducedFrame,
     /// Probability of road by these bytes.
     probability: [u8; 256],
@@ -111,6 +113,7 @@ impl Network {
             colours,
             evidence_weights,
             odds,
+            looked_at: LookedAt::default(),
             reduced: ReducedFrame::default(),
             probability: table,
         })
@@ -131,27 +134,33 @@ impl RoadDetector for Network {
         input: RoadInput<'_>,
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
-        let frame = input.camera_picture();
-        let whole = Rect { x: 0, y: 0, width: frame.width(), height: frame.height() };
-        self.network.see(frame, whole)?;
+        let part = self.looked_at.part(&input);
+        self.network.see(input.camera_picture(), part)?;
+        let mut by_colours = None;
         if let Some(road) = self.network.logits(NetworkOutput::Road.index()) {
-            let rows_a_pixel = road.height() as f64 / frame.height() as f64;
-            let horizon = (input.vanishing_point().v + 0.5) * rows_a_pixel;
-            let first_row = horizon.ceil().clamp(0.0, road.height() as f64) as usize;
+            let horizon = input.vanishing_point();
+            let [_, row] = self.network.logit_place([horizon.u, horizon.v]);
+            let first_row = (row + 0.5).ceil().clamp(0.0, road.height() as f64) as usize;
             self.colours.learn(self.network.picture(), road, first_row);
+            let mut turned = 0;
             for y in 0..road.height() {
                 let logits = road.row(y).iter().zip(self.colours.row(y));
                 for (byte, (&logit, added)) in self.odds.row_mut(y).iter_mut().zip(logits) {
                     *byte = self.evidence_weights.byte(logit, added);
+                    let alone = self.evidence_weights.byte(logit, 0.0);
+                    turned += usize::from(y >= first_row && (*byte > EVEN) != (alone > EVEN));
                 }
             }
+            let places = road.width() * (road.height() - first_row);
+            by_colours = Some(turned as f64 / places.max(1) as f64);
         }
-        self.reduced.lay_into(&input, &self.odds, probability)?;
+        self.reduced.lay_into(&input, (part, &self.odds), probability)?;
         for byte in probability.as_mut_slice() {
             *byte = self.probability[usize::from(*byte)];
         }
         clear_unseen(input.validity, probability);
-        Ok(evidence_of_a_network(RoadMethod::Network.name(), &input, probability))
+        let evidence = evidence_of_a_network(RoadMethod::Network.name(), &input, probability);
+        Ok(RoadEvidence { by_colours, ..evidence })
     }
 
     fn network(&self) -> Option<&RoadNetwork> {

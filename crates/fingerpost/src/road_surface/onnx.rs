@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use fingerpost_vision::picture::{Plane, RgbImage};
+use fingerpost_vision::picture::{Plane, Rect, RgbImage};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -147,7 +147,9 @@ impl RoadDetector for Onnx {
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
         self.network.segment(input.camera_picture(), &mut self.found)?;
-        self.reduced.lay_into(&input, &self.found, probability)?;
+        let (width, height) = input.camera_picture().size();
+        let whole = Rect { x: 0, y: 0, width, height };
+        self.reduced.lay_into(&input, (whole, &self.found), probability)?;
         clear_unseen(input.validity, probability);
         Ok(evidence_of_a_network("onnx", &input, probability))
     }

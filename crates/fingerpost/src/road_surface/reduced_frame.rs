@@ -1,4 +1,4 @@
-//! What a network finds all over the camera's frame, at a size of its own, laid into the picture that is asked for.
+//! What a network finds in a part of the camera's frame, at a size of its own, laid into the picture that is asked for.
 
 use fingerpost_geometry::Pixel;
 use fingerpost_vision::error::PictureError;
@@ -8,7 +8,7 @@ use fingerpost_vision::warp::WarpTable;
 use super::perspective::KnownPerspective;
 use super::{RoadEvidence, RoadInput, SampleUse};
 
-/// Lays what stands for the whole frame into other pictures; its table is kept while the sizes and the perspective are.
+/// Lays what stands for a part of the frame into other pictures; its table is kept while the sizes and the perspective are.
 #[derive(Default)]
 pub(super) struct ReducedFrame {
     layout: Option<Layout>,
@@ -18,20 +18,22 @@ pub(super) struct ReducedFrame {
 struct Layout {
     perspective: KnownPerspective,
     frame: (usize, usize),
+    part: Rect,
     table: WarpTable,
 }
 
 impl ReducedFrame {
-    /// Fills `out`, which gets the size of the picture that is asked for, bilinearly; 0 where the frame does not show it.
+    /// Fills `out`, which gets the size of the picture that is asked for, bilinearly, from what was found in `part` of the frame; 0 where
+    /// the frame does not show it. Beyond the part its border goes on.
     pub(super) fn lay_into(
         &mut self,
         input: &RoadInput<'_>,
-        reduced: &Plane<u8>,
+        (part, reduced): (Rect, &Plane<u8>),
         out: &mut Plane<u8>,
     ) -> Result<(), PictureError> {
         let layout = match self.layout.take() {
-            Some(layout) if layout.serves(input, reduced) => layout,
-            _ => Layout::new(input, reduced)?,
+            Some(layout) if layout.serves(input, part, reduced) => layout,
+            _ => Layout::new(input, part, reduced)?,
         };
         let layout = self.layout.insert(layout);
         if out.size() != input.validity.size() {
@@ -43,21 +45,29 @@ impl ReducedFrame {
 }
 
 impl Layout {
-    fn new(input: &RoadInput<'_>, reduced: &Plane<u8>) -> Result<Self, PictureError> {
+    fn new(input: &RoadInput<'_>, part: Rect, reduced: &Plane<u8>) -> Result<Self, PictureError> {
         let frame = input.camera_picture().size();
-        let place = |place: f64, from: usize, to: usize| (place + 0.5) * to as f64 / from.max(1) as f64 - 0.5;
-        let reduced_from_frame =
-            |p: Pixel| [place(p.u, frame.0, reduced.width()), place(p.v, frame.1, reduced.height())];
+        let place = |at: f64, from: usize, length: usize, to: usize| {
+            (at - from as f64 + 0.5) * to as f64 / length.max(1) as f64 - 0.5
+        };
+        let reduced_from_frame = |p: Pixel| {
+            [
+                place(p.u, part.x, part.width, reduced.width()),
+                place(p.v, part.y, part.height, reduced.height()),
+            ]
+        };
         Ok(Self {
             perspective: KnownPerspective::of(input.perspective),
             frame,
+            part,
             table: input.table_from_reduced(reduced.size(), reduced_from_frame)?,
         })
     }
 
-    fn serves(&self, input: &RoadInput<'_>, reduced: &Plane<u8>) -> bool {
+    fn serves(&self, input: &RoadInput<'_>, part: Rect, reduced: &Plane<u8>) -> bool {
         self.perspective.is(input.perspective)
             && self.frame == input.camera_picture().size()
+            && self.part == part
             && self.table.source_size() == reduced.size()
             && self.table.target_size() == input.validity.size()
     }

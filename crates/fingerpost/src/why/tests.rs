@@ -21,6 +21,14 @@ fn the_lanes_edges_are_seen_kept_or_none() {
 }
 
 #[test]
+fn what_decided_where_road_is_is_said() {
+    let words = |by_colours| RoadWords { by_colours }.to_string();
+    assert_eq!(words(0.0), "the network decided what is road");
+    let joined = "the network decided what is road, in 7 % of the places the colours of this drive";
+    assert_eq!(words(0.068), joined);
+}
+
+#[test]
 fn a_departure_is_warned_of_or_its_silence_explained() {
     let words = |warning, silence| {
         let departure = DepartureOutput { warning, silence, ..DepartureOutput::default() };
@@ -89,6 +97,7 @@ fn feature_words(decision: Decision) -> String {
         lane: None,
         turns_through: false,
         centreline: &CentrelineEvidence::default(),
+        by_colours: None,
         departure: None,
         fix: None,
     };

@@ -25,6 +25,24 @@ fn kind_name(kind: FeatureKind) -> &'static str {
     }
 }
 
+/// What decided where road is as a sentence has it: the network, or the drive's own colours against it.
+pub(super) struct RoadWords {
+    /// Share of the places that the colours decided, 0 to 1.
+    pub(super) by_colours: f64,
+}
+
+impl Display for RoadWords {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("the network decided what is road")?;
+        let percent = 100.0 * self.by_colours;
+        if percent < 0.5 {
+            Ok(())
+        } else {
+            write!(f, ", in {percent:.0} % of the places the colours of this drive")
+        }
+    }
+}
+
 /// A camera that has been moved as a sentence has it.
 pub(super) struct MountFaultWords<'a>(pub(super) &'a MountFault);
 
