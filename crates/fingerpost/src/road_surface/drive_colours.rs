@@ -1,7 +1,7 @@
 //! The colours of road on this drive, learned from what the network is sure of.
 //!
 //! The network knows roads in general; what the road of today looks like shows in the places of which it is sure. So the colours of these
-//! places are counted, on the road and beside it, as much as it is sure of each, and every place gets the logarithm of the
+//! places are counted, on the road and beside it, as much as it is sure of each, and every pixel gets the logarithm of the
 //! ratio of what its colour has on either side (naive Bayes; as in the self-supervised detectors of H. Dahlkamp et al., 2006). The
 //! colours err together with the network that taught them: how much either counts beside the other was fitted on simulated drives and
 //! comes with the weights (`training/colours.py` has the same computation).
@@ -33,6 +33,8 @@ pub(super) struct DriveColours {
     smooth: [Vec<f32>; 2],
     spare: Vec<f32>,
     log_ratio: Vec<f32>,
+    /// The same weighed, in whole steps.
+    steps: Vec<i8>,
 }
 
 impl DriveColours {
@@ -56,6 +58,7 @@ impl DriveColours {
             smooth: [nothing.clone(), nothing.clone()],
             spare: nothing.clone(),
             log_ratio: nothing,
+            steps: vec![0; BINS * BINS * BINS],
         }
     }
 
@@ -97,9 +100,28 @@ impl DriveColours {
         }
     }
 
-    /// Log-odds that the colours of a row's places add, for even ones before, in the row's order.
-    pub(super) fn row(&self, y: usize) -> impl Iterator<Item = f32> {
-        self.colours.row(y).iter().map(|&colour| self.log_ratio[usize::from(colour)])
+    /// Makes ready what [`Self::steps`] gives: log-odds that colours add, times `steps`.
+    pub(super) fn weigh(&mut self, steps: f32) {
+        for (weighed, ratio) in self.steps.iter_mut().zip(&self.log_ratio) {
+            *weighed = (steps * ratio).round().clamp(-127.0, 127.0) as i8;
+        }
+    }
+
+    /// What a pixel's colour adds, as weighed last.
+    #[inline]
+    pub(super) fn steps(&self, pixel: [u8; 3]) -> i8 {
+        // A place has four pixels.
+        self.steps[self.colour(pixel.map(|level| 4 * usize::from(level)))]
+    }
+
+    /// The colour of a place with these sums of levels.
+    #[inline]
+    fn colour(&self, [red, green, blue]: [usize; 3]) -> usize {
+        let total = red + green + blue;
+        // From a sixth to a half: grey has a third of each.
+        let chromaticity = |part: usize| (72 * part / (total + 12)).clamp(12, 11 + BINS) - 12;
+        let brightness = usize::from(self.brightness[total.min(BRIGHTEST)]);
+        (chromaticity(red) * BINS + chromaticity(blue)) * BINS + brightness
     }
 
     /// Names the colour of each place of `size`: chromaticities of red and blue, and brightness, of its four pixels.
@@ -107,20 +129,17 @@ impl DriveColours {
         if self.colours.size() != (width, height) {
             self.colours.reset(width, height, 0);
         }
+        let mut colours = std::mem::take(&mut self.colours);
         for y in 0..height {
             let (above, below) = (picture.row(2 * y), picture.row(2 * y + 1));
             let fours = above.chunks_exact(6).zip(below.chunks_exact(6));
-            for (colour, (above, below)) in self.colours.row_mut(y).iter_mut().zip(fours) {
+            for (colour, (above, below)) in colours.row_mut(y).iter_mut().zip(fours) {
                 let sum =
                     |c: usize| [above[c], above[c + 3], below[c], below[c + 3]].map(usize::from).iter().sum();
-                let [red, green, blue]: [usize; 3] = [0, 1, 2].map(sum);
-                let total = red + green + blue;
-                // From a sixth to a half: grey has a third of each.
-                let chromaticity = |part: usize| (72 * part / (total + 12)).clamp(12, 11 + BINS) - 12;
-                let brightness = usize::from(self.brightness[total.min(BRIGHTEST)]);
-                *colour = ((chromaticity(red) * BINS + chromaticity(blue)) * BINS + brightness) as u16;
+                *colour = self.colour([0, 1, 2].map(sum)) as u16;
             }
         }
+        self.colours = colours;
     }
 }
 

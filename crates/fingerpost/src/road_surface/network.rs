@@ -1,9 +1,9 @@
 //! Road from the small network that comes with the program.
 //!
 //! [`RoadNetwork`] looks at the part of the camera picture that shows the ground wanted ([`LookedAt`]), stretched to its own size, and
-//! gives the log-odds of road, and of what else it was trained on, at half of that. What the drive's own colours say ([`DriveColours`]) is joined to those of road; as the two err
-//! together, both count what they count on simulated drives. The sum is interpolated into the picture that is asked for, and only
-//! then made a probability, so that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
+//! gives the log-odds of road, and of what else it was trained on, at half of that. These are interpolated into the picture that is asked for, where what the colour of each pixel says
+//! ([`DriveColours`]) is added to those of road, so that an edge is as sharp as its colours are; as the two err together, both count what they
+//! count on simulated drives. Only then are they made probabilities, so that an edge stays where the odds are even. `docs/src/method/road.md` has the network's equations.
 //!
 //! Limits: it was trained on simulated pictures alone (`training/`), and is least sure of what these lack; nothing finer than two of
 //! its own pixels is seen.
@@ -56,7 +56,7 @@ pub struct Network {
     network: RoadNetwork,
     colours: DriveColours,
     evidence_weights: EvidenceWeights,
-    /// Log-odds of road in the network's steps, as bytes without a sign; 0 is none.
+    /// Log-odds of road without the colours in the network's steps, as bytes without a sign; 0 is none.
     odds: Plane<u8>,
     looked_at: LookedAt,
     reduced: ReducedFrame,
@@ -82,10 +82,10 @@ impl EvidenceWeights {
         })
     }
 
-    /// Log-odds of road, in the network's steps from [`EVEN`], of one of its logits and what colours add to it.
-    fn byte(self, logit: i8, added: f32) -> u8 {
-        let joined = self.network * f32::from(logit) + LOGIT_STEPS * (self.colours * added + self.offset);
-        EVEN.wrapping_add_signed(joined.round().clamp(-127.0, 127.0) as i8)
+    /// Log-odds of road without the colours, in the network's steps from [`EVEN`], of one of its logits.
+    fn byte(self, logit: i8) -> u8 {
+        let weighted = self.network * f32::from(logit) + LOGIT_STEPS * self.offset;
+        EVEN.wrapping_add_signed(weighted.round().clamp(-127.0, 127.0) as i8)
     }
 }
 
@@ -119,6 +119,26 @@ impl Network {
         })
     }
 
+    /// Joins what the colours of the picture that is asked for add to log-odds in the network's steps, and makes them probabilities. Gives the
+    /// share of the places that may show road in which the colours decided against the network alone.
+    fn join_colours(&mut self, input: &RoadInput<'_>, probability: &mut Plane<u8>) -> f64 {
+        self.colours.weigh(LOGIT_STEPS * self.evidence_weights.colours);
+        let mut turned = 0;
+        for y in 0..probability.height() {
+            let pixels = input.picture.colour.row(y).as_chunks::<3>().0;
+            let row = probability.row_mut(y);
+            for run in input.validity.runs(y) {
+                let places = run.start..run.end;
+                for (place, &pixel) in row[places.clone()].iter_mut().zip(&pixels[places]) {
+                    let joined = place.saturating_add_signed(self.colours.steps(pixel)).max(1);
+                    turned += usize::from((*place > EVEN) != (joined > EVEN));
+                    *place = self.probability[usize::from(joined)];
+                }
+            }
+        }
+        turned as f64 / input.validity.seen().max(1) as f64
+    }
+
     /// With the weights that come with the program.
     ///
     /// # Errors
@@ -136,31 +156,22 @@ impl RoadDetector for Network {
     ) -> Result<RoadEvidence, RoadError> {
         let part = self.looked_at.part(&input);
         self.network.see(input.camera_picture(), part)?;
-        let mut by_colours = None;
         if let Some(road) = self.network.logits(NetworkOutput::Road.index()) {
             let horizon = input.vanishing_point();
             let [_, row] = self.network.logit_place([horizon.u, horizon.v]);
             let first_row = (row + 0.5).ceil().clamp(0.0, road.height() as f64) as usize;
             self.colours.learn(self.network.picture(), road, first_row);
-            let mut turned = 0;
             for y in 0..road.height() {
-                let logits = road.row(y).iter().zip(self.colours.row(y));
-                for (byte, (&logit, added)) in self.odds.row_mut(y).iter_mut().zip(logits) {
-                    *byte = self.evidence_weights.byte(logit, added);
-                    let alone = self.evidence_weights.byte(logit, 0.0);
-                    turned += usize::from(y >= first_row && (*byte > EVEN) != (alone > EVEN));
+                for (byte, &logit) in self.odds.row_mut(y).iter_mut().zip(road.row(y)) {
+                    *byte = self.evidence_weights.byte(logit);
                 }
             }
-            let places = road.width() * (road.height() - first_row);
-            by_colours = Some(turned as f64 / places.max(1) as f64);
         }
         self.reduced.lay_into(&input, (part, &self.odds), probability)?;
-        for byte in probability.as_mut_slice() {
-            *byte = self.probability[usize::from(*byte)];
-        }
+        let by_colours = self.join_colours(&input, probability);
         clear_unseen(input.validity, probability);
         let evidence = evidence_of_a_network(RoadMethod::Network.name(), &input, probability);
-        Ok(RoadEvidence { by_colours, ..evidence })
+        Ok(RoadEvidence { by_colours: Some(by_colours), ..evidence })
     }
 
     fn network(&self) -> Option<&RoadNetwork> {

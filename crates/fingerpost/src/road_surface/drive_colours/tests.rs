@@ -12,8 +12,12 @@ fn scene(road: [i8; 2]) -> (RgbImage, Plane<i8>) {
     (picture, logits)
 }
 
+fn row(colours: &DriveColours, y: usize) -> impl Iterator<Item = f32> {
+    colours.colours.row(y).iter().map(|&colour| colours.log_ratio[usize::from(colour)])
+}
+
 fn at(colours: &DriveColours, x: usize) -> f32 {
-    colours.row(11).nth(x).unwrap()
+    row(colours, 11).nth(x).unwrap()
 }
 
 #[test]
@@ -30,6 +34,18 @@ fn what_the_network_is_sure_of_teaches_the_rest() {
     colours.forget();
     colours.learn(&picture, &unsure, 4);
     assert!(at(&colours, 2).abs() < 1e-6 && at(&colours, 13).abs() < 1e-6);
+}
+
+#[test]
+fn a_pixel_adds_what_places_of_its_colour_have_in_steps() {
+    let mut colours = DriveColours::new();
+    let (picture, sure) = scene([60, -60]);
+    colours.learn(&picture, &sure, 4);
+    colours.weigh(2.0);
+    for (pixel, x) in [([90, 90, 95], 2), ([60, 110, 50], 13)] {
+        let expected = (2.0 * at(&colours, x)).round();
+        assert_eq!(f32::from(colours.steps(pixel)), expected);
+    }
 }
 
 #[test]
@@ -62,7 +78,7 @@ fn logits_at_the_ends_and_colours_at_the_ends_have_their_bins() {
         let mut logits = Plane::new(2, 2, i8::MIN);
         logits.row_mut(1).fill(i8::MAX);
         colours.learn(&picture, &logits, 0);
-        assert!(colours.row(0).all(f32::is_finite));
+        assert!(row(&colours, 0).all(f32::is_finite));
     }
 }
 
@@ -82,7 +98,7 @@ fn it_is_what_the_training_computes() {
         let mut road = Plane::new(24, 16, 0);
         road.as_mut_slice().iter_mut().zip(logits).for_each(|(to, &from)| *to = from.cast_signed());
         colours.learn(&picture, &road, 5);
-        let found = (0..16).flat_map(|y| colours.row(y).collect::<Vec<_>>());
+        let found = (0..16).flat_map(|y| row(&colours, y).collect::<Vec<_>>());
         for (found, expected) in found.zip(added.as_chunks().0) {
             let expected = f32::from_le_bytes(*expected);
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");

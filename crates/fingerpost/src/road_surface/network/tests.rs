@@ -1,6 +1,6 @@
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount};
 use fingerpost_vision::colour::HueSaturationBins;
-use fingerpost_vision::picture::{RgbImage, ValidityMask};
+use fingerpost_vision::picture::{Rect, RgbImage, ValidityMask};
 use nalgebra::Point2;
 
 use super::*;
