@@ -28,7 +28,7 @@ use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::examples::examples;
-use crate::gps::GpsTrack;
+use crate::gps_track::GpsTrack;
 use crate::interrupt::Preparation;
 use crate::{facts, inputs, output, output_path, simulate, version};
 

@@ -21,6 +21,7 @@ mod examples;
 mod facts;
 mod frame_choice;
 mod gps;
+mod gps_track;
 mod inputs;
 mod interrupt;
 mod licences;
