@@ -258,6 +258,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let Some(map) = &args.map {
         let graph = inputs::road_graph(map, args.limit)?;
         let near = start_check::near_place(&graph, args.near)?;
+        let positions: Vec<LatLon> = gps.iter().flat_map(GpsFeed::positions).collect();
+        start_check::check_on_map(&graph, &positions)?;
         driver = driver.locating_on(&graph, near);
         roads = Some(graph);
     }
