@@ -19,6 +19,9 @@ use crate::{facts, output};
 pub(crate) fn frames(input: &str, options: &SourceOptions) -> Result<FrameSource> {
     let source = FrameSource::open(input, options)?;
     let fps = source.unsampled_fps();
+    if let Some(doubt) = source.times_doubt() {
+        output::message(&format!("{input}: {doubt}"));
+    }
     match source.clock() {
         FrameClock::Guessed => output::message(&format!(
             "{input} does not say when its frames were taken, nor at which rate: {fps} a second is a guess, and speeds go wrong with it; \
