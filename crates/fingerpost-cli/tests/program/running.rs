@@ -188,7 +188,8 @@ fn gps_times_choose_the_frames() {
     // A start that the track contradicts is said; which of the two is right is not.
     let line = format!("{line}/apart --frames 2 --gps {}", track.display());
     let apart = call_line(&format!("{line} --start-m 100")).done();
-    assert!(apart.stderr.contains("one of them is wrong"), "{}", apart.stderr);
+    assert_eq!(apart.stderr.matches("one of them is wrong").count(), 1, "{}", apart.stderr);
+    assert!(summary(&folder.path().join("apart")).drive.unwrap().remarks[0].contains("one of them is wrong"));
 }
 
 #[test]
