@@ -75,6 +75,10 @@ impl FromStr for Threads {
 /// Longest made-up road, metres: the simulator holds all of its surroundings.
 const LONGEST_COURSE_M: f64 = 19_000.0;
 
+/// Shortest drive on a made-up road, metres: the simulator drives one at the least, and the route's chords are a little shorter than the
+/// road that it is cut from.
+const SHORTEST_COURSE_M: f64 = 2.0;
+
 /// Length of the drive on a made-up road, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CourseLength(pub(crate) f64);
@@ -83,10 +87,11 @@ impl FromStr for CourseLength {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let length_m = text.parse().ok().filter(|length_m| (1.0..=LONGEST_COURSE_M).contains(length_m));
-        length_m
-            .map(Self)
-            .ok_or_else(|| format!("{text:?} is no length of a drive; give 1 to {LONGEST_COURSE_M} metres"))
+        let length_m =
+            text.parse().ok().filter(|length_m| (SHORTEST_COURSE_M..=LONGEST_COURSE_M).contains(length_m));
+        length_m.map(Self).ok_or_else(|| {
+            format!("{text:?} is no length of a drive; give {SHORTEST_COURSE_M} to {LONGEST_COURSE_M} metres")
+        })
     }
 }
 
@@ -231,7 +236,7 @@ mod tests {
         let absurd = ["0", "-1", "1000000", "18446744073709551616", "1e8", "-1e300", "inf", "NaN", "", "ten"];
         for text in absurd {
             assert!(text.parse::<Threads>().is_err_and(|error| error.contains("1 to 512")), "{text}");
-            assert!(text.parse::<CourseLength>().is_err_and(|error| error.contains("1 to 19000")), "{text}");
+            assert!(text.parse::<CourseLength>().is_err_and(|error| error.contains("2 to 19000")), "{text}");
             assert!(format!("{text}x480").parse::<PictureSize>().is_err(), "{text}");
         }
         for text in absurd.into_iter().chain(["86401", "0.09"]) {

@@ -106,7 +106,7 @@ pub(crate) fn demo(args: &DemoArgs) -> Result<()> {
         bail!("interrupted after {frames} frames; results so far are in {}", args.out.display());
     }
     let summary = summary?;
-    output::print_summary(&summary, &args.out);
+    output::print_summary(&summary, &[], &args.out);
     if args.json { output::print_json(&summary) } else { Ok(()) }
 }
 

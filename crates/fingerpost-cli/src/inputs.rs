@@ -9,7 +9,7 @@ use fingerpost_geometry::Camera;
 use fingerpost_io::{
     FfmpegPrograms, FrameClock, FrameSource, SourceOptions, StampFaults, read_camera, read_truth,
 };
-use fingerpost_map::{GpxPoint, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
+use fingerpost_map::{GpsLog, OsmData, RoadGraph, Route, parse_gps_log_within, read_route};
 use log::{Level, log_enabled};
 
 use crate::arguments::InputLimit;
@@ -19,6 +19,9 @@ use crate::{facts, output};
 pub(crate) fn frames(input: &str, options: &SourceOptions) -> Result<FrameSource> {
     let source = FrameSource::open(input, options)?;
     let fps = source.unsampled_fps();
+    if let Some(doubt) = source.times_doubt() {
+        output::message(&format!("{input}: {doubt}"));
+    }
     match source.clock() {
         FrameClock::Guessed => output::message(&format!(
             "{input} does not say when its frames were taken, nor at which rate: {fps} a second is a guess, and speeds go wrong with it; \
@@ -81,7 +84,7 @@ pub(crate) fn roads_of(osm: &OsmData, path: &Path) -> Result<RoadGraph> {
 }
 
 /// The positions of a GPX file or a receiver's log that takes no more than the limit; what is damaged in it is said.
-pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>> {
+pub(crate) fn gps_log(path: &Path, limit: InputLimit) -> Result<GpsLog> {
     let bytes = fingerpost_io::read_bytes_within(path, limit.bytes() as u64)?;
     let log = parse_gps_log_within(&bytes, limit.bytes()).with_context(|| path.display().to_string())?;
     if let Some(first) = &log.damaged.first {
@@ -99,7 +102,7 @@ pub(crate) fn gps_points(path: &Path, limit: InputLimit) -> Result<Vec<GpxPoint>
         ));
     }
     log::info!("{}: {} GPS positions", path.display(), log.points.len());
-    Ok(log.points)
+    Ok(log)
 }
 
 /// The truth of a drive.

@@ -19,7 +19,7 @@ use fingerpost_io::{
     FIXES_FILE, FolderKind, JsonLinesFile, OutputFolder, read_text_within, write_private_file,
 };
 use fingerpost_locate::{Fix, GpsEvidence, Locator, MotionSample, RISK, Traffic};
-use fingerpost_map::RoadGraph;
+use fingerpost_map::{LatLon, RoadGraph};
 use fingerpost_record::fix_status;
 use fingerpost_report::{LocatedDrive, LocatingInput, locating_html};
 
@@ -28,9 +28,9 @@ use self::motion_faults::FaultWatch;
 use self::tracks::Tracks;
 use crate::arguments::InputLimit;
 use crate::examples::examples;
-use crate::gps::GpsTrack;
+use crate::gps_track::GpsTrack;
 use crate::interrupt::Preparation;
-use crate::{facts, inputs, output, output_path, simulate, version};
+use crate::{facts, inputs, output, output_path, simulate, start_check, version};
 
 /// Find the vehicle on a map from its speed and yaw rate alone, without a start: every road either way is possible until bends,
 /// turns and distances leave one place. Each fix has a radius that the vehicle is within but for a stated risk, and says whether it
@@ -97,6 +97,8 @@ pub(crate) fn locate(args: &LocateArgs) -> Result<()> {
         None => None,
     };
     let mut gps = args.gps.as_deref().map(|path| GpsTrack::read(path, args.limit)).transpose()?;
+    let positions: Vec<LatLon> = gps.iter().flat_map(GpsTrack::positions).collect();
+    start_check::check_on_map(&graph, &positions)?;
     let interrupt = preparation.work_begins();
     let folder = OutputFolder::take(&args.out, FolderKind::Location)?;
     let mut fixes = JsonLinesFile::create(&folder.path().join(FIXES_FILE))?;

@@ -21,6 +21,7 @@ mod examples;
 mod facts;
 mod frame_choice;
 mod gps;
+mod gps_track;
 mod inputs;
 mod interrupt;
 mod licences;
@@ -75,7 +76,8 @@ use crate::verbosity::Verbosity;
     "run drive.mp4 --camera camera.toml --route route.geojson --out run"
 ))]
 struct Cli {
-    /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, a pipe, ffmpeg.
+    /// Longest time to wait for an input that gives nothing, seconds, 0.1 to 86400: a camera, a network stream, ffmpeg; a file
+    /// that comes through a pipe, in all.
     #[arg(long, value_name = "S", global = true, default_value_t = WaitingTime(DEFAULT_LONGEST_WAIT))]
     timeout_s: WaitingTime,
     #[command(flatten)]

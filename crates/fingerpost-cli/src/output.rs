@@ -88,11 +88,11 @@ fn drive_line(drive: &DriveSummary) -> String {
     )
 }
 
-/// A run in a few lines on standard error, and where to look.
-pub(crate) fn print_summary(summary: &Summary, out: &Path) {
+/// A run in a few lines on standard error, and where to look; without those of its remarks that were said before its first frame.
+pub(crate) fn print_summary(summary: &Summary, said: &[String], out: &Path) {
     if let Some(drive) = &summary.drive {
         message(&drive_line(drive));
-        drive.remarks.iter().for_each(|remark| message(remark));
+        drive.remarks.iter().filter(|remark| !said.contains(remark)).for_each(|remark| message(remark));
     }
     if !summary.features.is_empty() {
         message("kind       detected        arrived        max P(F)  place");

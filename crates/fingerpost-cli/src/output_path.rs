@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use fingerpost_format::camera_from_toml;
+use fingerpost_format::is_written_camera;
 use fingerpost_io::{
     FolderKind, file_keeps_inputs, folder_keeps_inputs, is_signed_png, read_bytes, remove_abandoned,
 };
@@ -38,7 +38,7 @@ impl FileKind {
         bytes.is_empty()
             || match self {
                 Self::Route => is_text(|text| read_route(text).is_ok()),
-                Self::Camera => is_text(|text| camera_from_toml(text).is_ok()),
+                Self::Camera => is_text(is_written_camera),
                 Self::Signals => is_text(|text| text.starts_with(CSV_HEAD)),
                 Self::Plot => is_text(is_surface_svg),
                 Self::Sheet => is_signed_png(bytes),

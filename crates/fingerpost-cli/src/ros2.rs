@@ -189,7 +189,7 @@ fn record(mut drive: RosDrive, mut recorder: Recorder, out: &Path) -> Result<()>
     if unused {
         bail!("none of the {frames} pictures that came could be used; the messages above say why");
     }
-    output::print_summary(&summary, out);
+    output::print_summary(&summary, &[], out);
     Ok(())
 }
 

@@ -80,8 +80,8 @@ pub(crate) fn route(args: &RouteArgs) -> Result<()> {
     let options = FeatureOptions::default();
     let route = match &args.gpx {
         Some(path) => {
-            let points = inputs::gps_points(path, args.limit)?;
-            let track: Vec<LatLon> = points.iter().map(|point| point.at).collect();
+            let log = inputs::gps_log(path, args.limit)?;
+            let track: Vec<LatLon> = log.points.iter().map(|point| point.at).collect();
             match_track(&graph, &track, &options).with_context(|| path.display().to_string())?
         }
         None => {

@@ -258,6 +258,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     if let Some(map) = &args.map {
         let graph = inputs::road_graph(map, args.limit)?;
         let near = start_check::near_place(&graph, args.near)?;
+        let positions: Vec<LatLon> = gps.iter().flat_map(GpsFeed::positions).collect();
+        start_check::check_on_map(&graph, &positions)?;
         driver = driver.locating_on(&graph, near);
         roads = Some(graph);
     }
@@ -268,6 +270,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     let used_px = [camera.width(), camera.height()].map(|side| side as u32);
     let made_from = made_from(args, &camera, route.as_ref(), roads.as_ref());
     let sampling = args.choice.record(used_px);
+    let said = remarks.clone();
     let subject = Subject { roads, sampling, made_from, remarks, ..driver.subject(setting)? };
     let recorder = Recorder::create(RunFolder::create(&args.out)?, subject, wishes, bar)?;
     let drive = RecordedDrive {
@@ -280,6 +283,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
         damaged: 0,
         broke_off: None,
         gave_out: None,
+        said,
     };
     drive.run(recorder, args, truth.as_deref())
 }
@@ -376,6 +380,8 @@ struct RecordedDrive {
     broke_off: Option<VideoError>,
     /// Why nothing more can be used of what the input still has or may have: it stalls, or goes on in another form.
     gave_out: Option<String>,
+    /// Remarks that were said before the first frame.
+    said: Vec<String>,
 }
 
 /// Frames of a run that are not what the camera saw.
@@ -468,7 +474,7 @@ impl RecordedDrive {
         } else if let Some(complaint) = complaint.filter(|_| dropped == 0) {
             output::message(&format!("{} has faults, but all its frames came ({complaint})", args.input));
         }
-        output::print_summary(&summary, &args.out);
+        output::print_summary(&summary, &self.said, &args.out);
         if args.json { output::print_json(&summary) } else { Ok(()) }
     }
 

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use fingerpost::fix::NearPlace;
 use fingerpost::progress::RouteProgressConfig;
 use fingerpost_geometry::Polyline;
-use fingerpost_map::{LatLon, RoadGraph, Route, TangentPlane};
+use fingerpost_map::{LatLon, OffRoad, RoadGraph, Route, TangentPlane};
 use nalgebra::Point2;
 
 use crate::arguments::Place;
@@ -26,6 +26,21 @@ pub(crate) fn near_place(roads: &RoadGraph, near: Option<Place>) -> Result<Optio
     let Some(Place(at)) = near else { return Ok(None) };
     roads.place_on_road(at).context("--near")?;
     Ok(Some(NearPlace { at, sigma_m: NEAR_SIGMA_M }))
+}
+
+/// Refuses a GPS track of which no position is on a road of the map.
+pub(crate) fn check_on_map(roads: &RoadGraph, gps: &[LatLon]) -> Result<()> {
+    let mut nearest: Option<OffRoad> = None;
+    for at in gps {
+        let Err(off_road) = roads.place_on_road(*at) else { return Ok(()) };
+        if nearest.is_none_or(|nearest| off_road.nearest_m < nearest.nearest_m) {
+            nearest = Some(off_road);
+        }
+    }
+    nearest.map_or(Ok(()), Err).context(
+        "the GPS track never comes to a road of the map; give the track and the map of this drive, or leave --gps out: its position \
+         nearest to a road",
+    )
 }
 
 /// Distance between places of a route at which positions are held against it, metres: a few lie within any gate.

@@ -296,6 +296,13 @@ pub fn points_to_toml(
     toml::to_string(&file).map_err(|cause| CameraFileError::Parse { cause: cause.to_string() })
 }
 
+/// Whether a text is a `camera.toml` as [`camera_to_toml`] and [`points_to_toml`] write it, but for blank lines at its end: not by
+/// hand, nor with comments that would be lost.
+pub fn is_written_camera(text: &str) -> bool {
+    let written = toml::from_str::<CameraFile>(text).ok().and_then(|file| toml::to_string(&file).ok());
+    camera_from_toml(text).is_ok() && written.is_some_and(|written| written.trim_end() == text.trim_end())
+}
+
 fn distortion_of(model: &str, coefficients: &[f64]) -> Result<Distortion, CameraFileError> {
     match model {
         "none" => Ok(Distortion::None),

@@ -30,7 +30,9 @@ mod tuning;
 mod tusimple;
 
 pub use advice::{AdviceRecord, FiredRuleRecord};
-pub use camera_file::{CameraFileError, camera_from_toml, camera_to_toml, mount_from_toml, points_to_toml};
+pub use camera_file::{
+    CameraFileError, camera_from_toml, camera_to_toml, is_written_camera, mount_from_toml, points_to_toml,
+};
 pub use camera_info::{CameraInfo, PictureKind};
 pub use camera_yaml::camera_from_yaml;
 pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};

@@ -4,7 +4,7 @@ use std::{
     fs::{self, File},
     io::{self, ErrorKind, Read},
     path::{Path, PathBuf},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use thiserror::Error;
@@ -109,7 +109,7 @@ pub fn read_text_within(path: &Path, most_bytes: u64) -> Result<String, FileErro
 /// The bytes of a file: up to 4 GB of one on a disk, 1 GB of a pipe, and 1 MB of a device.
 ///
 /// # Errors
-/// [`FileError::Read`] when it cannot be read or, being a pipe, gives nothing for the longest wait,
+/// [`FileError::Read`] when it cannot be read or, being a pipe, is waited for longer than the longest wait, in all,
 /// [`FileError::TooLong`] when it holds more.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     read_bytes_within(path, MOST_OF_A_FILE)
@@ -142,6 +142,16 @@ pub(crate) struct InputFile {
     file: File,
     /// For pipes and devices, which may have nothing to give yet.
     patience: Option<Patience>,
+    waits: Waits,
+}
+
+/// Which waits for a writer may take the longest wait.
+#[derive(Debug, Clone, Copy)]
+enum Waits {
+    /// Each: what is written comes as it is made, for as long as it is.
+    Each,
+    /// All together, so long until now: what is read is a whole, which a source that goes on bit by bit never gives.
+    Together(Duration),
 }
 
 impl InputFile {
@@ -160,7 +170,8 @@ impl InputFile {
             std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, flags as i32);
         }
         let file = options.read(true).open(path).map_err(FileError::reading(path))?;
-        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
+        let waits = Waits::Together(Duration::ZERO);
+        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)), waits })
     }
 
     /// How long it may give nothing, where it is a pipe or a device.
@@ -176,7 +187,32 @@ impl InputFile {
     pub(crate) fn standard_input() -> io::Result<Self> {
         let file = File::from(std::os::fd::AsFd::as_fd(&io::stdin()).try_clone_to_owned()?);
         let on_disk = file.metadata()?.is_file();
-        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)) })
+        Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)), waits: Waits::Each })
+    }
+
+    /// Waits until there is something to be read, or the end.
+    ///
+    /// # Errors
+    /// As [`Patience::until`].
+    #[cfg(unix)]
+    fn wait(&mut self) -> io::Result<()> {
+        let Some(patience) = &self.patience else { return Ok(()) };
+        let (began, longest) = (Instant::now(), patience.longest());
+        let before = if let Waits::Together(before) = self.waits { before } else { Duration::ZERO };
+        let mut has_asked = false;
+        patience.readable(&self.file, || {
+            let is_spent = has_asked && !before.is_zero() && before + began.elapsed() >= longest;
+            has_asked = true;
+            if is_spent {
+                let cause = format!("it has not ended after {} s of waiting for it", longest.as_secs_f64());
+                return Err(io::Error::new(ErrorKind::TimedOut, cause));
+            }
+            Ok(())
+        })?;
+        if let Waits::Together(waited) = &mut self.waits {
+            *waited += began.elapsed();
+        }
+        Ok(())
     }
 }
 
@@ -184,9 +220,7 @@ impl Read for InputFile {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             #[cfg(unix)]
-            if let Some(patience) = &self.patience {
-                patience.readable(&self.file, || Ok(()))?;
-            }
+            self.wait()?;
             match self.file.read(buffer) {
                 // Another reader was faster.
                 Err(cause) if cause.kind() == ErrorKind::WouldBlock && self.patience.is_some() => {}

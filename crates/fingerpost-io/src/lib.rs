@@ -73,6 +73,7 @@ pub use line_listener::{LineListener, LineListenerError, TimedLine, is_serial_po
 #[cfg(unix)]
 pub use lockstep::standard_feed;
 pub use lockstep::{FedFrame, FeedError, FrameFeed};
+pub use numbered_names::TimesDoubt;
 pub use output_folder::{OutputFolder, OutputFolderError};
 pub use picture_file::{
     EncodeError, PictureFileError, decode_picture, encode_png, read_picture, write_deep_png, write_grey_png,

@@ -3,7 +3,9 @@
 //! A point between digits is a decimal point or parts two counts: 1.9 comes before 1.10 as versions and drives are counted, and behind
 //! it as a number. It is a decimal point where the whole name is such a number, or where the digits behind it begin with a zero that
 //! counts are not written with; and it is none where the digits behind it are of different lengths and end in zeros, which numbers are
-//! not written with. Names that are of one length have the same order either way.
+//! not written with. Names that are of one length have the same order either way. A comma between digits is read as a point is.
+
+use thiserror::Error;
 
 /// Digits behind a decimal point that count: billionths.
 const FRACTION_DIGITS: usize = 9;
@@ -16,6 +18,91 @@ const STAMPS: [(usize, i128); 3] = [(13, 1_000_000), (16, 1000), (19, 1)];
 
 /// Middle step from time to time of a drive's pictures, nanoseconds: at 1000 to 0.01 a second, the rates that an input may have.
 const STEPS_NS: std::ops::RangeInclusive<i128> = 1_000_000..=100_000_000_000;
+
+/// Why pictures that are named by times have none.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum TimesDoubt {
+    /// Most of them are, and some are not.
+    #[error(
+        "{others} of the {pictures} pictures, {first} first, are not named by a time as the others are: their order is by name, and may be \
+         wrong; take out what is no picture of the drive, or give a times.txt"
+    )]
+    OtherNames {
+        /// The first that is not.
+        first: String,
+        /// How many are not.
+        others: usize,
+        /// How many there are.
+        pictures: usize,
+    },
+    /// Some have the time of another one.
+    #[error(
+        "{repeated} of the {pictures} pictures, {first} first, have the time of the picture before them in their names, so none of these times \
+         is used; take out what is there twice, or give a times.txt"
+    )]
+    Repeated {
+        /// The first that has.
+        first: String,
+        /// How many have.
+        repeated: usize,
+        /// How many there are.
+        pictures: usize,
+    },
+}
+
+impl TimesDoubt {
+    /// The doubt about pictures with these names, without their endings and in their order, of which the times are not known; none
+    /// where most of the names are no times at all.
+    pub(crate) fn of(stems: &[&str]) -> Option<Self> {
+        let pictures = stems.len();
+        if let Some(names) = NumberedNames::of(stems) {
+            let repeats: Vec<usize> = (1..pictures).filter(|&i| names.0[i] == names.0[i - 1]).collect();
+            let first = stems[*repeats.first()?].to_owned();
+            return names.are_plausible().then_some(Self::Repeated {
+                first,
+                repeated: repeats.len(),
+                pictures,
+            });
+        }
+        let numbers: Vec<Option<Number<'_>>> = stems.iter().map(|stem| Number::at_end_of(stem)).collect();
+        // Decimal numbers are alike in the letters before them, stamps in their length too, and times with and without zeros at
+        // their ends not.
+        let kinds: [fn(&Number<'_>) -> usize; 3] = [
+            |_| 0,
+            |number| number.whole.len(),
+            |number| usize::from(number.fraction.is_some_and(ends_in_zero)),
+        ];
+        // Counts behind a point may end in zeros; numbers that begin with zeros behind it are no counts.
+        let are_counts = !numbers.iter().flatten().any(|number| number.fraction.is_some_and(is_padded));
+        kinds.into_iter().take(if are_counts { 2 } else { 3 }).find_map(|kind| {
+            let kinds: Vec<Option<(&str, usize)>> =
+                numbers.iter().map(|number| number.map(|number| (number.letters, kind(&number)))).collect();
+            let most = majority(&kinds)?;
+            let alike: Vec<&str> =
+                stems.iter().zip(&kinds).filter(|(_, kind)| **kind == most).map(|(stem, _)| *stem).collect();
+            let mut times = NumberedNames::of(&alike)?;
+            times.0.sort_unstable();
+            times.times_s()?;
+            let other = kinds.iter().position(|kind| *kind != most)?;
+            let first = stems[other].to_owned();
+            Some(Self::OtherNames { first, others: pictures - alike.len(), pictures })
+        })
+    }
+}
+
+/// What more than half of them are; none where they are nothing, or no such half is.
+fn majority<T: Copy + PartialEq>(kinds: &[Option<T>]) -> Option<Option<T>> {
+    // Boyer and Moore: what is left when unlike ones are taken away in pairs.
+    let (mut most, mut left) = (None, 0);
+    for kind in kinds {
+        if left == 0 {
+            most = *kind;
+        }
+        left = if *kind == most { left + 1 } else { left - 1 };
+    }
+    let count = kinds.iter().filter(|kind| **kind == most).count();
+    (most.is_some() && 2 * count > kinds.len()).then_some(most)
+}
 
 /// Numbers that names end in, in billionths; of stamps they are nanoseconds.
 #[derive(Debug, PartialEq, Eq)]
@@ -44,11 +131,16 @@ impl NumberedNames {
     /// The numbers as times, seconds since the first; none where they do not rise, or not as a drive's pictures do.
     pub(crate) fn times_s(&self) -> Option<Vec<f64>> {
         let first = *self.0.first()?;
+        let rise = self.0.windows(2).all(|pair| pair[1] > pair[0]);
+        (rise && self.are_plausible())
+            .then(|| self.0.iter().map(|ns| (ns - first) as f64 / WHOLE as f64).collect())
+    }
+
+    /// Whether their middle step is one from picture to picture.
+    fn are_plausible(&self) -> bool {
         let mut steps: Vec<i128> = self.0.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_unstable();
-        let least = *steps.first()?;
-        let is_plausible = least > 0 && STEPS_NS.contains(&steps[steps.len() / 2]);
-        is_plausible.then(|| self.0.iter().map(|ns| (ns - first) as f64 / WHOLE as f64).collect())
+        steps.get(steps.len() / 2).is_some_and(|middle| STEPS_NS.contains(middle))
     }
 }
 
@@ -63,13 +155,13 @@ struct Number<'a> {
 impl<'a> Number<'a> {
     fn at_end_of(stem: &'a str) -> Option<Self> {
         let (rest, last) = split_digits(stem);
-        let before = rest.strip_suffix('.').map(split_digits).filter(|(_, whole)| !whole.is_empty());
+        let before = rest.strip_suffix(['.', ',']).map(split_digits).filter(|(_, whole)| !whole.is_empty());
         let (letters, whole, fraction) = match before {
             Some((letters, whole)) => (letters, whole, Some(last)),
             None => (rest, last, None),
         };
         // The largest stamp has nineteen digits.
-        let is_number = !last.is_empty() && whole.len() <= 19 && !letters.ends_with(['.', '-']);
+        let is_number = !last.is_empty() && whole.len() <= 19 && !letters.ends_with(['.', ',', '-']);
         is_number.then_some(Self { letters, whole, fraction })
     }
 
@@ -90,14 +182,22 @@ fn are_decimal(numbers: &[Number<'_>]) -> bool {
     let fractions = || numbers.iter().filter_map(|number| number.fraction);
     let length = fractions().next().map_or(0, str::len);
     let are_even = fractions().all(|fraction| fraction.len() == length);
-    let is_padded = |fraction: &str| fraction.len() > 1 && fraction.starts_with('0');
-    let ends_in_zero = |fraction: &str| fraction.len() > 1 && fraction.ends_with('0');
     let are_alone = numbers.iter().all(|number| number.letters.is_empty());
     if are_even {
         are_alone || fractions().any(is_padded)
     } else {
         !fractions().any(ends_in_zero) && (are_alone || fractions().any(is_padded))
     }
+}
+
+/// Whether digits behind a point begin as those of counts do not.
+fn is_padded(fraction: &str) -> bool {
+    fraction.len() > 1 && fraction.starts_with('0')
+}
+
+/// Whether digits behind a point end as those of numbers do not.
+fn ends_in_zero(fraction: &str) -> bool {
+    fraction.len() > 1 && fraction.ends_with('0')
 }
 
 /// A text and the digits at its end.
@@ -122,6 +222,7 @@ mod tests {
             ["102.05", "102.1", "102.15", "103.0"],
             ["99.95", "100", "100.05", "100.9"],
             ["left_0.05", "left_0.1", "left_0.15", "left_1"],
+            ["102,05", "102,1", "102,15", "103"],
             ["1305031102.050000", "1305031102.100000", "1305031102.150000", "1305031103.000000"],
         ] {
             let times = times_s(&stems).unwrap();
@@ -157,6 +258,31 @@ mod tests {
             &[],
         ] {
             assert_eq!(NumberedNames::of(stems), None, "{stems:?}");
+        }
+    }
+
+    #[test]
+    fn names_that_keep_others_from_being_times_are_doubted() {
+        let other = |first: &str, pictures| {
+            Some(TimesDoubt::OtherNames { first: first.to_owned(), others: 1, pictures })
+        };
+        for (stems, doubt) in [
+            (&["102.05", "102.1", "102.15", "cover"][..], other("cover", 4)),
+            (&["102.05", "102.1", "102.15", "left_103.5"], other("left_103.5", 4)),
+            (&["1403636579763", "1403636579813", "14036365798"], other("14036365798", 3)),
+            (&["102.1", "102.05", "102.10", "102.15"], other("102.10", 4)),
+            (
+                &["102.05", "102.05", "102.10", "102.15"],
+                Some(TimesDoubt::Repeated { first: "102.05".to_owned(), repeated: 1, pictures: 4 }),
+            ),
+            (&["102.05", "102.1", "102.15"], None),
+            (&["1", "2", "3", "cover"], None),
+            (&["1.8", "1.9", "1.10", "1.11"], None),
+            (&["102.05", "102.1", "a", "b"], None),
+            (&["a", "b", "c"], None),
+            (&[], None),
+        ] {
+            assert_eq!(TimesDoubt::of(stems), doubt, "{stems:?}");
         }
     }
 

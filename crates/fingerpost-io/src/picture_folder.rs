@@ -10,7 +10,7 @@ use fingerpost_format::{TimesError, parse_times};
 use thiserror::Error;
 
 use crate::file::{FileError, read_text};
-use crate::numbered_names::NumberedNames;
+use crate::numbered_names::{NumberedNames, TimesDoubt};
 
 /// Name of the file of times.
 pub(crate) const TIMES_FILE: &str = "times.txt";
@@ -75,8 +75,8 @@ pub(crate) enum PictureTimes {
     },
     /// Those that the pictures are named by.
     Names(Vec<f64>),
-    /// Nothing says them.
-    None,
+    /// Nothing says them; most of the names may be times all the same.
+    None(Option<TimesDoubt>),
 }
 
 impl PictureFolder {
@@ -99,7 +99,7 @@ impl PictureFolder {
         let times_file = times_files.into_iter().find(|path| path.exists());
         let times = match times_file {
             Some(path) => PictureTimes::File { times_s: read_times(&path, paths.len())?, path },
-            None => times_in_names(&paths).map_or(PictureTimes::None, PictureTimes::Names),
+            None => times_in_names(&paths),
         };
         Ok(Self { paths, times })
     }
@@ -149,13 +149,19 @@ fn files_ending_in(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, File
 }
 
 fn numbers_in_names(paths: &[PathBuf]) -> Option<NumberedNames> {
-    let stems: Option<Vec<&str>> = paths.iter().map(|path| path.file_stem()?.to_str()).collect();
-    NumberedNames::of(&stems?)
+    NumberedNames::of(&stems(paths)?)
 }
 
-/// The times that pictures are named by, where they are.
-fn times_in_names(paths: &[PathBuf]) -> Option<Vec<f64>> {
-    numbers_in_names(paths)?.times_s()
+/// Names without their endings; none where one is no text.
+fn stems(paths: &[PathBuf]) -> Option<Vec<&str>> {
+    paths.iter().map(|path| path.file_stem()?.to_str()).collect()
+}
+
+/// The times that pictures are named by, or why they are not.
+fn times_in_names(paths: &[PathBuf]) -> PictureTimes {
+    let times_s = numbers_in_names(paths).and_then(|numbers| numbers.times_s());
+    let doubt = || stems(paths).and_then(|stems| TimesDoubt::of(&stems));
+    times_s.map_or_else(|| PictureTimes::None(doubt()), PictureTimes::Names)
 }
 
 fn read_times(path: &Path, pictures: usize) -> Result<Vec<f64>, PictureFolderError> {

@@ -14,6 +14,7 @@ use crate::{
     decoders::{Decoded, threads_of_machine},
     ffmpeg::{FfmpegPrograms, VideoError},
     frame_clock::{FrameClock, VideoClock},
+    numbered_names::TimesDoubt,
     picture_file::PictureFileError,
     picture_folder::{PictureFolder, PictureFolderError, PictureTimes},
     picture_frames::PictureFrames,
@@ -120,6 +121,7 @@ pub struct FrameSource {
     input: Input,
     fps: f64,
     clock: FrameClock,
+    times_doubt: Option<TimesDoubt>,
     sampling: Sampling,
     /// Whether the input is under way.
     is_live: bool,
@@ -164,12 +166,13 @@ impl FrameSource {
         let path = Path::new(input);
         if path.is_dir() {
             let PictureFolder { paths, times } = PictureFolder::open(path)?;
-            let (clock, times_s) = match (times, options.fps) {
+            let (clock, times_s, times_doubt) = match (times, options.fps) {
                 (PictureTimes::File { path, .. }, Some(_)) => return Err(SourceError::RateOfTimed { path }),
-                (PictureTimes::File { times_s, .. }, None) => (FrameClock::Own, Some(times_s)),
-                (_, Some(_)) => (FrameClock::Given, None),
-                (PictureTimes::Names(times_s), None) => (FrameClock::Names, Some(times_s)),
-                (PictureTimes::None, None) => (FrameClock::Guessed, None),
+                (PictureTimes::File { times_s, .. }, None) => (FrameClock::Own, Some(times_s), None),
+                (PictureTimes::Names(times_s), None) => (FrameClock::Names, Some(times_s), None),
+                (PictureTimes::Names(_), Some(_)) => (FrameClock::Given, None, None),
+                (PictureTimes::None(doubt), Some(_)) => (FrameClock::Given, None, doubt),
+                (PictureTimes::None(doubt), None) => (FrameClock::Guessed, None, doubt),
             };
             let mean_fps = times_s.as_deref().and_then(mean_rate);
             let fps = mean_fps.or(options.fps).unwrap_or(DEFAULT_PICTURE_FPS);
@@ -177,7 +180,7 @@ impl FrameSource {
                 times_s.unwrap_or_else(|| (0..paths.len()).map(|index| index as f64 / fps).collect());
             let threads = options.threads.unwrap_or_else(threads_of_machine);
             let input = Input::Pictures(PictureFrames::new(paths, times_s, sampling, threads));
-            Ok(Self { input, fps, clock, sampling, is_live: false, ahead: VecDeque::new() })
+            Ok(Self { input, fps, clock, times_doubt, sampling, is_live: false, ahead: VecDeque::new() })
         } else if path.exists() || input.contains("://") {
             let pace = if options.live.holds(input) { Pace::Live(sampling) } else { Pace::Waits };
             let is_live = pace != Pace::Waits;
@@ -201,7 +204,7 @@ impl FrameSource {
             };
             let upcoming = Upcoming::new();
             let input = Input::Video { video, upcoming, next_index: 0, sampler, clock: video_clock };
-            Ok(Self { input, fps, clock, sampling, is_live, ahead: VecDeque::new() })
+            Ok(Self { input, fps, clock, times_doubt: None, sampling, is_live, ahead: VecDeque::new() })
         } else {
             Err(SourceError::NotFound { input: input.to_owned() })
         }
@@ -279,6 +282,11 @@ impl FrameSource {
     /// What the times of frames are from.
     pub fn clock(&self) -> FrameClock {
         self.clock
+    }
+
+    /// Why pictures of which most are named by times have none, and an order that may be wrong.
+    pub fn times_doubt(&self) -> Option<&TimesDoubt> {
+        self.times_doubt.as_ref()
     }
 
     /// What was wrong so far with the stamps that times are from.

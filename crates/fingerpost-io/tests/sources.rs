@@ -191,6 +191,23 @@ fn pictures_named_by_times_have_their_order_and_times() {
 }
 
 #[test]
+fn a_picture_that_keeps_the_others_names_from_being_times_is_named() {
+    for (more, said) in [
+        ("cover", "1 of the 4 pictures, cover first, are not named by a time"),
+        ("102.10", "102.10 first, are not named by a time"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["102.05", "102.1", "102.15", more] {
+            write_png(&folder.path().join(format!("{name}.png")), &picture(0)).unwrap();
+        }
+        let source = FrameSource::open(folder.path().to_str().unwrap(), &SourceOptions::default()).unwrap();
+        assert_eq!(source.clock(), FrameClock::Guessed);
+        let doubt = source.times_doubt().unwrap().to_string();
+        assert!(doubt.contains(said), "{doubt}");
+    }
+}
+
+#[test]
 fn an_input_that_is_not_there_says_what_may_be_meant() {
     for (input, said) in [
         ("0", "/dev/video0"),

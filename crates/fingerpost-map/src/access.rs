@@ -96,8 +96,19 @@ const CLOSED_BARRIERS: [&str; 37] = [
 ];
 
 /// The keys of a node that say whether cars pass its barrier.
-pub(crate) const BARRIER_KEYS: [&str; 6] =
-    ["barrier", "locked", "motorcar", "motor_vehicle", "vehicle", "access"];
+pub(crate) const BARRIER_KEYS: [&str; 11] = [
+    "barrier",
+    "locked",
+    "motorcar",
+    "motor_vehicle",
+    "vehicle",
+    "access",
+    "locked:conditional",
+    "motorcar:conditional",
+    "motor_vehicle:conditional",
+    "vehicle:conditional",
+    "access:conditional",
+];
 
 type Tags = BTreeMap<String, String>;
 
@@ -130,7 +141,10 @@ pub(crate) fn is_open(tags: &Tags, suffix: &str, unread: &mut Unread<'_>) -> Opt
 pub(crate) fn closes(tags: &Tags, unread: &mut Unread<'_>) -> bool {
     let tag = |key: &str| tags.get(key).map(String::as_str);
     let Some(barrier) = tag("barrier") else { return false };
-    if tag("locked") == Some("yes") {
+    for (key, value) in tags.iter().filter(|(key, _)| key.ends_with(":conditional")) {
+        unread(MapNoticeKind::Conditional, key, value);
+    }
+    if tag("locked").is_some_and(|locked| is_locked(locked, unread)) {
         return true;
     }
     if let Some(is_open) = is_open(tags, "", unread) {
@@ -140,4 +154,16 @@ pub(crate) fn closes(tags: &Tags, unread: &mut Unread<'_>) -> bool {
         unread(MapNoticeKind::Barrier, "barrier", barrier);
     }
     !PASSED_BARRIERS.contains(&barrier)
+}
+
+/// What a value of `locked` says; mappers write the wiki's yes and no in other ways too.
+fn is_locked(locked: &str, unread: &mut Unread<'_>) -> bool {
+    match locked.trim().to_ascii_lowercase().as_str() {
+        "yes" | "true" | "1" => true,
+        "no" | "false" | "0" => false,
+        _ => {
+            unread(MapNoticeKind::Locked, "locked", locked);
+            false
+        }
+    }
 }

@@ -16,7 +16,7 @@ use nmea::sentences::rmc::RmcStatusOfFix;
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::gpx::{DAY_S, POINT_BYTES, parse_time_s};
+use crate::gpx::{DAY_S, POINT_BYTES, not_a_time, parse_time_s};
 use crate::passed_over::{PassedOver, UnreadPlace};
 use crate::text_encoding::{DecodedText, text_of};
 use crate::{GpxError, GpxPoint, GpxTrack, LatLon, parse_gpx_within};
@@ -26,11 +26,22 @@ use crate::{GpxError, GpxPoint, GpxTrack, LatLon, parse_gpx_within};
 pub struct GpsLog {
     /// Its positions, in its order; without those that the receiver itself calls no fix.
     pub points: Vec<GpxPoint>,
+    /// What their times count from.
+    pub clock: GpsClock,
     /// Sentences and reports of position that are damaged: a checksum that does not fit, a line cut short; of a GPX track, points that
-    /// cannot be read, and times, whose points are there without one.
+    /// cannot be read. And times that cannot be read, and reports of gpsd without any, whose points are there without one.
     pub damaged: PassedOver,
     /// Sentences that gave a position or said that there is none, and whose damage would not be seen: they have no checksum.
     pub unchecked: usize,
+}
+
+/// What the times of a log count from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GpsClock {
+    /// 1970-01-01 00:00 UTC.
+    Utc,
+    /// The midnight before the first position, UTC, of a day that the log does not say.
+    Midnight,
 }
 
 /// Why a log gives no positions.
@@ -85,6 +96,8 @@ const GGA: usize = 2;
 /// What one line says.
 enum Line {
     Position(usize, GpxPoint),
+    /// A position of gpsd, and what is wrong with its time.
+    Untimed(LatLon, String),
     WithoutFix,
     Damaged(String),
     Other,
@@ -99,7 +112,7 @@ pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog,
     let DecodedText { text, .. } = text_of(bytes);
     if text.trim_start().starts_with('<') {
         let GpxTrack { points, passed_over } = parse_gpx_within(&text, memory_bytes)?;
-        return Ok(GpsLog { points, damaged: passed_over, unchecked: 0 });
+        return Ok(GpsLog { points, clock: GpsClock::Utc, damaged: passed_over, unchecked: 0 });
     }
     let checks = Checks::of(text.lines());
     let mut points: [Vec<GpxPoint>; KINDS] = Default::default();
@@ -112,6 +125,10 @@ pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog,
         unchecked += usize::from(checks == Checks::None && is_sentence && is_read);
         match read {
             Line::Position(kind, point) => points[kind].push(point),
+            Line::Untimed(at, cause) => {
+                points[GPSD].push(GpxPoint { at, time_s: None });
+                damaged.add(|| UnreadPlace { line: number, cause });
+            }
             Line::WithoutFix => without_fix += 1,
             Line::Damaged(cause) => damaged.add(|| UnreadPlace { line: number, cause }),
             Line::Other => {}
@@ -122,8 +139,11 @@ pub fn parse_gps_log_within(bytes: &[u8], memory_bytes: usize) -> Result<GpsLog,
     }
     let [_, _, by_clock] = &mut points;
     add_days(by_clock);
-    match points.into_iter().find(|points| !points.is_empty()) {
-        Some(points) => Ok(GpsLog { points, damaged, unchecked }),
+    match (0..).zip(points).find(|(_, points)| !points.is_empty()) {
+        Some((kind, points)) => {
+            let clock = if kind == GGA { GpsClock::Midnight } else { GpsClock::Utc };
+            Ok(GpsLog { points, clock, damaged, unchecked })
+        }
         None => Err(match (damaged.first, without_fix) {
             (Some(first), _) => GpsLogError::Damaged { damaged: damaged.count, first, without_fix },
             (None, 1..) => GpsLogError::NoFix { without_fix },
@@ -183,11 +203,14 @@ fn read_gpsd(line: &str) -> Line {
     let (Some(lat), Some(lon), true) = (report.lat, report.lon, report.mode >= LEAST_MODE) else {
         return Line::WithoutFix;
     };
-    match LatLon::new(lat, lon) {
-        Ok(at) => {
-            Line::Position(GPSD, GpxPoint { at, time_s: report.time.as_deref().and_then(parse_time_s) })
-        }
-        Err(cause) => Line::Damaged(cause.to_string()),
+    let at = match LatLon::new(lat, lon) {
+        Ok(at) => at,
+        Err(cause) => return Line::Damaged(cause.to_string()),
+    };
+    match report.time.as_deref().map(|time| parse_time_s(time).ok_or_else(|| not_a_time(time))) {
+        Some(Ok(time_s)) => Line::Position(GPSD, GpxPoint { at, time_s: Some(time_s) }),
+        Some(Err(cause)) => Line::Untimed(at, cause),
+        None => Line::Untimed(at, "a report of position has no time".to_owned()),
     }
 }
 

@@ -168,7 +168,7 @@ impl Document {
                 if let Some((_, point)) = &mut self.point {
                     point.time_s = parse_time_s(&self.text);
                     if point.time_s.is_none() {
-                        let cause = format!("time {:?} is not ISO 8601", shortened(self.text.trim()));
+                        let cause = not_a_time(&self.text);
                         self.passed_over.add(|| UnreadPlace { line: line(), cause });
                     }
                 }
@@ -194,6 +194,11 @@ impl Document {
             }),
         })
     }
+}
+
+/// That a text is no time: words of a message.
+pub(crate) fn not_a_time(text: &str) -> String {
+    format!("time {:?} is not ISO 8601", shortened(text.trim()))
 }
 
 /// Letters of a value that a message repeats.

@@ -81,11 +81,13 @@ pub enum GraphError {
     /// No way in it is for motor vehicles.
     #[error(
         "the map has no roads: of its {highways} ways tagged highway none is open to motor vehicles with two nodes in \
-         the extract; export an area with roads, with the nodes of its ways"
+         the extract; export an area with roads, with the nodes of its ways{}", listed(.notices)
     )]
     NoRoads {
         /// How many ways carry a `highway` tag.
         highways: usize,
+        /// What of the map was not understood, one a kind; a server's remark may say why it is empty.
+        notices: Vec<MapNotice>,
     },
     /// More roads at a node than any junction has.
     #[error(
@@ -98,6 +100,11 @@ pub enum GraphError {
         /// How many meet there.
         roads: usize,
     },
+}
+
+/// Notices behind a message.
+fn listed(notices: &[MapNotice]) -> String {
+    notices.iter().map(|notice| format!(" ({notice})")).collect()
 }
 
 type IndexedSegment = GeomWithData<Line<[f64; 2]>, usize>;

@@ -46,7 +46,7 @@ mod xml_attributes;
 
 pub use bounds::MapBounds;
 pub use feature::{Arm, ArmRole, FeatureKind, FeatureOptions, RouteFeature};
-pub use gps_log::{GpsLog, GpsLogError, parse_gps_log_within};
+pub use gps_log::{GpsClock, GpsLog, GpsLogError, parse_gps_log_within};
 pub use gpx::{GpxError, GpxPoint, GpxTrack, parse_gpx, parse_gpx_within};
 pub use graph::{Direction, GraphError, RoadGraph, RoadNode, RoadSegment, RoadWay, Snap};
 pub use label::escaped;

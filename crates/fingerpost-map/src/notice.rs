@@ -30,6 +30,8 @@ pub enum MapNoticeKind {
     Conditional,
     /// Values of `barrier` that are no known kind.
     Barrier,
+    /// Values of `locked` on barriers that say neither yes nor no.
+    Locked,
     /// Widths that cannot be read or cannot be.
     Width,
     /// Numbers of lanes that cannot be read or cannot be.
@@ -83,6 +85,9 @@ impl MapNoticeKind {
             Self::Conditional => ["conditional", "restrictions that hold at times", "they are passed over"],
             Self::Barrier => {
                 ["barrier", "values of barrier not understood", "they are taken to close the road"]
+            }
+            Self::Locked => {
+                ["locked", "values of locked not understood", "they are taken not to close the road"]
             }
             Self::Width => ["width", "widths not understood", "lanes or the road's class say them instead"],
             Self::Lanes => {

@@ -55,7 +55,12 @@ impl Roads {
         let used: BTreeSet<i64> = ways.iter().flat_map(|(_, nodes, _)| nodes.iter().copied()).collect();
         places.retain(|id, _| used.contains(id));
         let bounds = MapBounds::of(places.values().copied());
-        let bounds = bounds.ok_or(GraphError::NoRoads { highways: osm.ways.len() })?;
+        let Some(bounds) = bounds else {
+            return Err(GraphError::NoRoads {
+                highways: osm.ways.len(),
+                notices: with_those_of(osm, notices),
+            });
+        };
         let mut closed = BTreeSet::new();
         for barrier in &osm.barriers {
             let node = joined.first(barrier.node);
@@ -67,9 +72,13 @@ impl Roads {
             }
         }
         notice_unjoined(&places, &mut notices);
-        let notices = osm.notices.iter().cloned().chain(notices.into_list()).collect();
-        Ok(Self { places, ways, closed, bounds, notices })
+        Ok(Self { places, ways, closed, bounds, notices: with_those_of(osm, notices) })
     }
+}
+
+/// The notices of the file, and behind them those of its roads.
+fn with_those_of(osm: &OsmData, of_roads: Notices) -> Vec<MapNotice> {
+    osm.notices.iter().cloned().chain(of_roads.into_list()).collect()
 }
 
 /// Notes nodes of roads at one place, which a mapper may have meant to join, or which lie on top of each other.

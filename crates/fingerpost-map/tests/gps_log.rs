@@ -1,7 +1,7 @@
 //! Logs of GPS receivers: which positions are read, and what is said of those that give none.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-use fingerpost_map::{GpsLogError, parse_gps_log_within};
+use fingerpost_map::{GpsClock, GpsLogError, parse_gps_log_within};
 
 const MEMORY: usize = 10_000_000;
 
@@ -34,13 +34,12 @@ fn sentences_with_dates_give_positions_south_and_west_negative() {
 fn a_time_of_day_goes_on_after_midnight() {
     let at = |clock: &str| sentence(&format!("GPGGA,{clock},4830.0,N,00815.0,E,1,8,1.0,400.0,M,48.0,M,,"));
     let log = at("235959.00") + &at("000000.00") + &at("000001.50");
-    let times: Vec<_> = parse_gps_log_within(log.as_bytes(), MEMORY)
-        .unwrap()
-        .points
-        .iter()
-        .map(|p| p.time_s.unwrap())
-        .collect();
+    let read = parse_gps_log_within(log.as_bytes(), MEMORY).unwrap();
+    let times: Vec<_> = read.points.iter().map(|point| point.time_s.unwrap()).collect();
     assert_eq!(times, [86_399.0, 86_400.0, 86_401.5]);
+    assert_eq!(read.clock, GpsClock::Midnight);
+    let dated = log + &rmc("125534.00", 'A', "4830.00000", "031011");
+    assert_eq!(parse_gps_log_within(dated.as_bytes(), MEMORY).unwrap().clock, GpsClock::Utc);
 }
 
 #[test]
@@ -120,6 +119,22 @@ fn reports_of_gpsd_go_before_sentences() {
     assert_eq!((read.points.len(), read.damaged.count), (1, 1));
     assert_eq!(read.points[0].time_s, Some(1_317_646_534.5));
     assert!((read.points[0].at.lon_deg - 8.25).abs() < 1e-12);
+}
+
+#[test]
+fn reports_of_gpsd_whose_time_is_bad_or_missing_are_counted() {
+    let report = |time: &str| format!(r#"{{"class":"TPV","mode":3,{time}"lat":48.5,"lon":8.25}}"#);
+    let good = report(r#""time":"2011-10-03T12:55:34.500Z","#);
+    for (time, cause) in
+        [("", "has no time"), (r#""time":"yesterday","#, "time \"yesterday\" is not ISO 8601")]
+    {
+        let log = [good.clone(), report(time), report(time)].join("\n");
+        let read = parse_gps_log_within(log.as_bytes(), MEMORY).unwrap();
+        let timed = read.points.iter().filter(|point| point.time_s.is_some()).count();
+        assert_eq!((read.points.len(), timed, read.damaged.count), (3, 1, 2));
+        let first = read.damaged.first.unwrap();
+        assert!(first.line == 2 && first.cause.contains(cause), "{first}");
+    }
 }
 
 #[test]

@@ -60,8 +60,21 @@ fn a_map_without_roads_is_no_graph() {
         <way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="footway"/></way>
         <way id="2"><nd ref="1"/><nd ref="99"/><tag k="highway" v="residential"/></way></osm>"#;
     let error = RoadGraph::from_osm(&OsmData::from_bytes(text.as_bytes()).unwrap()).unwrap_err();
-    assert_eq!(error, GraphError::NoRoads { highways: 2 });
-    assert!(error.to_string().contains("export an area with roads"));
+    assert_eq!(error, GraphError::NoRoads { highways: 2, notices: Vec::new() });
+    assert!(error.to_string().ends_with("export an area with roads, with the nodes of its ways"));
+}
+
+#[test]
+fn why_a_map_may_have_no_roads_is_said_with_the_refusal() {
+    let refusal = |inner: &str| {
+        let text =
+            format!(r#"<osm><node id="1" lat="1" lon="2"/><node id="2" lat="1" lon="2.001"/>{inner}</osm>"#);
+        RoadGraph::from_osm(&OsmData::from_bytes(text.as_bytes()).unwrap()).unwrap_err().to_string()
+    };
+    let timed_out = refusal("<remark>runtime error: Query timed out after 25 seconds</remark>");
+    assert!(timed_out.contains("first: runtime error: Query timed out after 25 seconds"), "{timed_out}");
+    let unknown = refusal(r#"<way id="1"><nd ref="1"/><nd ref="2"/><tag k="highway" v="foo"/></way>"#);
+    assert!(unknown.contains("values of highway not understood: 1, first: way 1, highway=foo"), "{unknown}");
 }
 
 proptest! {

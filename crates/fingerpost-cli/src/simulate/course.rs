@@ -12,7 +12,7 @@ pub(super) struct CourseArgs {
     /// ahead of the rear axle, looking 3 degrees down. crossings.jsonl then says when a wheel crosses a line.
     #[arg(long, value_enum, conflicts_with_all = ["map", "route"])]
     pub(super) course: Option<Course>,
-    /// Length of the drive on it, 1 to 19000 metres.
+    /// Length of the drive on it, 2 to 19000 metres.
     #[arg(long, value_name = "M", default_value_t = CourseLength(1000.0), requires = "course")]
     length_m: CourseLength,
     /// How it is driven.

@@ -246,6 +246,20 @@ fn a_gps_track_of_another_place_is_refused() {
 }
 
 #[test]
+fn a_gps_track_of_another_place_is_refused_without_a_route_too() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let route = format!(" --route {} --start-m 5", drive.route().display());
+    let run = drive.run_line(&drive.path(), &folder.path().join("out")).replace(&route, "");
+    for (lat, lon, cause) in [(48.0, 9.5, "111 km from the nearest road"), (9.5, 47.0, "exchanged?")] {
+        let point = format!("<trkpt lat=\"{lat}\" lon=\"{lon}\"><time>2020-01-01T10:00:00Z</time></trkpt>");
+        let (_folder, track) = file("track.gpx", &format!("<gpx version=\"1.1\">{point}</gpx>"));
+        call_line(&format!("{run} --map {} --gps {}", drive.map().display(), track.display()))
+            .refused(1, &["never comes to a road of the map", cause, "leave --gps out"]);
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
 fn a_gps_track_without_times() {
     let (_folder, track) = file("t.gpx", r#"<gpx version="1.1"><wpt lat="47" lon="9.5"/></gpx>"#);
     run_with(|line| format!("{line} --gps {}", track.display()))

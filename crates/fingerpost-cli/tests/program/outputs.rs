@@ -162,6 +162,23 @@ fn a_single_file_that_may_be_the_users_is_not_replaced() {
 }
 
 #[test]
+fn a_camera_that_was_written_by_hand_is_not_replaced() {
+    let folder = TempDir::new().unwrap();
+    let own = folder.path().join("own.toml");
+    let written = fs::read_to_string(Drive::get().camera()).unwrap();
+    let commented = format!("# measured with a tape on 3 May\n{written}");
+    let without_spaces = written.replace(" = ", "=");
+    for (line, _) in commands_of_single_files(folder.path()).iter().filter(|(_, kind)| *kind == "camera") {
+        for contents in [&commented, &without_spaces] {
+            fs::write(&own, contents).unwrap();
+            call_line(&format!("{line} {}", own.display()))
+                .refused(1, &["own.toml is no camera that this program wrote"]);
+            assert_eq!(fs::read_to_string(&own).unwrap(), *contents, "{line}");
+        }
+    }
+}
+
+#[test]
 fn a_single_file_of_the_programs_is_replaced_and_so_is_an_empty_one() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");

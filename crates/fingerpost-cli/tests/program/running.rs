@@ -177,10 +177,19 @@ fn gps_times_choose_the_frames() {
         by_log.stderr
     );
     assert_eq!(route_m("log"), Some(believed_m));
+    // And by sentences without a date, at the same hour.
+    let undated = folder.path().join("undated.nmea");
+    let sentences = [("100000.00", "00930.00396"), ("100001.00", "00930.01020")]
+        .map(|(clock, east)| format!("$GPGGA,{clock},4700.00000,N,{east},E,1,8,1.0,400.0,M,48.0,M,,"));
+    fs::write(&undated, sentences.join("\r\n")).unwrap();
+    let by_clock = call_line(&format!("{line}/undated --frames 15 --gps {}", undated.display())).done();
+    assert!(by_clock.stderr.contains("give the time of day and no date"), "{}", by_clock.stderr);
+    assert_eq!(route_m("undated"), Some(believed_m));
     // A start that the track contradicts is said; which of the two is right is not.
     let line = format!("{line}/apart --frames 2 --gps {}", track.display());
     let apart = call_line(&format!("{line} --start-m 100")).done();
-    assert!(apart.stderr.contains("one of them is wrong"), "{}", apart.stderr);
+    assert_eq!(apart.stderr.matches("one of them is wrong").count(), 1, "{}", apart.stderr);
+    assert!(summary(&folder.path().join("apart")).drive.unwrap().remarks[0].contains("one of them is wrong"));
 }
 
 #[test]

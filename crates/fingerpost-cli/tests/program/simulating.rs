@@ -117,9 +117,26 @@ fn a_made_up_road_needs_no_map() {
             == (160, false)
     );
     assert!(read("can.log").starts_with("(0.000000) can0 1A1#"));
-    for wrong in ["--course country --map town.osm", "--length-m 50", "--map town.osm"] {
+    for wrong in [
+        "--course country --length-m 1",
+        "--course country --map town.osm",
+        "--length-m 50",
+        "--map town.osm",
+    ] {
         let line = format!("simulate {wrong} --out {}", out.path().display());
         let status = command().args(line.split_whitespace()).output().unwrap().status;
         assert_eq!(status.code(), Some(2), "{wrong}");
+    }
+}
+
+#[test]
+fn the_shortest_made_up_drive_is_driven_on_every_road() {
+    for seed in 1..=6 {
+        for course in ["highway", "country"] {
+            let out = TempDir::new().unwrap();
+            let line =
+                format!("simulate --course {course} --seed {seed} --length-m 2 --frames 1 --size 160x120");
+            call_line(&format!("{line} --out {}", out.path().display())).done();
+        }
     }
 }

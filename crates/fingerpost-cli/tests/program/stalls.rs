@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::os::unix::fs::symlink;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -204,6 +205,42 @@ fn a_log_that_does_not_end_is_given_up() {
     assert!(began.elapsed() < PATIENCE);
     writer.kill().unwrap();
     writer.wait().unwrap();
+}
+
+/// Writes a line into a pipe twenty times a second, for long; `line` may count on with `$i`.
+fn drip(pipe: &Path, line: &str) -> Child {
+    let write = format!(
+        "exec > '{}'; i=0; while [ $i -lt 600 ] && echo \"{line}\"; do i=$((i + 1)); sleep 0.05; done",
+        pipe.display()
+    );
+    Command::new("sh").args(["-c", &write]).spawn().unwrap()
+}
+
+/// Whatever drips is no file that ends, however its clock goes on: on a bus that was under way before it is read, the time of what is
+/// queued comes at once.
+#[test]
+fn what_drips_through_a_pipe_is_given_up() {
+    let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let [config, dbc] = ["can.toml", "car.dbc"].map(|name| drive.path().join(name).display().to_string());
+    let (map, at, out) = (drive.map(), pipe.display(), folder.path().join("out"));
+    let run = drive.run_line(&drive.path(), &out);
+    let no_end = "has not ended after 0.5 s";
+    for (line, dripped, said) in [
+        (format!("can {at} --config {config} --dbc {dbc}"), "($i.0) can0 123#00", [no_end, "socketcan:can0"]),
+        (
+            format!("locate --map {} --motion {at} --out {}", map.display(), out.display()),
+            "$i,10.0,0.0",
+            [no_end, "--timeout-s"],
+        ),
+        (format!("{run} --gps {at}"), "no sentence $i", [no_end, "--timeout-s"]),
+    ] {
+        let mut writer = drip(&pipe, dripped);
+        call_line(&format!("{line} --timeout-s 0.5")).refused(1, &said);
+        writer.kill().unwrap();
+        writer.wait().unwrap();
+    }
 }
 
 /// A pipe that is written slowly is read like a file.

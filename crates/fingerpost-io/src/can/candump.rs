@@ -128,12 +128,12 @@ impl CanLogFrames {
     ///
     /// # Errors
     /// [`CanLogError`] when the file cannot be read on, its clock steps back by more than a second, it has ended and no line of
-    /// it was one of a log, or it is a pipe that has been read for the longest wait and is no faster than what it records.
+    /// it was one of a log, or it is a pipe that has been waited for, or read no faster than it records, for the longest wait.
     pub fn next_frame(&mut self) -> Result<Option<LogFrame<'_>>, CanLogError> {
         loop {
             self.line.clear();
             let read = read_line(&mut *self.reader, &mut self.line);
-            if read.map_err(FileError::reading(&self.path))? == 0 {
+            if read.map_err(|cause| self.unread(cause))? == 0 {
                 let nothing = self.lines > 0 && self.unreadable_lines == self.lines;
                 return if nothing || self.lines == 0 {
                     Err(CanLogError::NoFrames { path: self.path.clone(), lines: self.lines })
@@ -164,15 +164,33 @@ impl CanLogFrames {
 }
 
 impl CanLogFrames {
-    /// Refuses a pipe that is a bus under way: a log is read faster than it was recorded.
+    /// Refuses what gives lines without a wait and whose clock goes on no faster than they are read: a log was recorded more slowly.
     fn check_end(&self) -> Result<(), CanLogError> {
         let Some((began, longest)) = self.waiting else { return Ok(()) };
-        let passed_s = self.first_s.map_or(0.0, |first_s| self.latest_s - first_s);
-        if began.elapsed() < longest || passed_s > began.elapsed().as_secs_f64() {
+        if began.elapsed() < longest || self.passed_s() > began.elapsed().as_secs_f64() {
             return Ok(());
         }
+        Err(self.endless(longest))
+    }
+
+    /// Why nothing more is read. A pipe that gave lines and was waited for as long as anybody is a bus under way.
+    fn unread(&self, cause: io::Error) -> CanLogError {
+        match self.waiting {
+            Some((_, longest)) if self.lines > 0 && cause.kind() == io::ErrorKind::TimedOut => {
+                self.endless(longest)
+            }
+            _ => FileError::reading(&self.path)(cause).into(),
+        }
+    }
+
+    fn endless(&self, longest: Duration) -> CanLogError {
         let (path, waited_s) = (self.path.clone(), longest.as_secs_f64());
-        Err(CanLogError::Endless { path, waited_s, passed_s })
+        CanLogError::Endless { path, waited_s, passed_s: self.passed_s() }
+    }
+
+    /// Time from the first frame to the last so far, seconds.
+    fn passed_s(&self) -> f64 {
+        self.first_s.map_or(0.0, |first_s| self.latest_s - first_s)
     }
 }
 

@@ -63,7 +63,7 @@ fn a_row_of_near_nodes_is_still_a_road() {
 fn a_map_of_one_place_has_no_roads() {
     let town = Town::default().node(1, 0.0, 0.0).node(2, 0.0, 0.0).way(1, &[1, 2], &["highway=residential"]);
     let refused = RoadGraph::from_osm(&town.data()).unwrap_err();
-    assert_eq!(refused, GraphError::NoRoads { highways: 1 });
+    assert_eq!(refused, GraphError::NoRoads { highways: 1, notices: Vec::new() });
 }
 
 /// A star of so many roads.

@@ -1,6 +1,6 @@
 //! What of a map's tags is not understood is counted, with its first place.
 
-use fingerpost_map::{MapNotice, MapNoticeKind};
+use fingerpost_map::{MapNotice, MapNoticeKind, OsmData, RoadGraph};
 
 use crate::town::Town;
 
@@ -87,6 +87,33 @@ fn barriers_are_said_where_they_are_on_roads() {
     let said = road().barrier(2, &["barrier=what"]).barrier(3, &["barrier=gate", "access=maybe"]).graph();
     let firsts: Vec<&str> = said.notices().iter().map(|notice| notice.first.as_str()).collect();
     assert_eq!(firsts, ["node 3, access=maybe", "node 2, barrier=what"]);
+}
+
+#[test]
+fn locks_and_times_of_barriers_are_said() {
+    for (kind, tag) in [
+        (Some(MapNoticeKind::Locked), "locked=night"),
+        (Some(MapNoticeKind::Locked), "locked=maybe"),
+        (Some(MapNoticeKind::Conditional), "access:conditional=no @ (22:00-06:00)"),
+        (Some(MapNoticeKind::Conditional), "motor_vehicle:conditional=no @ winter"),
+        (Some(MapNoticeKind::Conditional), "locked:conditional=yes @ (22:00-06:00)"),
+        (None, "locked=Yes"),
+        (None, "locked=no"),
+        (None, "bicycle:conditional=no @ winter"),
+    ] {
+        // The map is read from a file: what speaks of barriers is all that is kept of a node.
+        let (key, value) = tag.split_once('=').unwrap();
+        let text = format!(
+            r#"<osm><node id="1" lat="47" lon="9"/><node id="3" lat="47" lon="9.001"/>
+            <node id="2" lat="47" lon="9.0005"><tag k="barrier" v="gate"/><tag k="{key}" v="{value}"/></node>
+            <way id="1"><nd ref="1"/><nd ref="2"/><nd ref="3"/><tag k="highway" v="track"/></way></osm>"#
+        );
+        let osm = OsmData::from_bytes(text.as_bytes()).unwrap();
+        let graph = RoadGraph::from_osm(&osm).unwrap();
+        let said: Vec<_> = graph.notices().iter().map(|notice| (notice.kind, notice.first.clone())).collect();
+        let expected: Vec<_> = kind.map(|kind| (kind, format!("node 2, {tag}"))).into_iter().collect();
+        assert_eq!(said, expected, "{tag}");
+    }
 }
 
 #[test]
