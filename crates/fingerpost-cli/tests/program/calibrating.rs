@@ -96,7 +96,18 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     call_line(&format!("{line} --frames 12"))
         .refused(1, &["nothing was written", "straight", "give a longer drive"]);
     call_line(&format!("{line} --speed-mps 8 --distance-m 40")).refused(2, &["--distance-m"]);
-    call_line(&format!("{line} --speed-mps 0")).refused(2, &["--speed-mps", "give 0.1 to 100"]);
+    let help =
+        call_line("calibrate mount --help").done().stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    for (key, least, range, beyond) in [
+        ("--speed-mps", "0.5", "0.5 to 100", ["0.49", "101"]),
+        ("--distance-m", "5", "5 to 1e6", ["4.9", "1000001"]),
+        ("--lane-width-m", "1.5", "1.5 to 8", ["1.4", "8.1"]),
+    ] {
+        assert!(help.contains(&format!("; {range}")), "{range}: {help}");
+        for value in beyond {
+            call_line(&format!("{line} {key} {value}")).refused(2, &[key, &format!("give {least} to")]);
+        }
+    }
     assert!(!folder.path().join("out.toml").exists());
 }
 
