@@ -88,7 +88,8 @@ struct Report {
     frames_moving: usize,
     frames_straight: usize,
     frames_with_road: usize,
-    /// Frames that repeat the one before while the vehicle moves, and frames that are missing between others.
+    /// Frames that repeat the one before while the vehicle moves, and frames that are missing between others, if the ways are read
+    /// rightly.
     frames_repeated: usize,
     frames_missing: usize,
     /// The mount as written.
@@ -224,11 +225,8 @@ fn say(calibration: &MountCalibration, args: &MountArgs) {
             mount.height_m
         )),
     }
-    let (repeated, missing) = (calibration.frames_repeated, calibration.frames_missing);
-    if repeated + missing > 0 {
-        output::message(&format!(
-            "{repeated} frames repeat the one before and {missing} are missing between others, as the way from each to the next shows"
-        ));
+    if let Some(doubt) = calibration.cadence_doubt() {
+        output::message(&doubt.to_string());
     }
     output::message(&format!(
         "{} frames: {} moving, {} of them straight, {} with the road's surface; mount in {}",

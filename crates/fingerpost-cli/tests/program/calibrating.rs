@@ -83,7 +83,7 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let uneven = call_line(&format!("{filled} --fps 10 --speed-mps {speed_mps}"));
     uneven.refused(1, &["15 of 60 frames repeat the one before", "distance", "nothing was written"]);
     let by_distance = call_line(&format!("{filled} --distance-m {distance_m}")).done();
-    assert!(by_distance.stderr.contains("15 frames repeat"), "{}", by_distance.stderr);
+    assert!(by_distance.stderr.contains("15 of 60 frames repeat"), "{}", by_distance.stderr);
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
