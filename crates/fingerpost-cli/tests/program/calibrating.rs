@@ -87,6 +87,23 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
+    // Frames in a row that repeat the one before hide how far the vehicle came: it cannot have stood.
+    let frozen = |run: std::ops::Range<usize>| {
+        let name = format!("frozen{}", run.len());
+        fs::create_dir(path(&name)).unwrap();
+        for (i, picture) in names.iter().enumerate() {
+            let shown = if run.contains(&i) { &names[run.start - 1] } else { picture };
+            fs::copy(shown, folder.path().join(format!("{name}/{i:06}.jpg"))).unwrap();
+        }
+        let line = line.replace(&path("drive"), &path(&name));
+        call_line(&format!("{line} --fps 10 --speed-mps {speed_mps}"))
+    };
+    frozen(20..25).refused(1, &["5 of 45 frames repeat the one before", "nothing was written"]);
+    let short = frozen(20..22).done();
+    assert!(short.stderr.contains("2 of 45 frames repeat"), "{}", short.stderr);
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+
     // What is out of range is the estimate's, and the file is not blamed for it.
     let far_off = call_line(&format!("{line} --distance-m 100000"));
     far_off.refused(1, &["the drive gives a camera", "metres above the road", "check the speed or distance"]);
