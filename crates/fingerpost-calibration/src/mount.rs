@@ -149,7 +149,9 @@ struct Look {
 /// Calibrates a mount, frame by frame.
 #[derive(Debug)]
 pub struct MountCalibrator {
+    /// On the mount that the directions of travel so far show.
     camera: Camera,
+    /// The mount at the start.
     mount: Mount,
     sightings: Sightings,
     planes: PlaneFit,
@@ -189,14 +191,18 @@ impl MountCalibrator {
                 if sighting.moves {
                     self.travel += sighting.motion.travel.into_inner();
                 }
-                let normal = self.travel.try_normalize(1e-9).map(|travel| {
+                let seen_mount = self.travel.try_normalize(1e-9).map(|travel| {
                     let travel = nalgebra::Unit::new_unchecked(travel);
                     let (pitch_rad, yaw_rad) = angles_of_travel(&travel, self.mount.roll_rad);
-                    road_normal(&Mount { pitch_rad, yaw_rad, ..self.mount })
+                    Mount { pitch_rad, yaw_rad, ..self.mount }
                 });
-                let plane = normal
-                    .filter(|_| sighting.moves)
-                    .and_then(|normal| self.planes.fit(pairs, &sighting.motion, normal, self.mount.height_m));
+                let plane = seen_mount.filter(|_| sighting.moves).and_then(|mount| {
+                    self.planes.fit(pairs, &sighting.motion, road_normal(&mount), self.mount.height_m)
+                });
+                // The next direction is looked for about those that were seen: about one that is far off it is not found, or only halfway.
+                if let Some(Ok(camera)) = seen_mount.map(|mount| self.camera.with_mount(mount)) {
+                    self.camera = camera;
+                }
                 Look { t_s, sighting: Some(sighting), plane, is_still }
             }
         };

@@ -37,6 +37,7 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     fs::write(path("true.toml"), camera_text(PITCH_DEG, YAW_DEG, HEIGHT_M)).unwrap();
     fs::write(path("guess.toml"), camera_text(8.0, 0.0, 1.6)).unwrap();
+    fs::write(path("far_off.toml"), camera_text(8.0, 35.0, 1.6)).unwrap();
     let (map, route) = (drive.map(), drive.route());
     call_line(&format!(
         "simulate --map {} --route {} --conditions clear --frames 45 --camera {} --out {}",
@@ -69,6 +70,12 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     call_line(&format!("{line} --speed-mps {speed_mps}")).done();
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+
+    // A start that is far off is as good.
+    call_line(&format!("{} --speed-mps {speed_mps}", line.replace("guess.toml", "far_off.toml"))).done();
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+    assert!((mount.yaw_rad.to_degrees() - YAW_DEG).abs() < 0.2, "{mount:?}");
 
     // Every third frame twice: nobody knows whether time passes meanwhile, but the way is known.
     let frames = folder.path().join("drive/frames");
