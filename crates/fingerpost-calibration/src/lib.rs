@@ -20,6 +20,6 @@ mod reach;
 pub use board::{SizesError, board_points, common_size};
 pub use lane_width::LaneWidth;
 pub use lens::{BoardOutcome, BoardPoint, LensCalibration, LensCalibrationError, calibrate_lens};
-pub use mount::{CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};
+pub use mount::{CadenceDoubt, CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};
 pub use points::{MountFromPoints, PointsError, mount_from_points};
 pub use reach::{FARTHEST_M, Reach, ReachOfReaction, ReachOfRows, RowsNeeded};

@@ -24,7 +24,7 @@ use self::angles::{joined, pitch_of_travel, road_angles, yaw_of_travel};
 use self::road_plane::{AHEAD_M, PlaneFit, RoadPlane};
 use self::way::{Way, typical_way, way};
 
-pub use self::error::CalibrationError;
+pub use self::error::{CadenceDoubt, CalibrationError};
 
 /// What is known of the drive, for the camera's height.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ pub struct MountCalibration {
     pub frames_with_road: usize,
     /// Frames that repeat the one before while the vehicle moves.
     pub frames_repeated: usize,
-    /// Frames that are missing between others.
+    /// Frames that are missing between others, if the ways from frame to frame are read rightly.
     pub frames_missing: usize,
 }
 
@@ -94,6 +94,13 @@ impl MountCalibration {
             }
             (_, cause) => CalibrationError::Mount(cause),
         })
+    }
+
+    /// What is not known of the frames' rhythm; none where every frame comes once and none is missing.
+    #[must_use]
+    pub fn cadence_doubt(&self) -> Option<CadenceDoubt> {
+        let (repeated, missing) = (self.frames_repeated, self.frames_missing);
+        (repeated + missing > 0).then_some(CadenceDoubt { frames: self.frames, repeated, missing })
     }
 
     /// The same with the height at which a lane that is `lane_width_m` wide looks as wide as it was `seen`, metres, by
@@ -142,7 +149,9 @@ struct Look {
 /// Calibrates a mount, frame by frame.
 #[derive(Debug)]
 pub struct MountCalibrator {
+    /// On the mount that the directions of travel so far show.
     camera: Camera,
+    /// The mount at the start.
     mount: Mount,
     sightings: Sightings,
     planes: PlaneFit,
@@ -182,14 +191,18 @@ impl MountCalibrator {
                 if sighting.moves {
                     self.travel += sighting.motion.travel.into_inner();
                 }
-                let normal = self.travel.try_normalize(1e-9).map(|travel| {
+                let seen_mount = self.travel.try_normalize(1e-9).map(|travel| {
                     let travel = nalgebra::Unit::new_unchecked(travel);
                     let (pitch_rad, yaw_rad) = angles_of_travel(&travel, self.mount.roll_rad);
-                    road_normal(&Mount { pitch_rad, yaw_rad, ..self.mount })
+                    Mount { pitch_rad, yaw_rad, ..self.mount }
                 });
-                let plane = normal
-                    .filter(|_| sighting.moves)
-                    .and_then(|normal| self.planes.fit(pairs, &sighting.motion, normal, self.mount.height_m));
+                let plane = seen_mount.filter(|_| sighting.moves).and_then(|mount| {
+                    self.planes.fit(pairs, &sighting.motion, road_normal(&mount), self.mount.height_m)
+                });
+                // The next direction is looked for about those that were seen: about one that is far off it is not found, or only halfway.
+                if let Some(Ok(camera)) = seen_mount.map(|mount| self.camera.with_mount(mount)) {
+                    self.camera = camera;
+                }
                 Look { t_s, sighting: Some(sighting), plane, is_still }
             }
         };
@@ -237,13 +250,7 @@ impl MountCalibrator {
             return Err(CalibrationError::NotForward { away_deg });
         }
         let way = way(&self.looks, &road_normal(&mount), self.mount.height_m);
-        let height = match known {
-            KnownScale::Nothing => None,
-            KnownScale::SpeedMps(speed_mps) => {
-                Some(self.height(way, speed_mps * self.duration_s(), Way::open_by_speed)?)
-            }
-            KnownScale::DistanceM(distance_m) => Some(self.height(way, distance_m, Way::open_by_distance)?),
-        };
+        let height = self.height(way, known)?;
         if let Some(height) = height {
             mount.height_m = height.value;
         }
@@ -266,27 +273,22 @@ impl MountCalibrator {
         })
     }
 
-    /// The height by which the way is so long, metres, where the frames leave little of it open.
-    fn height(
-        &self,
-        way: Option<Way>,
-        way_m: f64,
-        open: impl FnOnce(&Way) -> f64,
-    ) -> Result<Estimated, CalibrationError> {
+    /// The height at which the way is as long as is known, where the frames leave little of it open; none where nothing is known.
+    fn height(&self, way: Option<Way>, known: KnownScale) -> Result<Option<Estimated>, CalibrationError> {
+        let (way_m, open_by): (f64, fn(&Way) -> f64) = match known {
+            KnownScale::Nothing => return Ok(None),
+            KnownScale::SpeedMps(speed_mps) => (speed_mps * self.duration_s(), Way::open_by_speed),
+            KnownScale::DistanceM(distance_m) => (distance_m, Way::open_by_distance),
+        };
         let found = self.looks.iter().filter(|look| look.plane.is_some()).count();
         let way = way.ok_or(CalibrationError::NoRoad { found, needed: LEAST_ROAD })?;
-        let open = open(&way);
-        let most = self.most_open();
+        let (open, most) = (open_by(&way), self.most_open());
         if open > most {
-            return Err(CalibrationError::UnevenFrames {
-                frames: self.looks.len(),
-                repeated: way.repeated,
-                missing: way.missing,
-                open,
-                most,
-            });
+            let doubt =
+                CadenceDoubt { frames: self.looks.len(), repeated: way.repeated, missing: way.missing };
+            return Err(CalibrationError::UnevenFrames { doubt, open, most, given: known });
         }
-        Ok(way.height(way_m, open))
+        Ok(Some(way.height(way_m, open)))
     }
 
     /// Largest share of the height that repeated and missing frames may leave open: a height that is off moves what is seen on the road by

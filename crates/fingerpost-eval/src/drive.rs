@@ -34,6 +34,7 @@ pub struct DriveTotals {
     /// Frames with a doubted motion in which the bus did not say how fast the vehicle drives.
     doubted_without_speed: u64,
     has_route: bool,
+    /// The last place along the route that is known.
     route_m: Option<f64>,
     with_feature: u64,
     /// Frames in which a lane was looked for, and in which an edge of one is known.
@@ -75,7 +76,7 @@ impl DriveTotals {
         self.used += u64::from(record.error.is_none());
         self.shown += u64::from(record.camera.is_some_and(|camera| camera.state == CameraRecordState::Clear));
         self.has_route |= record.state != TrackState::NoRoute;
-        self.route_m = record.route_m;
+        self.route_m = record.route_m.or(self.route_m);
         self.with_feature += u64::from(record.feature.is_some());
         self.looked_for_lane += u64::from(record.lanes.is_some());
         let has_edge = |record: &FrameRecord| {

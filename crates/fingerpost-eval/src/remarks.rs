@@ -22,12 +22,14 @@ pub(crate) enum Remark {
     AllMissed { passed: usize, best_p: Option<f64> },
     /// Nothing says how far along the route the drive went.
     PlaceUnknown,
+    /// How far along the route the drive went is only known up to here.
+    PlaceLost { known_m: f64 },
     /// No edge of a lane was found.
     NoLane,
 }
 
 impl Remark {
-    /// Why no feature of the route was found by a vehicle that is believed at `route_m` of it in the end; none where there is none.
+    /// Why no feature of the route was found by a vehicle whose place is known last at `route_m` of it; none where there is none.
     pub(crate) fn no_feature(route_m: Option<f64>, features: &[FeatureSummary]) -> Option<Self> {
         let first = features.first()?;
         let missed = || features.iter().filter(|feature| feature.outcome == Some(FeatureOutcome::Missed));
@@ -39,7 +41,7 @@ impl Remark {
                 Self::EndedBefore { route_m, first, at_m }
             }
             _ if passed > 0 => Self::AllMissed { passed, best_p },
-            _ => Self::PlaceUnknown,
+            _ => route_m.map_or(Self::PlaceUnknown, |known_m| Self::PlaceLost { known_m }),
         })
     }
 }
@@ -84,6 +86,11 @@ impl Display for Remark {
             }
             Self::PlaceUnknown => f.write_str(
                 "no feature was found: nothing says how far along the route the drive went; --start-m or --gps says where it begins",
+            ),
+            Self::PlaceLost { known_m } => write!(
+                f,
+                "no feature was found: how far along the route the drive went is not known; the last place of it that is known lies at \
+                 {known_m:.0} m"
             ),
             Self::NoLane => f.write_str(
                 "no lane was found: no line beside the vehicle was sure enough to be an edge of one, by its paint and over the distance driven",

@@ -4,10 +4,16 @@
 //! others, or none at all, and neither a tyre within a frame nor the noise of the ways could have brought that about, it is the
 //! recording that was filled or has lost something: 20 frames a second written as 30, or frames that were dropped on the way.
 //!
+//! A vehicle stops and starts slowly. Pictures that repeat beside one in which it is fast are no stand, however many they are: the step
+//! behind them makes up for their ways, or, where it is too long to be seen, hides them. They count as ordinary intervals then, and as
+//! open, unless the step is seen behind as many others.
+//!
 //! A way stands for the whole number of intervals that is nearest to it, as long as its noise leaves that number to be counted.
 //!
 //! Limits: what happens to every frame alike, as every second one lost, does not show, nor a frame that is missing where the road's
 //! motion is too far to be followed.
+
+use std::ops::Range;
 
 use super::angles::MAD_TO_SIGMA;
 use super::way::LENGTH_FLOOR;
@@ -21,6 +27,8 @@ enum Interval {
     Several,
     /// The way cannot be seen.
     Unknown,
+    /// It is one of frames that repeat the one before, or the one behind them, whose way cannot be seen.
+    Hidden,
     /// The vehicle stands.
     Standing,
 }
@@ -34,8 +42,8 @@ pub(super) struct Cadence {
     pub(super) missing: usize,
     /// Intervals of the camera in one of the recording, on the mean; none where there are more than can be counted.
     pub(super) intervals_per_frame: Option<f64>,
-    /// Share of the frames whose way is not seen and may be that of several intervals: the longer a way, the less of it is seen. Zero
-    /// where no frame is missing elsewhere.
+    /// Share of the frames whose way is not seen and may be that of several intervals: hidden ones, and where a frame is missing all, as
+    /// the longer a way is, the less of it is seen.
     pub(super) unseen_share: f64,
     /// Way of each frame but the first, for an interval of the mean length.
     pub(super) ways: Vec<f64>,
@@ -46,8 +54,37 @@ pub(super) struct Cadence {
 pub(super) struct SeenWay {
     /// In any unit, for an interval of the mean length; zero for a vehicle that stands, none where it cannot be told.
     pub(super) way: Option<f64>,
+    /// The shortest way that would have shown in its place; zero where none is seen.
+    pub(super) least: f64,
     /// Whether the picture is the one before.
     pub(super) is_still: bool,
+}
+
+/// What is seen just before and behind frames without a way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// Nothing.
+    Unseen,
+    /// A frame from whose speed a vehicle can stop, or that it can have after the first frame of a start.
+    Slow,
+    /// Only frames that are faster than that.
+    Fast,
+}
+
+impl Beside {
+    /// Beside the frames `run`; `least_jump` is the change of the way from one frame to the next that no tyre brings about.
+    pub(super) fn of(seen: &[SeenWay], run: Range<usize>, least_jump: f64) -> Self {
+        let before = run.start.checked_sub(1);
+        let sides = [before, Some(run.end)].map(|frame| {
+            let seen = seen.get(frame?)?;
+            Some(seen.way? <= least_jump + seen.least)
+        });
+        match (sides.iter().flatten().any(|is_slow| *is_slow), sides.iter().any(Option::is_some)) {
+            (true, _) => Self::Slow,
+            (false, true) => Self::Fast,
+            (false, false) => Self::Unseen,
+        }
+    }
 }
 
 /// Ways of which one is twice the other lie on different sides of this ratio.
@@ -76,7 +113,10 @@ impl Cadence {
         let count_of = |of: &dyn Fn(u32) -> usize| -> usize {
             intervals.iter().map(|interval| if let Interval::Times(n) = interval { of(*n) } else { 0 }).sum()
         };
-        let repeated = count_of(&|times| usize::from(times == 0));
+        let hidden = intervals.iter().filter(|interval| **interval == Interval::Hidden).count();
+        let is_repeated =
+            |(interval, seen): &(&Interval, &SeenWay)| seen.is_still && **interval != Interval::Standing;
+        let repeated = intervals.iter().zip(seen).filter(is_repeated).count();
         let missing = several + count_of(&|times| (times as usize).saturating_sub(1));
         if repeated + missing == 0 {
             return None;
@@ -87,15 +127,15 @@ impl Cadence {
             Interval::Times(times) => unit.unwrap_or_default() * f64::from(*times),
             Interval::Several => seen.way.unwrap_or_default(),
             Interval::Standing => 0.0,
-            Interval::Unknown => unit.unwrap_or_default() * intervals_per_frame,
+            Interval::Unknown | Interval::Hidden => unit.unwrap_or_default() * intervals_per_frame,
         });
-        let unseen = seen.iter().filter(|seen| seen.way.is_none()).count();
-        let unseen_share = if missing > 0 { unseen as f64 / seen.len() as f64 } else { 0.0 };
+        let unknown = intervals.iter().filter(|interval| **interval == Interval::Unknown).count();
+        let unseen = hidden + if missing > 0 { unknown } else { 0 };
         Some(Self {
             repeated,
             missing,
             intervals_per_frame: (several == 0).then_some(intervals_per_frame),
-            unseen_share,
+            unseen_share: unseen as f64 / seen.len() as f64,
             ways: ways.collect(),
         })
     }
@@ -163,23 +203,31 @@ impl Resolution {
     }
 }
 
-/// Marks still frames between others that are seen to move as repeated, where the vehicle could neither have stopped nor started so. What
-/// follows them may make up for them; where its way is unknown, so are they.
+/// Marks still frames beside others that are seen to move as repeated, where the vehicle could neither have stopped nor started so. What
+/// follows them may make up for them: where its way is unknown, so are theirs, and hidden unless it is known behind as many others.
 fn mark_repeated(seen: &[SeenWay], least_jump: f64, intervals: &mut [Interval]) {
-    let mut start = 0;
+    let (mut start, mut frozen) = (0, Vec::new());
     for run in seen.chunk_by(|a, b| a.is_still == b.is_still) {
         let end = start + run.len();
-        if run.first().is_some_and(|seen| seen.is_still) {
-            let moves_on = |frame: Option<usize>| Some(seen.get(frame?)?.way? > least_jump);
-            let beside = [moves_on(start.checked_sub(1)), moves_on(Some(end))];
-            let is_repeated =
-                beside.iter().flatten().all(|moves| *moves) && beside.iter().any(Option::is_some);
-            let is_known = intervals.get(end).is_none_or(|next| *next != Interval::Unknown);
-            if is_repeated {
-                intervals[start..end].fill(if is_known { Interval::Times(0) } else { Interval::Unknown });
-            }
+        let is_still = run.first().is_some_and(|seen| seen.is_still);
+        if is_still && Beside::of(seen, start..end, least_jump) == Beside::Fast {
+            frozen.push(start..end);
         }
         start = end;
+    }
+    let (known, unknown): (Vec<_>, Vec<_>) = frozen
+        .into_iter()
+        .partition(|run| intervals.get(run.end).is_some_and(|behind| *behind != Interval::Unknown));
+    for run in &known {
+        intervals[run.clone()].fill(Interval::Times(0));
+    }
+    for run in unknown {
+        if known.iter().any(|other| other.len() == run.len()) {
+            intervals[run].fill(Interval::Unknown);
+        } else {
+            let with_behind = run.start..(run.end + 1).min(intervals.len());
+            intervals[with_behind].fill(Interval::Hidden);
+        }
     }
 }
 
@@ -187,9 +235,9 @@ fn mark_repeated(seen: &[SeenWay], least_jump: f64, intervals: &mut [Interval]) 
 mod tests {
     use super::*;
 
-    const MOVED: SeenWay = SeenWay { way: Some(1.0), is_still: false };
-    const STILL: SeenWay = SeenWay { way: Some(0.0), is_still: true };
-    const UNSEEN: SeenWay = SeenWay { way: None, is_still: false };
+    const MOVED: SeenWay = SeenWay { way: Some(1.0), least: 0.0, is_still: false };
+    const STILL: SeenWay = SeenWay { way: Some(0.0), least: 0.0, is_still: true };
+    const UNSEEN: SeenWay = SeenWay { way: None, least: 0.0, is_still: false };
 
     /// A drive of a minute whose frames stand to the camera's as `pattern` says, over and over.
     fn drive(pattern: &[SeenWay]) -> Vec<SeenWay> {
@@ -197,7 +245,7 @@ mod tests {
     }
 
     fn times(times: f64) -> SeenWay {
-        SeenWay { way: Some(times), is_still: false }
+        SeenWay { way: Some(times), least: 0.0, is_still: false }
     }
 
     #[test]
@@ -207,7 +255,7 @@ mod tests {
             (vec![STILL, MOVED, MOVED], 1, 0, 2.0 / 3.0),
             (vec![STILL, MOVED, MOVED, MOVED, MOVED, MOVED], 1, 0, 5.0 / 6.0),
             // Each frame twice.
-            (vec![MOVED, STILL], 1, 0, 0.5),
+            (vec![STILL, MOVED], 1, 0, 0.5),
             // One of five lost; 30 frames a second as 20; two lost at once.
             (vec![MOVED, MOVED, MOVED, times(2.0)], 0, 1, 1.25),
             (vec![times(2.04), times(0.97)], 0, 1, 1.5),
@@ -241,10 +289,35 @@ mod tests {
             assert_eq!(Cadence::of(&[&moved[..], &[UNSEEN; 3], &stand, &[UNSEEN]].concat(), 0.1), None);
             assert_eq!(Cadence::of(&[&[UNSEEN], &stand[..], &[UNSEEN; 3], &moved].concat(), 0.1), None);
         }
-        let beside = [&[MOVED; 20][..], &[STILL], &[UNSEEN], &[MOVED; 20]].concat();
-        assert_eq!(Cadence::of(&beside, 0.1), None, "what follows it is not known to be one interval");
         let found = Cadence::of(&[&[MOVED; 20][..], &[STILL], &[MOVED; 20]].concat(), 0.1).unwrap();
         assert_eq!(found.repeated, 1);
+    }
+
+    #[test]
+    fn a_picture_that_freezes_is_no_stand_and_leaves_open_what_it_hides() {
+        // Ten frames of a hundred, and the step behind them, which is too long to be seen.
+        let frozen = [&[MOVED; 44][..], &[STILL; 10], &[UNSEEN], &[MOVED; 45]].concat();
+        let found = Cadence::of(&frozen, 0.1).unwrap();
+        assert_eq!((found.repeated, found.missing), (10, 0));
+        assert!((found.ways.iter().sum::<f64>() - 100.0).abs() < 1e-9, "{found:?}");
+        assert!((found.unseen_share - 0.11).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.intervals_per_frame, Some(1.0));
+        // Behind others as many it is seen.
+        let regular = [&[MOVED; 20][..], &[STILL], &[MOVED; 20], &[STILL], &[UNSEEN], &[MOVED; 20]].concat();
+        let found = Cadence::of(&regular, 0.1).unwrap();
+        assert!(found.repeated == 2 && found.unseen_share <= 0.0, "{found:?}");
+        // To the drive's end.
+        let found = Cadence::of(&frozen[..54], 0.1).unwrap();
+        assert_eq!((found.repeated, found.intervals_per_frame), (10, Some(1.0)));
+        assert!((found.unseen_share - 10.0 / 54.0).abs() < 1e-9, "{found:?}");
+        // Where the step is seen, its intervals are counted.
+        let counted = [&[MOVED; 44][..], &[STILL; 3], &[times(4.02)], &[MOVED; 45]].concat();
+        let found = Cadence::of(&counted, 0.1).unwrap();
+        assert_eq!((found.repeated, found.missing, found.intervals_per_frame), (3, 3, Some(1.0)));
+        assert!(
+            found.unseen_share <= 0.0 && (found.ways.iter().sum::<f64>() - 93.0).abs() < 1e-9,
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -267,7 +340,7 @@ mod tests {
         let braking = (0..=25).map(|i| 1.5 - 0.06 * f64::from(i));
         let ways = braking.chain([0.0; 10]).chain((1..60).map(|i| 0.03 * f64::from(i)));
         let seen: Vec<SeenWay> =
-            ways.map(|way| SeenWay { way: Some(way.max(0.0)), is_still: way < 0.001 }).collect();
+            ways.map(|way| SeenWay { way: Some(way.max(0.0)), least: 0.0, is_still: way < 0.001 }).collect();
         assert_eq!(Cadence::of(&seen, 0.098), None);
         let noisy: Vec<SeenWay> =
             (0..200).map(|i| times(1.0 + 0.2 * f64::from(i * 7 % 11 - 5) / 5.0)).collect();

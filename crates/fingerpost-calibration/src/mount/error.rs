@@ -1,8 +1,57 @@
 //! Why a drive does not show the mount.
 
+use std::fmt::{self, Display, Formatter};
+
 use fingerpost_geometry::GeometryError;
 use fingerpost_vision::error::PictureError;
 use thiserror::Error;
+
+use super::KnownScale;
+
+/// Frames that do not follow each other in one rhythm, by the way from each to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CadenceDoubt {
+    /// Frames looked at.
+    pub frames: usize,
+    /// Frames that repeat the one before while the vehicle moves.
+    pub repeated: usize,
+    /// Frames that are missing between others, if the ways are read rightly.
+    pub missing: usize,
+}
+
+impl Display for CadenceDoubt {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { frames, repeated, missing } = self;
+        if *repeated > 0 {
+            write!(f, "{repeated} of {frames} frames repeat the one before")?;
+        }
+        if *repeated > 0 && *missing > 0 {
+            f.write_str(", and ")?;
+        }
+        if *missing > 0 {
+            write!(
+                f,
+                "the way between some of the {frames} frames is as long as if {missing} were missing; whether they are, or the road's motion \
+                 is misread there, is not known"
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// What gives the height in place of what was given.
+const fn in_place_of(given: KnownScale) -> &'static str {
+    match given {
+        KnownScale::DistanceM(_) => {
+            "the width of the lane in place of the distance, or a drive on a road with more texture, or, if frames were lost or filled in, \
+             the recording as the camera made it"
+        }
+        KnownScale::SpeedMps(_) | KnownScale::Nothing => {
+            "the width of the lane or the distance driven in place of the speed, or a drive on a road with more texture, or, if frames were \
+             lost or filled in, the recording as the camera made it, with the time of each frame"
+        }
+    }
+}
 
 /// A drive that does not show the mount.
 #[derive(Debug, Error)]
@@ -60,24 +109,20 @@ pub enum CalibrationError {
         /// Frames needed.
         needed: usize,
     },
-    /// Frames repeat others or are missing, so that nobody knows how long the drive took, or how far it went.
+    /// Frames repeat others or may be missing, so that nobody knows how long the drive took, or how far it went.
     #[error(
-        "{repeated} of {frames} frames repeat the one before and {missing} are missing between others, as the way from each to the next \
-         shows; that leaves {:.0} % of the height open, and {:.0} % are trusted at the most; give the width of the lane, or the distance \
-         driven in place of the speed, or the recording as the camera made it, with the time of each frame",
-        100.0 * .open, 100.0 * .most
+        "{doubt}; that leaves {:.0} % of the height open, and {:.0} % are trusted at the most; give {}",
+        100.0 * .open, 100.0 * .most, in_place_of(*.given)
     )]
     UnevenFrames {
-        /// Frames looked at.
-        frames: usize,
-        /// Frames that repeat the one before.
-        repeated: usize,
-        /// Frames that are missing.
-        missing: usize,
+        /// What is known of the frames.
+        doubt: CadenceDoubt,
         /// Share of the height that is open.
         open: f64,
         /// The largest that is trusted.
         most: f64,
+        /// What the height was to come from.
+        given: KnownScale,
     },
     /// No camera is so high or low.
     #[error(
@@ -98,4 +143,38 @@ pub enum CalibrationError {
     /// A frame has another size than the calibration says.
     #[error(transparent)]
     Frame(#[from] PictureError),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(given: KnownScale, repeated: usize, missing: usize) -> String {
+        let doubt = CadenceDoubt { frames: 100, repeated, missing };
+        CalibrationError::UnevenFrames { doubt, open: 0.2, most: 0.09, given }.to_string()
+    }
+
+    #[test]
+    fn a_refused_height_asks_for_what_was_not_given() {
+        let by_speed = refusal(KnownScale::SpeedMps(10.0), 20, 0);
+        assert!(
+            by_speed.starts_with("20 of 100 frames repeat the one before; that leaves 20 %"),
+            "{by_speed}"
+        );
+        assert!(by_speed.contains("or the distance driven in place of the speed"), "{by_speed}");
+        let by_distance = refusal(KnownScale::DistanceM(90.0), 20, 0);
+        assert!(by_distance.contains("the width of the lane in place of the distance"), "{by_distance}");
+        assert!(!by_distance.contains("distance driven") && !by_distance.contains("speed"), "{by_distance}");
+    }
+
+    #[test]
+    fn frames_that_only_seem_to_be_missing_are_not_said_to_be() {
+        for (repeated, said) in
+            [(0, "the way between"), (5, "5 of 100 frames repeat the one before, and the")]
+        {
+            let doubt = CadenceDoubt { frames: 100, repeated, missing: 41 }.to_string();
+            assert!(doubt.starts_with(said) && doubt.contains("as long as if 41 were missing"), "{doubt}");
+            assert!(doubt.ends_with("or the road's motion is misread there, is not known"), "{doubt}");
+        }
+    }
 }

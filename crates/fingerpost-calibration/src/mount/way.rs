@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::cadence::{Cadence, SeenWay};
+use super::cadence::{Beside, Cadence, SeenWay};
 use super::frame_intervals::frame_intervals_s;
 use super::road_plane::RoadPlane;
 use super::{Estimated, LEAST_ROAD, Look};
@@ -57,7 +57,7 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Optio
     let seen: Vec<SeenWay> =
         looks.iter().skip(1).zip(&lengths).map(|(look, length)| seen(look, *length, normal)).collect();
     let least_jump = MOST_ACCELERATION_MPS2 * mean_s * mean_s / height_m;
-    let seen = without_lone_stands(&seen, least_jump);
+    let seen = without_false_stands(seen, least_jump);
     let ways: Vec<Option<f64>> = seen.iter().map(|seen| seen.way).collect();
     if ways.iter().flatten().filter(|way| **way > 0.0).count() < LEAST_ROAD {
         return None;
@@ -94,22 +94,31 @@ fn seen(look: &Look, length: f64, normal: &Vector3<f64>) -> SeenWay {
         (None, Some(sighting)) if !sighting.moves => Some(0.0),
         _ => None,
     };
-    SeenWay { way: way.filter(|way| way.is_finite()), is_still: look.is_still }
+    let way = way.filter(|way| way.is_finite());
+    let least_share = look.sighting.map_or(0.0, |sighting| sighting.least_way_share());
+    SeenWay { way, least: way.unwrap_or_default() * least_share, is_still: look.is_still }
 }
 
-/// What frames show, with a stand only where a frame beside it is as slow as a vehicle is that stops or starts: `least_jump` is the
-/// change of the way from one frame to the next that no tyre brings about. Of a vehicle on the move, a frame that shows no motion alone
-/// is one that shows nothing near enough.
-fn without_lone_stands(seen: &[SeenWay], least_jump: f64) -> Vec<SeenWay> {
-    let is_slow = |frame: Option<usize>| {
-        frame.and_then(|frame| seen.get(frame)?.way).is_some_and(|way| way <= least_jump)
-    };
-    let shown = |(frame, seen): (usize, &SeenWay)| {
-        let is_stand = seen.way == Some(0.0) && !seen.is_still;
-        let is_lone = is_stand && !is_slow(frame.checked_sub(1)) && !is_slow(Some(frame + 1));
-        SeenWay { way: seen.way.filter(|_| !is_lone), ..*seen }
-    };
-    seen.iter().enumerate().map(shown).collect()
+/// What frames show, with stands only where a vehicle can have stopped: beside a frame that moves too fast for that by `least_jump`, the
+/// change of the way from one frame to the next that no tyre brings about, and beside none that is slow enough, a frame that shows no motion
+/// is one in which it cannot be seen. So is a lone one that none which is slow enough is seen beside. Frames that repeat the one before are
+/// the cadence's.
+fn without_false_stands(mut seen: Vec<SeenWay>, least_jump: f64) -> Vec<SeenWay> {
+    let is_at_rest = |seen: &SeenWay| seen.way == Some(0.0);
+    let mut start = 0;
+    while start < seen.len() {
+        let is_rest = is_at_rest(&seen[start]);
+        let end = start + seen[start..].iter().take_while(|seen| is_at_rest(seen) == is_rest).count();
+        if is_rest {
+            let beside = Beside::of(&seen, start..end, least_jump);
+            let is_alone = end - start == 1;
+            if beside == Beside::Fast || is_alone && beside == Beside::Unseen {
+                seen[start..end].iter_mut().filter(|seen| !seen.is_still).for_each(|seen| seen.way = None);
+            }
+        }
+        start = end;
+    }
+    seen
 }
 
 /// Frames of whose ways one may be wrong and the median is not.
@@ -161,18 +170,36 @@ mod tests {
     #[test]
     fn a_stand_is_believed_beside_frames_as_slow_as_stopping_and_starting() {
         let of = |ways: &[Option<f64>]| -> Vec<SeenWay> {
-            ways.iter().map(|&way| SeenWay { way, is_still: false }).collect()
+            ways.iter().map(|&way| SeenWay { way, least: 0.0, is_still: false }).collect()
         };
         let kept = |ways: &[Option<f64>]| -> Vec<Option<f64>> {
-            without_lone_stands(&of(ways), 0.2).iter().map(|seen| seen.way).collect()
+            without_false_stands(of(ways), 0.2).iter().map(|seen| seen.way).collect()
         };
         let stopping = [Some(0.3), Some(0.15), Some(0.0), Some(0.0), Some(0.0), Some(0.1), None];
         assert_eq!(kept(&stopping), stopping);
         assert_eq!(kept(&[None, Some(0.0), None]), [None, None, None]);
         assert_eq!(kept(&[Some(0.0), Some(0.9)]), [None, Some(0.9)]);
         assert_eq!(kept(&[Some(0.9), Some(0.0), Some(0.9)]), [Some(0.9), None, Some(0.9)]);
+        // However many frames show no motion, nobody stops from a full speed in one.
+        let [moved, rest] = [[Some(0.9)], [Some(0.0)]];
+        let unseen = [&moved[..], &[None; 5], &moved].concat();
+        assert_eq!(kept(&[&moved[..], &rest.repeat(5), &moved].concat()), unseen);
+        assert_eq!(kept(&[&rest.repeat(5), &moved[..]].concat()), unseen[1..]);
+        // Whether a vehicle stands that was not seen before and behind, nothing contradicts.
+        let night = [&[None], &rest.repeat(5)[..], &[None]].concat();
+        assert_eq!(kept(&night), night);
         // A picture that comes again is the cadence's.
-        let repeated = [SeenWay { way: Some(0.0), is_still: true }];
-        assert_eq!(without_lone_stands(&repeated, 0.2), repeated);
+        let repeated = SeenWay { way: Some(0.0), least: 0.0, is_still: true };
+        let [filled, fast] = [[repeated; 3].to_vec(), of(&moved)];
+        let after = [&fast[..], &filled, &of(&rest), &fast].concat();
+        assert_eq!(without_false_stands(after, 0.2), [&fast[..], &filled, &of(&[None]), &fast].concat());
+    }
+
+    #[test]
+    fn a_vehicle_that_is_lost_from_sight_as_it_stops_stands() {
+        // Slower than a third of a height a frame it is not seen to move.
+        let slow = |way: f64| SeenWay { way: Some(way), least: 0.3, is_still: false };
+        let stop = [slow(0.45), slow(0.4), slow(0.0), slow(0.0), slow(0.0), slow(0.35), slow(0.4)];
+        assert_eq!(without_false_stands(stop.to_vec(), 0.2), stop);
     }
 }

@@ -37,14 +37,14 @@ pub(crate) struct MountArgs {
     /// Calibration of the camera; its mount is where the search begins, roughly is enough.
     #[arg(long, value_name = "FILE")]
     camera: PathBuf,
-    /// Mean speed of the vehicle over the whole input, metres a second; 0.1 to 100.
-    #[arg(long, value_name = "V", group = "scale", value_parser = number(0.1, 100.0, "speed", "metres a second"))]
+    /// Mean speed of the vehicle over the whole input, metres a second; 0.5 to 100.
+    #[arg(long, value_name = "V", group = "scale", value_parser = number(0.5, 100.0, "speed", "metres a second"))]
     speed_mps: Option<f64>,
-    /// Distance driven from the first frame to the last, metres; 1 to 1e6.
-    #[arg(long, value_name = "D", group = "scale", value_parser = number(1.0, 1e6, "distance", "metres"))]
+    /// Distance driven from the first frame to the last, metres; 5 to 1e6.
+    #[arg(long, value_name = "D", group = "scale", value_parser = number(5.0, 1e6, "distance", "metres"))]
     distance_m: Option<f64>,
-    /// Width of the lane that is driven in, from the middle of one marking to the middle of the other, metres; 1 to 10.
-    #[arg(long, value_name = "W", group = "scale", value_parser = number(1.0, 10.0, "width of a lane", "metres"))]
+    /// Width of the lane that is driven in, from the middle of one marking to the middle of the other, metres; 1.5 to 8.
+    #[arg(long, value_name = "W", group = "scale", value_parser = number(1.5, 8.0, "width of a lane", "metres"))]
     lane_width_m: Option<f64>,
     /// Stop after so many frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -88,7 +88,8 @@ struct Report {
     frames_moving: usize,
     frames_straight: usize,
     frames_with_road: usize,
-    /// Frames that repeat the one before while the vehicle moves, and frames that are missing between others.
+    /// Frames that repeat the one before while the vehicle moves, and frames that are missing between others, if the ways are read
+    /// rightly.
     frames_repeated: usize,
     frames_missing: usize,
     /// The mount as written.
@@ -105,15 +106,10 @@ struct WrittenMount {
     y_m: f64,
 }
 
-/// Known lengths that can be right: a vehicle, a drive, a lane.
-const SPEEDS_MPS: std::ops::RangeInclusive<f64> = 0.5..=100.0;
-const DISTANCES_M: std::ops::RangeInclusive<f64> = 5.0..=1e6;
-const LANES_M: std::ops::RangeInclusive<f64> = 1.5..=8.0;
-
 /// Calibrates the mount.
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     output_path::check_file(&args.out, FileKind::Camera, [Path::new(&args.input), &args.camera])?;
-    let known = known_scale(args)?;
+    let known = known_scale(args);
     let camera = inputs::camera(&args.camera)?;
     let interrupt = Interrupt::listen()?;
     let mut source = inputs::frames(&args.input, &source_options(args, &interrupt))?;
@@ -145,21 +141,12 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
 
 const NOTHING_WRITTEN: &str = "the mount cannot be trusted and nothing was written";
 
-fn known_scale(args: &MountArgs) -> Result<KnownScale> {
-    for (name, value, range) in [
-        ("--speed-mps", args.speed_mps, SPEEDS_MPS),
-        ("--distance-m", args.distance_m, DISTANCES_M),
-        ("--lane-width-m", args.lane_width_m, LANES_M),
-    ] {
-        if let Some(value) = value.filter(|value| !range.contains(value)) {
-            bail!("{name} {value} cannot be right; give {} to {}", range.start(), range.end());
-        }
-    }
-    Ok(match (args.speed_mps, args.distance_m) {
+fn known_scale(args: &MountArgs) -> KnownScale {
+    match (args.speed_mps, args.distance_m) {
         (Some(speed_mps), _) => KnownScale::SpeedMps(speed_mps),
         (None, Some(distance_m)) => KnownScale::DistanceM(distance_m),
         (None, None) => KnownScale::Nothing,
-    })
+    }
 }
 
 fn source_options(args: &MountArgs, interrupt: &Interrupt) -> SourceOptions {
@@ -238,11 +225,8 @@ fn say(calibration: &MountCalibration, args: &MountArgs) {
             mount.height_m
         )),
     }
-    let (repeated, missing) = (calibration.frames_repeated, calibration.frames_missing);
-    if repeated + missing > 0 {
-        output::message(&format!(
-            "{repeated} frames repeat the one before and {missing} are missing between others, as the way from each to the next shows"
-        ));
+    if let Some(doubt) = calibration.cadence_doubt() {
+        output::message(&doubt.to_string());
     }
     output::message(&format!(
         "{} frames: {} moving, {} of them straight, {} with the road's surface; mount in {}",

@@ -37,6 +37,7 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     fs::write(path("true.toml"), camera_text(PITCH_DEG, YAW_DEG, HEIGHT_M)).unwrap();
     fs::write(path("guess.toml"), camera_text(8.0, 0.0, 1.6)).unwrap();
+    fs::write(path("far_off.toml"), camera_text(8.0, 35.0, 1.6)).unwrap();
     let (map, route) = (drive.map(), drive.route());
     call_line(&format!(
         "simulate --map {} --route {} --conditions clear --frames 45 --camera {} --out {}",
@@ -70,6 +71,12 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
+    // A start that is far off is as good.
+    call_line(&format!("{} --speed-mps {speed_mps}", line.replace("guess.toml", "far_off.toml"))).done();
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+    assert!((mount.yaw_rad.to_degrees() - YAW_DEG).abs() < 0.2, "{mount:?}");
+
     // Every third frame twice: nobody knows whether time passes meanwhile, but the way is known.
     let frames = folder.path().join("drive/frames");
     let mut names: Vec<_> = fs::read_dir(&frames).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -83,7 +90,24 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     let uneven = call_line(&format!("{filled} --fps 10 --speed-mps {speed_mps}"));
     uneven.refused(1, &["15 of 60 frames repeat the one before", "distance", "nothing was written"]);
     let by_distance = call_line(&format!("{filled} --distance-m {distance_m}")).done();
-    assert!(by_distance.stderr.contains("15 frames repeat"), "{}", by_distance.stderr);
+    assert!(by_distance.stderr.contains("15 of 60 frames repeat"), "{}", by_distance.stderr);
+    let mount = mount_of(&folder.path().join("out.toml"));
+    assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
+
+    // Frames in a row that repeat the one before hide how far the vehicle came: it cannot have stood.
+    let frozen = |run: std::ops::Range<usize>| {
+        let name = format!("frozen{}", run.len());
+        fs::create_dir(path(&name)).unwrap();
+        for (i, picture) in names.iter().enumerate() {
+            let shown = if run.contains(&i) { &names[run.start - 1] } else { picture };
+            fs::copy(shown, folder.path().join(format!("{name}/{i:06}.jpg"))).unwrap();
+        }
+        let line = line.replace(&path("drive"), &path(&name));
+        call_line(&format!("{line} --fps 10 --speed-mps {speed_mps}"))
+    };
+    frozen(20..25).refused(1, &["5 of 45 frames repeat the one before", "nothing was written"]);
+    let short = frozen(20..22).done();
+    assert!(short.stderr.contains("2 of 45 frames repeat"), "{}", short.stderr);
     let mount = mount_of(&folder.path().join("out.toml"));
     assert!((mount.height_m / HEIGHT_M - 1.0).abs() < 0.03, "{mount:?}");
 
@@ -96,7 +120,18 @@ fn a_mount_is_found_from_a_drive_and_a_known_speed_gives_its_height() {
     call_line(&format!("{line} --frames 12"))
         .refused(1, &["nothing was written", "straight", "give a longer drive"]);
     call_line(&format!("{line} --speed-mps 8 --distance-m 40")).refused(2, &["--distance-m"]);
-    call_line(&format!("{line} --speed-mps 0")).refused(2, &["--speed-mps", "give 0.1 to 100"]);
+    let help =
+        call_line("calibrate mount --help").done().stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    for (key, least, range, beyond) in [
+        ("--speed-mps", "0.5", "0.5 to 100", ["0.49", "101"]),
+        ("--distance-m", "5", "5 to 1e6", ["4.9", "1000001"]),
+        ("--lane-width-m", "1.5", "1.5 to 8", ["1.4", "8.1"]),
+    ] {
+        assert!(help.contains(&format!("; {range}")), "{range}: {help}");
+        for value in beyond {
+            call_line(&format!("{line} {key} {value}")).refused(2, &[key, &format!("give {least} to")]);
+        }
+    }
     assert!(!folder.path().join("out.toml").exists());
 }
 

@@ -30,8 +30,13 @@ const BOARDS: [([f64; 3], [f64; 3]); 7] = [
     ([-0.4, -0.4, 0.0], [-0.05, 0.03, 0.4]),
 ];
 
-/// The lens's view of a board: squares that are dark in every second place, on a light wall.
+/// The lens's view of the board.
 fn picture(turn: [f64; 3], place: [f64; 3]) -> RgbImage {
+    picture_of(CORNERS, turn, place)
+}
+
+/// The lens's view of a board with so many inner corners: squares that are dark in every second place, on a light wall.
+fn picture_of(corners: (i64, i64), turn: [f64; 3], place: [f64; 3]) -> RgbImage {
     const SAMPLES: usize = 36;
     const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
     /// A pixel's light comes from a pixel and a half, so that edges are as soft as a lens makes them.
@@ -49,7 +54,7 @@ fn picture(turn: [f64; 3], place: [f64; 3]) -> RgbImage {
             let square = (place_m / SQUARE_M + 0.5 * (corners as f64 + 1.0)).floor() as i64;
             Some(square).filter(|square| (0..=corners).contains(square))
         };
-        square(seen.x, CORNERS.0).zip(square(seen.y, CORNERS.1)).is_some_and(|(x, y)| (x + y) % 2 == 0)
+        square(seen.x, corners.0).zip(square(seen.y, corners.1)).is_some_and(|(x, y)| (x + y) % 2 == 0)
     };
     let mut picture = RgbImage::new(SIZE.0, SIZE.1);
     for y in 0..SIZE.1 {
@@ -203,6 +208,31 @@ fn pictures_that_do_not_fix_a_lens_are_refused() {
         wrong.refused(1, &[&named, "--corners 7x5", "nothing was written"]);
     }
     assert!(!out.exists());
+}
+
+#[test]
+fn a_board_that_most_pictures_contradict_is_refused_and_the_one_they_show_is_named() {
+    let results = TempDir::new().unwrap();
+    let out = results.path().join("camera.toml");
+    let shorter = |folder: &Path, boards: std::ops::Range<usize>| {
+        for board in boards {
+            let (turn, place) = BOARDS[board];
+            write_png(&folder.join(format!("shorter{board}.png")), &picture_of((7, 4), turn, place)).unwrap();
+        }
+    };
+    for (count, named) in [(1, "1 picture shows a board of 7x4"), (3, "3 pictures show a board of 7x4")] {
+        let folder = folder_of(0..4);
+        shorter(folder.path(), 0..count);
+        let wrong = call_line(&line(folder.path(), &out).replace("7x5", "7x4"));
+        let seen = format!("one of 7x5 is seen in 4 of {}", 4 + count);
+        wrong.refused(1, &[named, &seen, "give --corners 7x5", "nothing was written"]);
+        assert!(!out.exists());
+    }
+    // What few pictures show beside the board is left out.
+    let folder = folder_of(0..BOARDS.len());
+    shorter(folder.path(), 0..1);
+    let done = call_line(&line(folder.path(), &out)).done();
+    assert!(done.stderr.contains("7 of 8 pictures"), "{}", done.stderr);
 }
 
 /// A row and a column more than the other pictures, as some programs save them.

@@ -113,6 +113,11 @@ fn nothing_found_has_its_reason() {
     let (nowhere, features) = summaries(&nowhere);
     assert!(remark(&nowhere).contains("--start-m"), "{:?}", nowhere.remarks);
     assert_eq!(outcomes(&features), [None; 3]);
+    // Where it began is known, and not where it went from there.
+    let mut lost = drive(30, TrackState::Searching);
+    lost.iter_mut().skip(10).for_each(|record| record.route_m = None);
+    let lost = summaries(&lost).0;
+    assert!(remark(&lost).ends_with("the last place of it that is known lies at 9 m"), "{:?}", lost.remarks);
 
     let mut dark = drive(30, TrackState::NoRoute);
     dark.iter_mut().skip(1).for_each(|record| *record = with_quality(record.clone(), 0.0, None));
@@ -148,7 +153,9 @@ fn a_motion_that_is_not_believed_counts_nowhere_and_leaves_open_what_was_reached
         drive.remarks[1].contains("not believed in 30 of 40 frames")
             && drive.remarks[1].contains("frames: ViewStandsStill was seen;")
     );
-    assert!(drive.remarks[2].contains("nothing says how far"), "{:?}", drive.remarks);
+    let no_feature = &drive.remarks[2];
+    assert!(no_feature.contains("how far along the route the drive went is not known"), "{no_feature}");
+    assert!(no_feature.ends_with("lies at 10 m") && !no_feature.contains("--start-m"), "{no_feature}");
 }
 
 #[test]

@@ -90,6 +90,14 @@ impl Sighting {
         self.moves && self.turn_rad.abs() < TURNING_RAD
     }
 
+    /// How much shorter the way may be for its direction still to show, as a share of it: what the way moves grows with it, and so do the
+    /// direction's precision and the number of pairs that tell it.
+    pub fn least_way_share(&self) -> f64 {
+        let [up, aside] = self.motion.travel_sigma_rad;
+        let by_sigma = up.max(aside) / MOST_TRAVEL_SIGMA_RAD;
+        by_sigma.max(LEAST_TELLING as f64 / self.motion.telling.max(1) as f64)
+    }
+
     /// What the frame says about the mount.
     pub(super) fn observation(&self, mount: &Mount) -> AttitudeObservation {
         let seen =

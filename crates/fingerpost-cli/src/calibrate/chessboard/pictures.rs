@@ -24,21 +24,26 @@ pub(super) struct Looked {
     pub(super) other_board: Option<(usize, usize)>,
 }
 
-/// Refuses pictures none of which shows the board, and some of which show another.
+/// Refuses pictures more of which show another board than the one that is looked for: the few that show that one have a part of the other
+/// in view, and fix no lens.
 pub(super) fn check_board(looked: &[Looked], board: BoardSize) -> Result<()> {
-    if looked.iter().any(|looked| looked.corners.is_ok()) {
-        return Ok(());
-    }
+    let asked = looked.iter().filter(|looked| looked.corners.is_ok()).count();
     let mut counts: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for other in looked.iter().filter_map(|looked| looked.other_board) {
         *counts.entry(other).or_default() += 1;
     }
-    let Some(((columns, rows), count)) = counts.into_iter().max_by_key(|(_, count)| *count) else {
+    let most = counts.into_iter().max_by_key(|(_, count)| *count).filter(|(_, count)| *count > asked);
+    let Some(((columns, rows), count)) = most else {
         return Ok(());
     };
     bail!(
-        "no picture shows a board of {}x{} inner corners; one of {columns}x{rows} is seen in {count} of {}; give --corners \
-         {columns}x{rows} if that is the board",
+        "{} a board of {}x{} inner corners; one of {columns}x{rows} is seen in {count} of {}; give --corners {columns}x{rows} if that is \
+         the board",
+        match asked {
+            0 => "no picture shows".to_owned(),
+            1 => "1 picture shows".to_owned(),
+            _ => format!("{asked} pictures show"),
+        },
         board.columns(),
         board.rows(),
         looked.len()
