@@ -44,7 +44,7 @@ fn a_pixel_adds_what_places_of_its_colour_have_in_steps() {
     colours.weigh(2.0);
     for (pixel, x) in [([90, 90, 95], 2), ([60, 110, 50], 13)] {
         let expected = (2.0 * at(&colours, x)).round();
-        assert_eq!(f32::from(colours.steps(pixel)), expected);
+        assert_eq!(colours.steps(pixel), expected as i8);
     }
 }
 
