@@ -10,7 +10,7 @@ import torch
 import torch.nn.functional as F
 from PIL import Image
 
-from labelled import log_odds
+from labelled import first_row, log_odds
 
 # Colours of what is drawn over a picture: road, raised ground, hidden ground, paint.
 COLOURS = {0: (40, 200, 90), 2: (230, 60, 200), 3: (40, 80, 230), 1: (255, 230, 0)}
@@ -26,11 +26,13 @@ def pictures(pattern):
 def overlay(network, path):
     """A picture with what the network says of each place over it, as strongly as it is sure."""
     width, height = TILE
-    y = torch.sigmoid(F.interpolate(log_odds(network, path)[None], size=(height, width), mode="bilinear"))[0].numpy()
+    top = first_row(height)
+    y = F.interpolate(log_odds(network, path)[None], size=(height - top, width), mode="bilinear")
+    y = torch.sigmoid(y)[0].numpy()
     picture = np.asarray(Image.open(path).convert("RGB").resize(TILE, Image.BILINEAR)).astype(np.float32)
     for output, colour in COLOURS.items():
         share = 0.6 * np.clip(2 * y[output] - 1, 0, 1)[..., None]
-        picture = picture * (1 - share) + np.array(colour, np.float32) * share
+        picture[top:] = picture[top:] * (1 - share) + np.array(colour, np.float32) * share
     return Image.fromarray(picture.astype(np.uint8))
 
 

@@ -7,13 +7,11 @@ import os
 import numpy as np
 from PIL import Image
 
-from labelled import log_odds, prepared
-from pictures import PAINT, ROAD, VOID
+from labelled import ABOVE, first_row, log_odds, prepared
+from pictures import PAINT, ROAD, VOID, horizons
 
 BINS = 24
 KEPT, DOUBT = np.float32(0.9), np.float32(0.002)
-# Rows above this share of the picture are no ground where the horizon is not known.
-HORIZON = 1 / 3
 
 
 def named(picture):
@@ -58,17 +56,22 @@ class DriveColours:
         return ratio[colours].astype(np.float32)
 
 
-def whole_levels(path, shape):
-    """A picture at the network's size, h x w x 3, whole levels."""
-    return (prepared(path, shape)[0].permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)
+def whole_levels(path, shape, horizon):
+    """What the network looks at of a picture, at its size, h x w x 3, whole levels."""
+    return (prepared(path, shape, horizon)[0].permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)
 
 
-def drive(network, paths):
+def first_ground(rows):
+    """The first of so many rows of the network's output that shows ground."""
+    return int(np.ceil(ABOVE * rows))
+
+
+def drive(network, paths, horizon):
     """For each picture of a drive: the network's log-odds of road, in the program's steps, and what colours add."""
     colours = DriveColours()
     for path in paths:
-        road = np.clip(np.rint(log_odds(network, path)[0].numpy() * 16), -127, 127) / 16
-        yield road, colours.see(whole_levels(path, network.shape), road, int(np.ceil(HORIZON * len(road))))
+        road = np.clip(np.rint(log_odds(network, path, horizon)[0].numpy() * 16), -127, 127) / 16
+        yield road, colours.see(whole_levels(path, network.shape, horizon), road, first_ground(len(road)))
 
 
 def samples(network, folder):
@@ -76,10 +79,14 @@ def samples(network, folder):
     said, added, true = [], [], []
     for one in sorted(glob.glob(f"{folder}/*")):
         paths = sorted(glob.glob(f"{one}/frames/*"))
-        for path, (road, colours) in zip(paths, drive(network, paths)):
-            classes = Image.open(os.path.splitext(path.replace("/frames/", "/classes/"))[0] + ".png")
+        truth = [np.asarray(Image.open(os.path.splitext(p.replace("/frames/", "/classes/"))[0] + ".png")) for p in paths]
+        horizon = float(np.median(horizons(np.stack(truth)))) / len(truth[0])
+        # A camera that looks at its feet shows no horizon, and one that sees no ground nothing to learn from.
+        horizon = min(max(horizon, 0.0), 0.8)
+        for shown, (road, colours) in zip(truth, drive(network, paths, horizon)):
+            classes = Image.fromarray(shown[first_row(len(shown), horizon):])
             classes = np.asarray(classes.resize(road.shape[::-1], Image.NEAREST))
-            ground = np.s_[int(np.ceil(HORIZON * len(road))):]
+            ground = np.s_[first_ground(len(road)):]
             seen = classes[ground] != VOID
             said.append(road[ground][seen])
             added.append(colours[ground][seen])

@@ -92,40 +92,27 @@ class Days:
         return x
 
     def things(self, x, classes):
-        """Vehicles' boxes and people's outlines of any look that stand on the ground, darker ground under them."""
-        if not self.chance(0.4):
+        """Boxes of any look that stand on the ground, darker ground under them."""
+        if not self.chance(0.35):
             return x, classes
         x, classes = x.clone(), classes.clone()
-        ground = (classes != SKY) & (classes != STRUCTURE)
-        for _ in range(1 + self.rng.poisson(1.2)):
-            foot, middle = self.rng.uniform(0.42, 1.05), self.rng.uniform(-0.1, 1.1)
-            is_person = self.chance(0.4)
-            size = (foot - 0.38) * (self.rng.uniform(0.8, 1.7) if is_person else self.rng.uniform(0.25, 1.1))
-            wide = size * (self.rng.uniform(0.1, 0.22) if is_person else self.rng.uniform(0.4, 1.2)) * self.h / self.w
-            inside = self.person(foot, middle, size, wide) if is_person else self.vehicle(foot, middle, size, wide)
+        for _ in range(1 + self.rng.poisson(1.0)):
+            foot = self.rng.uniform(0.42, 1.05)
+            size = (foot - 0.35) * self.rng.uniform(0.25, 1.1)
+            middle, wide = self.rng.uniform(-0.1, 1.1), size * self.rng.uniform(0.4, 1.2)
+            inside = ((self.xs - middle).abs() < wide / 2) & (self.ys < foot) & (self.ys > foot - size)
+            corner = (((self.xs - middle) / (wide / 2)).abs() ** 4 + ((self.ys - foot + size / 2) / (size / 2)).abs() ** 4) < 1.0
+            inside &= corner if self.chance(0.7) else inside
+            ground = (classes != SKY) & (classes != STRUCTURE)
             under = torch.exp(-((self.ys - foot) / (0.15 * size + 0.01)) ** 2) * ((self.xs - middle).abs() < wide * 0.55) * ground
             x *= 1 - under * self.rng.uniform(0.3, 0.95)
             base = torch.tensor(self.rng.uniform(0.02, 0.95, 3), dtype=torch.float32).view(3, 1, 1)
             base = base.mean() + (base - base.mean()) * self.rng.uniform(0, 1)
-            above = torch.where(self.ys < foot - size * self.rng.uniform(0.5, 0.7), self.rng.uniform(0.1, 0.8), 1.0)
-            look = (base * above * (1 + 0.25 * self.field(3, 20)) * (1.3 - 0.6 * (self.ys - foot + size) / size)).clamp(0, 1.5)
+            glass = torch.where(self.ys < foot - size * self.rng.uniform(0.5, 0.7), self.rng.uniform(0.1, 0.8), 1.0)
+            look = (base * glass * (1 + 0.25 * self.field(3, 20)) * (1.3 - 0.6 * (self.ys - foot + size) / size)).clamp(0, 1.5)
             x = torch.where(inside[None], look, x)
             classes[inside] = THING
         return x, classes
-
-    def vehicle(self, foot, middle, size, wide):
-        """A box, most often with round corners; sizes are shares of the picture's."""
-        inside = ((self.xs - middle).abs() < wide) & (self.ys < foot) & (self.ys > foot - size)
-        corner = (((self.xs - middle) / wide).abs() ** 4 + ((self.ys - foot + size / 2) / (size / 2)).abs() ** 4) < 1.0
-        return inside & corner if self.chance(0.7) else inside
-
-    def person(self, foot, middle, size, wide):
-        """A body over legs, or over the narrow wheel of a bicycle."""
-        up = (foot - self.ys) / size
-        hips = self.rng.uniform(0.3, 0.5)
-        body = (((self.xs - middle) / wide) ** 2 + ((up - (1 + hips) / 2) / ((1 - hips) / 2)) ** 2) < 1.0
-        legs = ((self.xs - middle).abs() < wide * self.rng.uniform(0.15, 0.8)) & (up > 0) & (up < hips + 0.1)
-        return body | legs
 
     def shade(self, x, classes):
         """Bands of buildings' shade and dapples of trees', on ground, things and walls alike."""

@@ -12,16 +12,28 @@ from PIL import Image
 from network import inputs
 
 
-def prepared(path, shape):
-    """A picture at the network's size, 1 x 3 x h x w, levels 0 to 1."""
+# Where the horizon is taken to be where it is not known, as a share of the height, and how much of what the network looks at lies above it
+# (`road_surface/looked_at.rs`).
+HORIZON, ABOVE = 1 / 3, 0.25
+
+
+def first_row(height, horizon=HORIZON):
+    """The first row of a picture that the network looks at."""
+    return int(max(height - height * (1 - horizon) / (1 - ABOVE), 0))
+
+
+def prepared(path, shape, horizon=HORIZON):
+    """What the network looks at of a picture, at its size, 1 x 3 x h x w, levels 0 to 1."""
     picture = torch.from_numpy(np.asarray(Image.open(path).convert("RGB")).copy()).permute(2, 0, 1)[None].float()
+    picture = picture[:, :, first_row(picture.shape[2], horizon):]
     size = (shape.height, shape.width)
     return torch.round(F.interpolate(picture, size=size, mode="bilinear", antialias=True)) / 255
 
 
-def log_odds(network, path):
+def log_odds(network, path, horizon=HORIZON):
+    """The network's outputs (n x h/2 x w/2) for what it looks at of a picture."""
     with torch.no_grad():
-        return network(inputs(prepared(path, network.shape), network.shape))[0]
+        return network(inputs(prepared(path, network.shape, horizon), network.shape))[0]
 
 
 @dataclass(frozen=True)
@@ -49,10 +61,11 @@ class LabelledSet:
         said, true = [], []
         for path in self.pictures()[::every]:
             label = np.asarray(Image.open(f"{self.labels}/{os.path.basename(path)}"))
-            y = F.interpolate(log_odds(network, path)[None, :1], size=label.shape, mode="bilinear")[0, 0].numpy()
-            first = len(label) // 3
+            top, first = first_row(len(label)), len(label) // 3
+            size = (len(label) - top, label.shape[1])
+            y = F.interpolate(log_odds(network, path)[None, :1], size=size, mode="bilinear")[0, 0].numpy()
             known = label[first:] != self.void
-            said.append(y[first:][known])
+            said.append(y[first - top:][known])
             true.append((label[first:] == self.road)[known])
         return np.concatenate(said), np.concatenate(true)
 

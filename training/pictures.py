@@ -29,6 +29,12 @@ def drives(folder):
     return np.stack([p for p, _ in pairs]), np.stack([c for _, c in pairs])
 
 
+def horizons(classes):
+    """The first row of every picture (n x h x w) with ground in more than a few of its places; the last row where none has."""
+    ground = np.isin(classes, (ROAD, PAINT, RAISED, VERGE)).mean(2) > 0.02
+    return np.where(ground.any(1), ground.argmax(1), classes.shape[1] - 1)
+
+
 def crops(pictures, classes, count, shape, rng):
     """So many random crops at the network's size (levels 0 to 1), and their classes at the same size.
 
