@@ -250,7 +250,7 @@ fn a_gps_track_of_another_place_is_refused_without_a_route_too() {
     let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
     let route = format!(" --route {} --start-m 5", drive.route().display());
     let run = drive.run_line(&drive.path(), &folder.path().join("out")).replace(&route, "");
-    for (lat, lon, cause) in [(48.0, 9.5, "111 km from the nearest road"), (9.5, 47.0, "exchanged?")] {
+    for (lat, lon, cause) in [(48.0, 9.5, "111 km from the nearest road"), (9.5003, 47.0002, "exchanged?")] {
         let point = format!("<trkpt lat=\"{lat}\" lon=\"{lon}\"><time>2020-01-01T10:00:00Z</time></trkpt>");
         let (_folder, track) = file("track.gpx", &format!("<gpx version=\"1.1\">{point}</gpx>"));
         call_line(&format!("{run} --map {} --gps {}", drive.map().display(), track.display()))
