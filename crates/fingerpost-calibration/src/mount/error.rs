@@ -22,6 +22,9 @@ pub struct CadenceDoubt {
 impl Display for CadenceDoubt {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { frames, repeated, missing } = self;
+        if *repeated + *missing == 0 {
+            return write!(f, "whether the vehicle stood in some of the {frames} frames cannot be seen");
+        }
         if *repeated > 0 {
             write!(f, "{repeated} of {frames} frames repeat the one before")?;
         }
@@ -162,6 +165,8 @@ mod tests {
             "{by_speed}"
         );
         assert!(by_speed.contains("or the distance driven in place of the speed"), "{by_speed}");
+        let at_rest = refusal(KnownScale::SpeedMps(10.0), 0, 0);
+        assert!(at_rest.starts_with("whether the vehicle stood in some of the 100 frames"), "{at_rest}");
         let by_distance = refusal(KnownScale::DistanceM(90.0), 20, 0);
         assert!(by_distance.contains("the width of the lane in place of the distance"), "{by_distance}");
         assert!(!by_distance.contains("distance driven") && !by_distance.contains("speed"), "{by_distance}");

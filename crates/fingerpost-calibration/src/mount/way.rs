@@ -57,7 +57,7 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Optio
     let seen: Vec<SeenWay> =
         looks.iter().skip(1).zip(&lengths).map(|(look, length)| seen(look, *length, normal)).collect();
     let least_jump = MOST_ACCELERATION_MPS2 * mean_s * mean_s / height_m;
-    let seen = without_false_stands(seen, least_jump);
+    let (seen, doubtful) = without_false_stands(seen, least_jump);
     let ways: Vec<Option<f64>> = seen.iter().map(|seen| seen.way).collect();
     if ways.iter().flatten().filter(|way| **way > 0.0).count() < LEAST_ROAD {
         return None;
@@ -68,7 +68,8 @@ pub(super) fn way(looks: &[Look], normal: &Vector3<f64>, height_m: f64) -> Optio
     let time_share = cadence.as_ref().map_or(0.0, |cadence| {
         cadence.intervals_per_frame.map_or(1.0, |intervals_per_frame| (1.0 - intervals_per_frame).abs())
     });
-    let unseen_share = cadence.as_ref().map_or(0.0, |cadence| cadence.unseen_share);
+    let unseen_share =
+        cadence.as_ref().map_or(0.0, |cadence| cadence.unseen_share) + doubtful as f64 / seen.len() as f64;
     let steps = match cadence {
         Some(cadence) => cadence.ways,
         None => (0..ways.len()).map(|frame| middle_of_neighbours(&ways, frame)).collect(),
@@ -101,24 +102,23 @@ fn seen(look: &Look, length: f64, normal: &Vector3<f64>) -> SeenWay {
 
 /// What frames show, with stands only where a vehicle can have stopped: beside a frame that moves too fast for that by `least_jump`, the
 /// change of the way from one frame to the next that no tyre brings about, and beside none that is slow enough, a frame that shows no motion
-/// is one in which it cannot be seen. So is a lone one that none which is slow enough is seen beside. Frames that repeat the one before are
-/// the cadence's.
-fn without_false_stands(mut seen: Vec<SeenWay>, least_jump: f64) -> Vec<SeenWay> {
+/// is one in which it cannot be seen. So are those beside which no way is seen; how many of these there are in a row with others is given
+/// as well, as the vehicle may have stood there. Frames that repeat the one before are the cadence's.
+fn without_false_stands(mut seen: Vec<SeenWay>, least_jump: f64) -> (Vec<SeenWay>, usize) {
     let is_at_rest = |seen: &SeenWay| seen.way == Some(0.0);
-    let mut start = 0;
+    let (mut start, mut doubtful) = (0, 0);
     while start < seen.len() {
         let is_rest = is_at_rest(&seen[start]);
         let end = start + seen[start..].iter().take_while(|seen| is_at_rest(seen) == is_rest).count();
-        if is_rest {
-            let beside = Beside::of(&seen, start..end, least_jump);
-            let is_alone = end - start == 1;
-            if beside == Beside::Fast || is_alone && beside == Beside::Unseen {
-                seen[start..end].iter_mut().filter(|seen| !seen.is_still).for_each(|seen| seen.way = None);
-            }
+        let beside = Beside::of(&seen, start..end, least_jump);
+        if is_rest && beside != Beside::Slow {
+            let unseen = seen[start..end].iter_mut().filter(|seen| !seen.is_still);
+            let count = unseen.map(|seen| seen.way = None).count();
+            doubtful += if beside == Beside::Unseen && count > 1 { count } else { 0 };
         }
         start = end;
     }
-    seen
+    (seen, doubtful)
 }
 
 /// Frames of whose ways one may be wrong and the median is not.
@@ -173,7 +173,7 @@ mod tests {
             ways.iter().map(|&way| SeenWay { way, least: 0.0, is_still: false }).collect()
         };
         let kept = |ways: &[Option<f64>]| -> Vec<Option<f64>> {
-            without_false_stands(of(ways), 0.2).iter().map(|seen| seen.way).collect()
+            without_false_stands(of(ways), 0.2).0.iter().map(|seen| seen.way).collect()
         };
         let stopping = [Some(0.3), Some(0.15), Some(0.0), Some(0.0), Some(0.0), Some(0.1), None];
         assert_eq!(kept(&stopping), stopping);
@@ -185,14 +185,15 @@ mod tests {
         let unseen = [&moved[..], &[None; 5], &moved].concat();
         assert_eq!(kept(&[&moved[..], &rest.repeat(5), &moved].concat()), unseen);
         assert_eq!(kept(&[&rest.repeat(5), &moved[..]].concat()), unseen[1..]);
-        // Whether a vehicle stands that was not seen before and behind, nothing contradicts.
-        let night = [&[None], &rest.repeat(5)[..], &[None]].concat();
-        assert_eq!(kept(&night), night);
+        // Whether a vehicle stands that was not seen before and behind is in doubt.
+        let night = of(&[&[None], &rest.repeat(5)[..], &[None]].concat());
+        assert_eq!(without_false_stands(night, 0.2), (of(&[None; 7]), 5));
         // A picture that comes again is the cadence's.
         let repeated = SeenWay { way: Some(0.0), least: 0.0, is_still: true };
         let [filled, fast] = [[repeated; 3].to_vec(), of(&moved)];
         let after = [&fast[..], &filled, &of(&rest), &fast].concat();
-        assert_eq!(without_false_stands(after, 0.2), [&fast[..], &filled, &of(&[None]), &fast].concat());
+        let hidden = [&fast[..], &filled, &of(&[None]), &fast].concat();
+        assert_eq!(without_false_stands(after, 0.2), (hidden, 0));
     }
 
     #[test]
@@ -200,6 +201,6 @@ mod tests {
         // Slower than a third of a height a frame it is not seen to move.
         let slow = |way: f64| SeenWay { way: Some(way), least: 0.3, is_still: false };
         let stop = [slow(0.45), slow(0.4), slow(0.0), slow(0.0), slow(0.0), slow(0.35), slow(0.4)];
-        assert_eq!(without_false_stands(stop.to_vec(), 0.2), stop);
+        assert_eq!(without_false_stands(stop.to_vec(), 0.2), (stop.to_vec(), 0));
     }
 }
