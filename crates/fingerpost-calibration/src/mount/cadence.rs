@@ -60,7 +60,7 @@ pub(super) struct SeenWay {
     pub(super) is_still: bool,
 }
 
-/// What is seen just before and behind frames without a way.
+/// What is seen nearest before and behind frames without a way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beside {
     /// Nothing.
@@ -74,11 +74,14 @@ pub(super) enum Beside {
 impl Beside {
     /// Beside the frames `run`; `least_jump` is the change of the way from one frame to the next that no tyre brings about.
     pub(super) fn of(seen: &[SeenWay], run: Range<usize>, least_jump: f64) -> Self {
-        let before = run.start.checked_sub(1);
-        let sides = [before, Some(run.end)].map(|frame| {
-            let seen = seen.get(frame?)?;
-            Some(seen.way? <= least_jump + seen.least)
-        });
+        // From the nearest way that is seen there are so many frames to stop in, or to start.
+        let is_slow = |(between, seen): (usize, &SeenWay)| {
+            let way = seen.way.filter(|_| !seen.is_still)?;
+            Some(way <= least_jump * (between + 1) as f64 + seen.least)
+        };
+        let (before, behind) = (seen.get(..run.start), seen.get(run.end..));
+        let before = before.and_then(|seen| seen.iter().rev().enumerate().find_map(is_slow));
+        let sides = [before, behind.and_then(|seen| seen.iter().enumerate().find_map(is_slow))];
         match (sides.iter().flatten().any(|is_slow| *is_slow), sides.iter().any(Option::is_some)) {
             (true, _) => Self::Slow,
             (false, true) => Self::Fast,
@@ -286,9 +289,12 @@ mod tests {
         // Whether the vehicle slowed down meanwhile, nobody saw.
         for stand in [[UNSEEN, UNSEEN, STILL], [UNSEEN, STILL, STILL], [STILL, STILL, STILL]] {
             let moved = [MOVED; 20];
-            assert_eq!(Cadence::of(&[&moved[..], &[UNSEEN; 3], &stand, &[UNSEEN]].concat(), 0.1), None);
-            assert_eq!(Cadence::of(&[&[UNSEEN], &stand[..], &[UNSEEN; 3], &moved].concat(), 0.1), None);
+            assert_eq!(Cadence::of(&[&moved[..], &[UNSEEN; 12], &stand, &[UNSEEN]].concat(), 0.1), None);
+            assert_eq!(Cadence::of(&[&[UNSEEN], &stand[..], &[UNSEEN; 12], &moved].concat(), 0.1), None);
         }
+        // In two frames nobody stops from a way that takes ten.
+        let filled = [&[MOVED; 20][..], &[UNSEEN], &[STILL; 5], &[UNSEEN; 2], &[MOVED; 20]].concat();
+        assert_eq!(Cadence::of(&filled, 0.1).map(|found| found.repeated), Some(5));
         let found = Cadence::of(&[&[MOVED; 20][..], &[STILL], &[MOVED; 20]].concat(), 0.1).unwrap();
         assert_eq!(found.repeated, 1);
     }
