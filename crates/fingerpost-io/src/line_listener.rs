@@ -1,7 +1,7 @@
 //! Lines that come as they are written: of a receiver at a serial port, or of gpsd.
 
 use std::collections::VecDeque;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, FileType, OpenOptions};
 use std::io::{self, ErrorKind, IsTerminal, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -150,8 +150,19 @@ fn read_lines(mut source: impl Read, kept: &Mutex<VecDeque<TimedLine>>, over: &A
 
 /// Whether a path names a serial port: a terminal, as the system calls it, which lines come from for as long as they are asked for.
 pub fn is_serial_port(path: &Path) -> bool {
-    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
-    !is_file && open_device(path).is_ok_and(|device| device.is_terminal())
+    // Nothing but a device is opened to be asked: who writes a pipe is gone when its reader leaves.
+    let may_be_one = path.metadata().map_or(cfg!(not(unix)), |metadata| is_device(metadata.file_type()));
+    may_be_one && open_device(path).is_ok_and(|device| device.is_terminal())
+}
+
+#[cfg(unix)]
+fn is_device(kind: FileType) -> bool {
+    std::os::unix::fs::FileTypeExt::is_char_device(&kind)
+}
+
+#[cfg(not(unix))]
+fn is_device(kind: FileType) -> bool {
+    !kind.is_file()
 }
 
 fn open_device(path: &Path) -> io::Result<File> {
