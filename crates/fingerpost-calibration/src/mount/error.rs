@@ -129,8 +129,10 @@ pub enum CalibrationError {
     },
     /// No camera is so high or low.
     #[error(
-        "the drive gives a camera {height_m:.3} m above the road, and {expected} is possible; check the speed or distance that was given, \
-         and how long the drive took: the number of its frames, their rate or their times"
+        "the drive gives a camera {height_m:.3} m above the road, and {expected} is possible; either the road's motion is misread, as on \
+         smooth asphalt, which a compressed video keeps where it was (take a drive on a road with more texture, or measure the height by \
+         hand), or the camera's lens is another, or what was given is wrong: check the speed or distance that was given, and how long the \
+         drive took: the number of its frames, their rate or their times"
     )]
     NoHeight {
         /// The height found, metres.
@@ -170,6 +172,16 @@ mod tests {
         let by_distance = refusal(KnownScale::DistanceM(90.0), 20, 0);
         assert!(by_distance.contains("the width of the lane in place of the distance"), "{by_distance}");
         assert!(!by_distance.contains("distance driven") && !by_distance.contains("speed"), "{by_distance}");
+    }
+
+    #[test]
+    fn a_height_that_cannot_be_may_be_the_road_s_fault_and_not_what_was_given() {
+        for height_m in [192.161, 20.1, 0.01] {
+            let said = CalibrationError::NoHeight { height_m, expected: "0.05 to 20 metres above the road" }.to_string();
+            let [road, given] = ["smooth asphalt", "check the speed or distance"].map(|cause| said.find(cause));
+            assert!(road.is_some() && road < given, "the likelier cause comes first: {said}");
+            assert!(said.contains("measure the height by hand"), "{said}");
+        }
     }
 
     #[test]
