@@ -3,7 +3,7 @@
 //! | known | found | by |
 //! |---|---|---|
 //! | pictures of a chessboard | focal lengths, principal point, distortion | [`calibrate_lens`] |
-//! | lens, a drive | pitch, yaw, roll; with a known length the height | [`MountCalibrator`], [`LaneWidth`] |
+//! | lens, a drive | pitch, yaw, roll; with a known length the height | [`MountCalibrator`], [`LaneWidth`]; held against [`DrivenWay`] |
 //! | lens, four places on the road | the whole mount | [`mount_from_points`] |
 //! | the whole camera | how far ahead its rows show the road | [`Reach`] |
 //!
@@ -11,6 +11,7 @@
 //! the mount while driving is `fingerpost::mount`. No file, clock or environment is read.
 
 mod board;
+mod driven_way;
 mod lane_width;
 mod lens;
 mod mount;
@@ -18,6 +19,7 @@ mod points;
 mod reach;
 
 pub use board::{SizesError, board_points, common_size};
+pub use driven_way::{DrivenWay, DrivenWayError};
 pub use lane_width::LaneWidth;
 pub use lens::{BoardOutcome, BoardPoint, LensCalibration, LensCalibrationError, calibrate_lens};
 pub use mount::{CadenceDoubt, CalibrationError, Estimated, KnownScale, MountCalibration, MountCalibrator};

@@ -103,6 +103,23 @@ impl MountCalibration {
         (repeated + missing > 0).then_some(CadenceDoubt { frames: self.frames, repeated, missing })
     }
 
+    /// Holds the mount against the way that the same frames show through a camera on it, `seen` by
+    /// [`DrivenWay`](crate::DrivenWay): the one that was given, where the height comes of that.
+    ///
+    /// # Errors
+    /// [`CalibrationError::AnotherWay`] where the two are farther apart than both leave open.
+    pub fn held_against(&self, seen: Estimated, known: KnownScale) -> Result<(), CalibrationError> {
+        let (Some(height), Some(given_m)) = (self.height, self.distance_m) else { return Ok(()) };
+        // At the strip's middle a pitch that is off lengthens the way by twice its share of the angle to there.
+        let by_pitch = 2.0 * STRIP_M / height.value * self.pitch.sigma;
+        let share = libm::hypot(height.sigma / height.value, by_pitch);
+        let sigma_m = libm::hypot(seen.sigma, share * given_m);
+        if (seen.value - given_m).abs() <= WAY_SIGMAS * sigma_m {
+            return Ok(());
+        }
+        Err(CalibrationError::AnotherWay { height_m: height.value, given_m, seen, given: known })
+    }
+
     /// The same with the height at which a lane that is `lane_width_m` wide looks as wide as it was `seen`, metres, by
     /// [`LaneWidth`](crate::LaneWidth) through a camera on [`MountCalibration::mount`].
     #[must_use]
@@ -132,6 +149,10 @@ const MOST_SIGMA_DEG: f64 = 0.3;
 const MOST_AWAY_DEG: f64 = 60.0;
 /// A thing that moved by less stayed where it was, radians: a few hundredths of a pixel, as far as corners are followed.
 const STILL_RAD: f64 = 1e-4;
+/// Standard deviations by which the way that was given and the one that the camera shows may be apart.
+const WAY_SIGMAS: f64 = 3.0;
+/// About how far from the camera the middle of the road lies that shows the way, metres.
+const STRIP_M: f64 = 7.0;
 /// A roll that differs from the configured one by more standard deviations is taken over.
 const ROLL_SIGMAS: f64 = 2.0;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -314,4 +335,52 @@ fn is_still(pairs: &[RayPair]) -> bool {
 /// The road's normal in the camera frame, towards the road.
 fn road_normal(mount: &Mount) -> Vector3<f64> {
     mount.vehicle_from_camera().rotation.inverse() * -Vector3::z()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_height_whose_camera_shows_another_way_than_was_given_is_refused() {
+        let of = |value: f64, sigma: f64| Estimated { value, sigma };
+        let mut found = MountCalibration {
+            mount: Mount::level(1.6),
+            pitch: of(0.0, 0.1 * DEGREE),
+            yaw: of(0.0, 0.1 * DEGREE),
+            roll: None,
+            roll_taken_over: false,
+            height: Some(of(1.6, 0.064)),
+            travel_pitch: of(0.0, 0.1 * DEGREE),
+            road_pitch: None,
+            distance_m: Some(69.6),
+            frames: 61,
+            frames_moving: 60,
+            frames_straight: 60,
+            frames_with_road: 60,
+            frames_repeated: 0,
+            frames_missing: 0,
+        };
+        for (seen_m, sigma_m, is_held) in [
+            (69.6, 1.0, true),
+            (75.0, 1.0, true),
+            (64.0, 1.0, true),
+            (95.4, 1.5, false),
+            (40.0, 1.0, false),
+            // A way of which frames show nothing says nothing.
+            (0.0, 300.0, true),
+            (95.4, 20.0, true),
+        ] {
+            for known in [KnownScale::SpeedMps(29.0), KnownScale::DistanceM(69.6)] {
+                let held = found.held_against(of(seen_m, sigma_m), known);
+                assert_eq!(held.is_ok(), is_held, "{seen_m}");
+                let Err(refused) = held.map_err(|error| error.to_string()) else { continue };
+                let given = if known == KnownScale::DistanceM(69.6) { "distance" } else { "speed" };
+                assert!(refused.contains(&format!("{seen_m:.1} m ± {sigma_m:.1} m")), "{refused}");
+                assert!(refused.contains(&format!("width of the lane in place of the {given}")), "{refused}");
+            }
+        }
+        found.height = None;
+        assert!(found.held_against(of(95.4, 1.5), KnownScale::Nothing).is_ok());
+    }
 }

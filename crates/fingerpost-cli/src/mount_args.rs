@@ -30,7 +30,7 @@ pub(crate) struct MountArgs {
 #[derive(Debug, Args)]
 pub(crate) struct PictureKindArgs {
     /// The pictures are rectified: the calibration's projection matrix holds, and there is no lens. This is taken for given of a topic
-    /// whose name says so, as image_rect does.
+    /// whose name says so, as image_rect and image_undistorted do.
     #[arg(long, conflicts_with = "camera")]
     rectified: bool,
     /// The pictures are as the lens made them, whatever the topic's name says.

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 use fingerpost::fix::NearPlace;
 use fingerpost::progress::RouteProgressConfig;
 use fingerpost_geometry::Polyline;
-use fingerpost_map::{LatLon, OffRoad, RoadGraph, Route, TangentPlane};
+use fingerpost_map::{ARE_EXCHANGED, LatLon, MapBounds, OffRoad, RoadGraph, Route, TangentPlane};
 use nalgebra::Point2;
 
 use crate::arguments::Place;
@@ -88,9 +88,19 @@ pub(crate) fn check(
     let gate_m = config.gps_gate_m;
     let nearest_m = gps.iter().map(off_m).min_by(f64::total_cmp).unwrap_or_default();
     if nearest_m > gate_m {
+        let bounds = MapBounds::of(route.line.iter().map(|point| point.at));
+        let is_right = |at: LatLon| {
+            bounds.is_some_and(|bounds| bounds.contains(at))
+                || LatLon::new(at.lat_deg, at.lon_deg).is_ok() && off_m(&at) <= gate_m
+        };
+        let more = if gps.iter().any(|at| is_right(at.exchanged())) {
+            format!("or leave --gps out; {ARE_EXCHANGED}")
+        } else {
+            "leave --gps out, or make route_progress.gps_gate_m larger".to_owned()
+        };
         bail!(
             "the GPS track never comes nearer to the route than {nearest_m:.0} m, and positions more than {gate_m} m off are not \
-             believed; give the track and the route of this drive, leave --gps out, or make route_progress.gps_gate_m larger"
+             believed; give the track and the route of this drive, {more}"
         );
     }
     let first_off_m = off_m(first);
@@ -173,6 +183,26 @@ mod tests {
                 let away = off_m * Vector2::new(libm::cos(f64::from(side)), libm::sin(f64::from(side)));
                 let refused = check(&config, &route, None, &track(&route, 0.0, |_| away)).unwrap_err();
                 assert!(refused.to_string().contains("never comes nearer"), "{refused}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_track_with_latitude_and_longitude_exchanged_is_asked_about() {
+        let (route, config) = (route(), RouteProgressConfig::default());
+        let refused = |gps: &[LatLon]| check(&config, &route, Some(3.0), gps).unwrap_err().to_string();
+        let exchanged = |gps: Vec<LatLon>| -> Vec<LatLon> { gps.iter().map(|at| at.exchanged()).collect() };
+        for from_m in [0.0, 100.0, 300.0] {
+            for off in [Vector2::zeros(), Vector2::new(-30.0, 20.0), Vector2::new(25.0, 25.0)] {
+                let said = refused(&exchanged(track(&route, from_m, |_| off)));
+                assert!(said.contains("exchanged?") && said.contains("leave --gps out"), "{said}");
+                assert!(!said.contains("gps_gate_m"), "a larger gate is no help: {said}");
+            }
+            // Exchanged or not, that is another place.
+            let away = track(&route, from_m, |_| Vector2::new(3e5, 0.0));
+            for gps in [exchanged(away.clone()), away] {
+                let said = refused(&gps);
+                assert!(!said.contains("exchanged?") && said.contains("gps_gate_m"), "{said}");
             }
         }
     }

@@ -228,6 +228,11 @@ impl FrameSource {
         None
     }
 
+    /// Whether the input is under way, so that nobody sees the same frames again.
+    pub const fn is_live(&self) -> bool {
+        self.is_live
+    }
+
     /// Number of frames that are used; none for live inputs and videos that do not say. A video may turn out to hold fewer.
     pub fn length(&self) -> Option<u64> {
         match &self.input {

@@ -20,7 +20,7 @@ pub struct MapBounds {
 
 impl MapBounds {
     /// The box of these places: of the two ways round the earth the shorter one. `None` for no places.
-    pub(crate) fn of(places: impl Iterator<Item = LatLon> + Clone) -> Option<Self> {
+    pub fn of(places: impl Iterator<Item = LatLon> + Clone) -> Option<Self> {
         let [south_deg, north_deg] = extent(places.clone().map(|at| at.lat_deg))?;
         let [west_deg, east_deg] = extent(places.clone().map(|at| at.lon_deg))?;
         if east_deg - west_deg <= 180.0 {

@@ -53,7 +53,7 @@ pub use label::escaped;
 pub use leaving::{LEAVES_WITHIN_M, leaves_after_m};
 pub use match_track::match_track;
 pub use notice::{MapNotice, MapNoticeKind};
-pub use off_road::{OffRoad, PLACE_REACH_M};
+pub use off_road::{ARE_EXCHANGED, OffRoad, PLACE_REACH_M};
 pub use osm::{OsmBarrier, OsmData, OsmError, OsmNode, OsmWay};
 pub use passed_over::{PassedOver, UnreadPlace};
 pub use plan::plan;

@@ -9,6 +9,9 @@ use crate::{LatLon, MapBounds, RoadGraph, Snap};
 /// A place farther than this from every road is not meant for the map, metres.
 pub const PLACE_REACH_M: f64 = 100.0;
 
+/// What is asked where places would be right with latitude and longitude exchanged.
+pub const ARE_EXCHANGED: &str = "are latitude and longitude exchanged? The latitude comes first";
+
 /// A place that is on no road of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub struct OffRoad {
@@ -23,7 +26,7 @@ pub struct OffRoad {
 impl OffRoad {
     /// Whether the place lies within the map with latitude and longitude exchanged.
     pub fn is_exchanged(&self) -> bool {
-        self.bounds.contains(LatLon { lat_deg: self.at.lon_deg, lon_deg: self.at.lat_deg })
+        self.bounds.contains(self.at.exchanged())
     }
 }
 
@@ -40,7 +43,7 @@ impl Display for OffRoad {
         }
         write!(f, ", whose roads lie in {}; ", self.bounds)?;
         if self.is_exchanged() {
-            write!(f, "are latitude and longitude exchanged? The latitude comes first")
+            f.write_str(ARE_EXCHANGED)
         } else {
             write!(f, "check the place, or take a map that covers it")
         }

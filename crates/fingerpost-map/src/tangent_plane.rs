@@ -52,6 +52,12 @@ impl LatLon {
         }
     }
 
+    /// The place with latitude and longitude exchanged, which may be none on earth.
+    #[must_use]
+    pub const fn exchanged(self) -> Self {
+        Self { lat_deg: self.lon_deg, lon_deg: self.lat_deg }
+    }
+
     /// Distance to another place, metres: straight, through the earth.
     pub fn chord_m(self, other: Self) -> f64 {
         (LocalFrame::at(self).position - LocalFrame::at(other).position).norm()

@@ -6,7 +6,7 @@ use fingerpost_geometry::GeometryError;
 use fingerpost_vision::error::PictureError;
 use thiserror::Error;
 
-use super::KnownScale;
+use super::{Estimated, KnownScale};
 
 /// Frames that do not follow each other in one rhythm, by the way from each to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +53,14 @@ const fn in_place_of(given: KnownScale) -> &'static str {
             "the width of the lane or the distance driven in place of the speed, or a drive on a road with more texture, or, if frames were \
              lost or filled in, the recording as the camera made it, with the time of each frame"
         }
+    }
+}
+
+/// The name of what was given.
+const fn name_of(given: KnownScale) -> &'static str {
+    match given {
+        KnownScale::DistanceM(_) => "distance",
+        KnownScale::SpeedMps(_) | KnownScale::Nothing => "speed",
     }
 }
 
@@ -127,10 +135,29 @@ pub enum CalibrationError {
         /// What the height was to come from.
         given: KnownScale,
     },
+    /// The same frames show another way through the camera that comes of it.
+    #[error(
+        "with the camera {height_m:.3} m above the road the same frames show a way of {:.1} m ± {:.1} m, and {given_m:.1} m were given; \
+         the road's motion is misread in one of two ways; give the width of the lane in place of the {}, or a drive on a road with more \
+         texture, or measure the height by hand",
+        .seen.value, .seen.sigma, name_of(*.given)
+    )]
+    AnotherWay {
+        /// The height found, metres.
+        height_m: f64,
+        /// The way of the drive as given, metres.
+        given_m: f64,
+        /// The way that the camera shows.
+        seen: Estimated,
+        /// What the height was to come from.
+        given: KnownScale,
+    },
     /// No camera is so high or low.
     #[error(
-        "the drive gives a camera {height_m:.3} m above the road, and {expected} is possible; check the speed or distance that was given, \
-         and how long the drive took: the number of its frames, their rate or their times"
+        "the drive gives a camera {height_m:.3} m above the road, and {expected} is possible; either the road's motion is misread, as on \
+         smooth asphalt, which a compressed video keeps where it was (take a drive on a road with more texture, or measure the height by \
+         hand), or the camera's lens is another, or what was given is wrong: check the speed or distance that was given, and how long the \
+         drive took: the number of its frames, their rate or their times"
     )]
     NoHeight {
         /// The height found, metres.
@@ -170,6 +197,18 @@ mod tests {
         let by_distance = refusal(KnownScale::DistanceM(90.0), 20, 0);
         assert!(by_distance.contains("the width of the lane in place of the distance"), "{by_distance}");
         assert!(!by_distance.contains("distance driven") && !by_distance.contains("speed"), "{by_distance}");
+    }
+
+    #[test]
+    fn a_height_that_cannot_be_may_be_the_road_s_fault_and_not_what_was_given() {
+        for height_m in [192.161, 20.1, 0.01] {
+            let said = CalibrationError::NoHeight { height_m, expected: "0.05 to 20 metres above the road" }
+                .to_string();
+            let [road, given] =
+                ["smooth asphalt", "check the speed or distance"].map(|cause| said.find(cause));
+            assert!(road.is_some() && road < given, "the likelier cause comes first: {said}");
+            assert!(said.contains("measure the height by hand"), "{said}");
+        }
     }
 
     #[test]

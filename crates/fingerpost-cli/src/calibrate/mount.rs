@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use fingerpost_calibration::{Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator};
+use fingerpost_calibration::{
+    DrivenWay, Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator,
+};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
 use fingerpost_io::{
@@ -124,6 +126,7 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
         Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
         None => camera,
     };
+    let is_live = source.is_live();
     let mut calibrator = MountCalibrator::new(&camera)?;
     let faults = for_each_frame(source, args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
     inputs::say_stamp_faults(&args.input, faults);
@@ -134,6 +137,10 @@ pub(crate) fn mount(args: &MountArgs) -> Result<()> {
         calibration = calibration.with_lane_width(seen, lane_width_m);
     }
     let calibrated = calibration.camera_on_mount(&camera).context(NOTHING_WRITTEN)?;
+    if known != KnownScale::Nothing && !is_live {
+        let seen = driven_way(args, &interrupt, &calibrated)?;
+        seen.map_or(Ok(()), |seen| calibration.held_against(seen, known)).context(NOTHING_WRITTEN)?;
+    }
     write_file(&args.out, camera_to_toml(&calibrated)?)?;
     say(&calibration, args);
     if args.json { output::print_json(&report(&calibration)) } else { Ok(()) }
@@ -184,6 +191,19 @@ fn for_each_frame(
         bail!("interrupted; nothing was written");
     }
     Ok(source.stamp_faults())
+}
+
+/// The way of the drive through the camera; none where it does not see the road just ahead.
+fn driven_way(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Option<Estimated>> {
+    let Ok(mut way) = DrivenWay::new(camera) else { return Ok(None) };
+    // What there is to say of the input has been said.
+    let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
+    let mut is_seen = true;
+    for_each_frame(source, args, interrupt, |picture, _| {
+        is_seen = is_seen && way.add(picture).is_ok();
+        Ok(())
+    })?;
+    Ok(is_seen.then(|| way.way()))
 }
 
 /// How wide the lane looks through a camera of that height.

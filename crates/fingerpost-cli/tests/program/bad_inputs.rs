@@ -256,6 +256,11 @@ fn a_gps_track_of_another_place_is_refused_without_a_route_too() {
         call_line(&format!("{run} --map {} --gps {}", drive.map().display(), track.display()))
             .refused(1, &["never comes to a road of the map", cause, "leave --gps out"]);
         assert!(!folder.path().join("out").exists());
+        // With a route the same is asked of the same track.
+        let with_route = format!("{run}{route} --gps {}", track.display());
+        let refused = call_line(&with_route);
+        refused.refused(1, &["never comes nearer to the route", "leave --gps out"]);
+        assert_eq!(refused.stderr.contains("exchanged?"), cause == "exchanged?", "{}", refused.stderr);
     }
 }
 

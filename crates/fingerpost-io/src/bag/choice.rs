@@ -127,9 +127,43 @@ impl Choice {
 /// Topic of transforms that hold for good (ROS `tf2_ros`).
 const STATIC_TRANSFORMS: &str = "/tf_static";
 
-/// Whether a topic of pictures says that they are rectified: `image_rect`, `image_rect_color`, `rectified` (ROS `image_proc`).
+/// Whether a topic of pictures says that they are rectified: `image_rect`, `image_rect_color`, `rectified` (ROS `image_proc`), `ImageRect`,
+/// `image_undistorted`, in letters of either case. A name that says what goes in, as `rectifier_input` does, says nothing of it.
 pub fn is_rectified(topic: &str) -> bool {
-    topic.split(['/', '_']).any(|part| part == "rect" || part == "rectified")
+    let words = words(topic);
+    let before = std::iter::once("").chain(words.iter().map(String::as_str));
+    let is_said = |(word, before): (&String, &str)| {
+        says_rectified(word) && !matches!(before, "un" | "non" | "not" | "no")
+    };
+    !words.iter().any(|word| word == "input") && words.iter().zip(before).any(is_said)
+}
+
+/// Whether a word of a name, in small letters, says that a picture is rectified.
+fn says_rectified(word: &str) -> bool {
+    let word = word.strip_prefix("image").unwrap_or(word);
+    let word = ["color", "colour", "mono", "raw"].iter().find_map(|of| word.strip_suffix(of)).unwrap_or(word);
+    matches!(word, "rect" | "rectified" | "rectify")
+        || word.contains("undistort") && !word.ends_with("undistorter")
+}
+
+/// The words of a name in small letters: a sign, a digit, and a capital behind a small letter or before one, begin another.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut letters = name.chars().peekable();
+    let mut last = ' ';
+    while let Some(letter) = letters.next() {
+        let is_capital = letter.is_uppercase()
+            && (last.is_lowercase()
+                || last.is_uppercase() && letters.peek().is_some_and(|next| next.is_lowercase()));
+        if (!letter.is_alphabetic() || is_capital) && words.last().is_some_and(|word| !word.is_empty()) {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| letter.is_alphabetic()) {
+            word.extend(letter.to_lowercase());
+        }
+        last = letter;
+    }
+    words
 }
 
 fn topic_of<'a>(
@@ -274,10 +308,44 @@ mod tests {
             "/left/image_rect_color",
             "/front/rectified/image",
             "image_rect",
+            "/cam/image_rect_raw",
+            "/cam/image_rect_mono/compressed",
+            "/cam/image_undistorted/compressed",
+            "/cam/undistort/image",
+            "/cam/undistorted_image",
+            "/cam/imageUndistorted",
+            "/cam/IMAGE_UNDISTORTED",
+            "/cam0undistorted",
+            "/cam/ImageRect/compressed",
+            "/cam/imageRectColor",
+            "/cam/RGBRect",
+            "/cam/IMAGE_RECT",
+            "/cam/Image_Rect_Color",
+            "/cam/imagerectcolor",
+            "/cam/image-rect",
+            "/cam/image_rect2",
+            "/cam/ImageRectified",
         ] {
             assert!(is_rectified(name), "{name}");
         }
-        for name in ["/camera/image_raw", "/direct/image", "/rectangle/image", "/front/rectifier_input"] {
+        for name in [
+            "/camera/image_raw",
+            "/direct/image",
+            "/rectangle/image",
+            "/front/rectifier_input",
+            "/correct/image_raw",
+            "/cam/CorrectedImage",
+            "/cam/imageRectangle",
+            "/cam/image_unrectified",
+            "/cam/not_rectified/image",
+            "/cam/UnRectified",
+            "/cam/distorted",
+            "/undistorter/input/image",
+            "/image_undistort/input/image",
+            "/cam/imageRaw",
+            "/",
+            "",
+        ] {
             assert!(!is_rectified(name), "{name}");
         }
     }

@@ -36,6 +36,8 @@ pub struct Sighting {
     pub roll_change_rad: f64,
     /// Change of the vehicle's heading, radians, positive left.
     pub turn_rad: f64,
+    /// Whether near things were left behind, however sure the direction is.
+    pub passes_things: bool,
     /// Whether the vehicle moved far enough for a direction.
     pub moves: bool,
 }
@@ -78,11 +80,13 @@ impl Sighting {
     fn of(motion: CameraMotion, vehicle_from_camera: UnitQuaternion<f64>, ahead: Unit<Vector3<f64>>) -> Self {
         // What is seen turns the other way than the camera does.
         let turned = -(vehicle_from_camera * motion.current_from_previous.scaled_axis());
-        let moves = motion.travel_sigma_rad.iter().all(|&sigma| sigma < MOST_TRAVEL_SIGMA_RAD)
-            && motion.agreeing > LEAST_AGREEING
+        let passes_things = motion.agreeing > LEAST_AGREEING
             && motion.telling >= LEAST_TELLING
             && motion.travel.angle(&ahead) < MOST_FROM_AHEAD_RAD;
-        Self { motion, pitch_change_rad: turned.y, roll_change_rad: turned.x, turn_rad: turned.z, moves }
+        let moves =
+            passes_things && motion.travel_sigma_rad.iter().all(|&sigma| sigma < MOST_TRAVEL_SIGMA_RAD);
+        let [pitch_change_rad, roll_change_rad, turn_rad] = [turned.y, turned.x, turned.z];
+        Self { motion, pitch_change_rad, roll_change_rad, turn_rad, passes_things, moves }
     }
 
     /// Whether the vehicle moved straight ahead.
@@ -111,6 +115,7 @@ impl Sighting {
             roll: None,
             pitch_change: seen(self.pitch_change_rad, turned.x),
             roll_change: seen(self.roll_change_rad, turned.z),
+            passes_things: self.passes_things,
         }
     }
 }

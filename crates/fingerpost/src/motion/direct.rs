@@ -33,6 +33,7 @@ use self::patch::Patch;
 use self::plane_warp::{Displacement, Views};
 use self::start::{FINE_STEP_M, cost, search_along, start};
 use super::camera_turn::{SeenTurn, TurnFilter};
+use super::seen_travel::HiddenTravel;
 use super::{
     FlowSample, FlowStart, MEASURED_QUALITY, Motion, MotionDoubt, MotionError, MotionEstimator,
     MotionEvidence, MotionOutput, SeenTravel, mean_flow,
@@ -107,6 +108,7 @@ pub struct DirectMotion {
     last: Option<Last>,
     turn: TurnFilter,
     travel: SeenTravel,
+    hidden: HiddenTravel,
 }
 
 /// What the next frame is to know of this one.
@@ -147,6 +149,7 @@ impl DirectMotion {
             last: None,
             turn: TurnFilter::default(),
             travel: SeenTravel::default(),
+            hidden: HiddenTravel::default(),
         }
     }
 
@@ -172,7 +175,8 @@ impl DirectMotion {
         show(begun.patch, begun.residuals, (&estimate, &begun.views), start, &mut self.evidence);
         let mut seen_turn = estimate.seen_turn;
         let leap_m = last.leap_m(&estimate.displacement.current_from_previous);
-        if quality < MEASURED_QUALITY || (quality < CLEAR && leap_m > MOST_CHANGE_M) {
+        let goes_on = quality < MEASURED_QUALITY || (quality < CLEAR && leap_m > MOST_CHANGE_M);
+        if goes_on {
             estimate.displacement = displaced(expected.current_from_previous);
             estimate.covariance = expected.covariance;
             seen_turn = SeenTurn::default();
@@ -187,13 +191,15 @@ impl DirectMotion {
         } else {
             0.0
         };
-        let doubt = travel.contradicts(&estimate.displacement.current_from_previous).then_some(
-            if stands_still < MEASURED_QUALITY {
-                MotionDoubt::NothingToGoBy
-            } else {
-                MotionDoubt::ViewStandsStill
-            },
-        );
+        let motion = &estimate.displacement.current_from_previous;
+        let is_contradicted = travel.contradicts(motion);
+        self.hidden = self.hidden.after(attitude, motion, (!goes_on, is_contradicted));
+        let is_hidden = is_contradicted || self.hidden.contradicts(motion);
+        let doubt = is_hidden.then_some(if goes_on && stands_still < MEASURED_QUALITY {
+            MotionDoubt::NothingToGoBy
+        } else {
+            MotionDoubt::ViewStandsStill
+        });
         Some((self.keep(&estimate, quality, bearable), doubt))
     }
 
@@ -303,6 +309,7 @@ impl MotionEstimator for DirectMotion {
         self.last = None;
         self.turn = TurnFilter::default();
         self.travel = SeenTravel::default();
+        self.hidden = HiddenTravel::default();
     }
 }
 
