@@ -20,28 +20,70 @@ const DOUBT: f64 = 1.1;
 pub(crate) struct Classes<'a> {
     network: &'a RoadNetwork,
     picture: &'a RgbImage,
+    columns: Vec<Option<Between>>,
+    rows: Vec<Option<Between>>,
+    /// Probability by the step of a logit.
+    probability: [f64; 256],
+}
+
+/// Where a pixel's centre lies among the network's places along one axis.
+struct Between {
+    before: usize,
+    after: usize,
+    /// How much the second counts.
+    share: f64,
+}
+
+impl Between {
+    /// That of `at` among so many places, whose border goes on to half a place beyond the last; none beyond that.
+    fn of(at: f64, count: usize) -> Option<Self> {
+        let last = count.checked_sub(1)?;
+        if !(-0.5..=count as f64 - 0.5).contains(&at) {
+            return None;
+        }
+        let within = at.clamp(0.0, last as f64);
+        let before = within as usize;
+        Some(Self { before, after: (before + 1).min(last), share: within - before as f64 })
+    }
+
+    fn mix(&self, before: f64, after: f64) -> f64 {
+        before + self.share * (after - before)
+    }
 }
 
 impl<'a> Classes<'a> {
     /// Those of a frame; none where no network was asked.
     pub(crate) fn of(scene: &Scene<'a>) -> Option<Self> {
-        Some(Self { network: scene.evidence.network?, picture: scene.picture })
+        let network = scene.evidence.network?;
+        let (width, height) = scene.picture.size();
+        let (columns, rows) = network.logit_size();
+        let place = |u: usize, v: usize| network.logit_place([u as f64, v as f64]);
+        let probability = std::array::from_fn(|step| {
+            let log_odds = (step as f64 - 128.0) / f64::from(LOGIT_STEPS);
+            1.0 / (1.0 + libm::exp(-log_odds))
+        });
+        Some(Self {
+            network,
+            picture: scene.picture,
+            columns: (0..width).map(|u| Between::of(place(u, 0)[0], columns)).collect(),
+            rows: (0..height).map(|v| Between::of(place(0, v)[1], rows)).collect(),
+            probability,
+        })
     }
 
-    /// Log-odds at a pixel of the camera's picture, bilinear between the network's places; none beyond the part that it looked at.
-    fn log_odds(&self, output: NetworkOutput, u: usize, v: usize) -> Option<f64> {
+    /// Steps of an output's logit at a pixel of the camera's picture, bilinear between the network's places; none beyond the part that it
+    /// looked at.
+    fn logit(&self, output: NetworkOutput, u: usize, v: usize) -> Option<f64> {
         let logits = self.network.logits(output.index())?;
-        let [x, y] = self.network.logit_place([u as f64, v as f64]);
-        let last = [logits.width(), logits.height()].map(|places| places as f64 - 0.5);
-        let is_seen = x >= -0.5 && y >= -0.5 && x <= last[0] && y <= last[1];
-        is_seen.then(|| bilinear(logits, x, y) / f64::from(LOGIT_STEPS))
+        bilinear(logits, self.columns.get(u)?.as_ref()?, self.rows.get(v)?.as_ref()?)
     }
 
     /// A pixel of the camera's picture with the classes over it.
     fn tinted(&self, u: usize, v: usize) -> Rgb {
         let shown = self.picture.get(u, v).unwrap_or_default();
         palette::NETWORK_CLASSES.iter().fold(shown, |under, &(output, colour)| {
-            let p = self.log_odds(output, u, v).map_or(0.0, |log_odds| 1.0 / (1.0 + libm::exp(-log_odds)));
+            let step = self.logit(output, u, v).map(|logit| (logit + 128.5) as usize);
+            let p = step.and_then(|step| self.probability.get(step)).copied().unwrap_or(0.0);
             mixed(under, colour, STRENGTH * p)
         })
     }
@@ -49,7 +91,9 @@ impl<'a> Classes<'a> {
     /// The same with nothing but the road's edge over it, where it is in doubt.
     pub(crate) fn with_doubt(&self, u: usize, v: usize) -> Rgb {
         let shown = self.picture.get(u, v).unwrap_or_default();
-        let doubt = self.log_odds(NetworkOutput::Road, u, v).is_some_and(|log_odds| log_odds.abs() < DOUBT);
+        let doubt = self
+            .logit(NetworkOutput::Road, u, v)
+            .is_some_and(|logit| logit.abs() < DOUBT * f64::from(LOGIT_STEPS));
         if doubt { mixed(shown, palette::CENTRELINE, STRENGTH) } else { shown }
     }
 
@@ -59,23 +103,17 @@ impl<'a> Classes<'a> {
     }
 }
 
-fn bilinear(plane: &Plane<i8>, x: f64, y: f64) -> f64 {
-    let (left, top) = (x.floor(), y.floor());
-    let at = |column: f64, row: f64| {
-        let within = |place: f64, count: usize| place.clamp(0.0, count.saturating_sub(1) as f64);
-        let (column, row) = (within(column, plane.width()), within(row, plane.height()));
-        plane.get(column as usize, row as usize).map_or(0.0, f64::from)
+fn bilinear(plane: &Plane<i8>, column: &Between, row: &Between) -> Option<f64> {
+    let across = |row: &[i8]| {
+        Some(column.mix(f64::from(*row.get(column.before)?), f64::from(*row.get(column.after)?)))
     };
-    let mix = |from: f64, to: f64, share: f64| from + share * (to - from);
-    let above = mix(at(left, top), at(left + 1.0, top), x - left);
-    let below = mix(at(left, top + 1.0), at(left + 1.0, top + 1.0), x - left);
-    mix(above, below, y - top)
+    Some(row.mix(across(plane.row(row.before))?, across(plane.row(row.after))?))
 }
 
 fn mixed(under: Rgb, over: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|channel| {
         let [under, over] = [under, over].map(|colour| f64::from(colour[channel]));
-        (under + share * (over - under)).round() as u8
+        (under + share * (over - under) + 0.5) as u8
     })
 }
 
@@ -89,8 +127,10 @@ mod tests {
         for ([x, y], expected) in
             [([0.5, 0.5], 24.0), ([1.0, 0.25], 24.0), ([1.0, 1.0], 48.0), ([-0.5, 0.0], 0.0)]
         {
-            assert!((bilinear(&plane, x, y) - expected).abs() < 1e-12, "{x} {y}");
+            let [column, row] = [x, y].map(|at| Between::of(at, 2).unwrap());
+            assert!((bilinear(&plane, &column, &row).unwrap() - expected).abs() < 1e-12, "{x} {y}");
         }
+        assert!(Between::of(-0.6, 2).is_none() && Between::of(1.6, 2).is_none());
     }
 
     #[test]
