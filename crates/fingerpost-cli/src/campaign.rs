@@ -225,7 +225,7 @@ fn write(args: &CampaignArgs, campaign: &Campaign) -> Result<()> {
 }
 
 fn print_table(campaign: &Campaign) {
-    output::message(TABLE_HEAD);
+    TABLE_HEAD.lines().for_each(output::message);
     for group in campaign.conditions.iter().chain([&campaign.total]) {
         output::message(&line(group));
     }

@@ -176,7 +176,7 @@ controller    conditions    drives  arrived  straight, m    junctions, m   wheel
                                               p50    p95      p50    p95     off  unsaid        not arrived";
 
 fn print_table(table: &ClosedLoop) {
-    output::message(TABLE_HEAD);
+    TABLE_HEAD.lines().for_each(output::message);
     table.groups.iter().for_each(|group| output::message(&line(group)));
     for drive in &table.not_arrived {
         output::message(&format!(

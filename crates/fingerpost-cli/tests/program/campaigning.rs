@@ -22,6 +22,7 @@ fn drives_follow_from_their_seeds_on_any_number_of_threads() {
     let read = |folder: &Path| fs::read_to_string(folder.join("campaign.json")).unwrap();
     assert_eq!(read(one.path()), read(two.path()));
     assert!(called.stderr.contains("ideal") && called.stderr.contains("worst:"), "{}", called.stderr);
+    assert!(!called.stderr.contains("u{a}"), "a table has lines: {}", called.stderr);
     let campaign: Campaign = serde_json::from_str(&read(one.path())).unwrap();
     assert_eq!(campaign, serde_json::from_str(&called.stdout).unwrap());
     assert!(!campaign.interrupted);
