@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_calibration::{
-    DrivenWay, Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator,
+    DrivenWay, DrivenWayError, Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator,
 };
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::{Camera, Mount};
@@ -193,17 +193,28 @@ fn for_each_frame(
     Ok(source.stamp_faults())
 }
 
-/// The way of the drive through the camera; none where it does not see the road just ahead.
+/// The way of the drive through the camera; none where it does not show the road just ahead, which is said.
 fn driven_way(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Option<Estimated>> {
-    let Ok(mut way) = DrivenWay::new(camera) else { return Ok(None) };
-    // What there is to say of the input has been said.
-    let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
-    let mut is_seen = true;
-    for_each_frame(source, args, interrupt, |picture, _| {
-        is_seen = is_seen && way.add(picture).is_ok();
-        Ok(())
-    })?;
-    Ok(is_seen.then(|| way.way()))
+    let mut way = DrivenWay::new(camera).map_err(DrivenWayError::from);
+    if way.is_ok() {
+        // What there is to say of the input has been said.
+        let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
+        for_each_frame(source, args, interrupt, |picture, _| {
+            if let Err(error) = way.as_mut().map_or(Ok(()), |way| way.add(picture)) {
+                way = Err(error);
+            }
+            Ok(())
+        })?;
+    }
+    match way {
+        Ok(way) => Ok(Some(way.way())),
+        Err(error) => {
+            output::message(&format!(
+                "the height is not held against the way that the frames show through its camera: {error}"
+            ));
+            Ok(None)
+        }
+    }
 }
 
 /// How wide the lane looks through a camera of that height.
