@@ -207,9 +207,9 @@ impl Simulator {
         self.lanes.road_place(state.p_in_map, state.route_m, state.heading_rad)
     }
 
-    /// Whether a place, metres in the map frame, is on a road.
+    /// Whether a place, metres in the map frame, is on a road as pictures and their masks show it: islands are none, nor are parking bays.
     pub fn is_on_road(&self, p_in_map: Point2<f64>) -> bool {
-        self.renderer.ground.at(p_in_map.x as f32, p_in_map.y as f32).edge_m < 0.0
+        self.renderer.ground_at(p_in_map.x as f32, p_in_map.y as f32).edge_m < 0.0
     }
 
     /// When a wheel's outer side comes over the inner edge of a line, from the first frame to the last, in the order of

@@ -46,7 +46,7 @@ impl Renderer {
 
     /// The ground at a place, with the edges that are seen there.
     #[inline]
-    pub(super) fn ground_at(&self, x: f32, y: f32) -> GroundPoint {
+    pub(crate) fn ground_at(&self, x: f32, y: f32) -> GroundPoint {
         self.painter.edged(x, y, self.ground.at(x, y))
     }
 

@@ -8,8 +8,14 @@ use nalgebra::Point3;
 use super::*;
 use crate::TrafficSide;
 
+const TOWN: &str = include_str!("../../assets/town.osm");
+
 pub(crate) fn in_town(config: &SimConfig) -> Simulator {
-    let town = OsmData::from_bytes(include_bytes!("../../assets/town.osm")).unwrap();
+    on_map(TOWN, config)
+}
+
+fn on_map(map: &str, config: &SimConfig) -> Simulator {
+    let town = OsmData::from_bytes(map.as_bytes()).unwrap();
     let graph = RoadGraph::from_osm(&town).unwrap();
     let route = read_route(include_str!("../../assets/town_route.geojson")).unwrap();
     let intrinsics = Intrinsics { fx: 42.0, fy: 42.0, cx: 31.5, cy: 23.5 };
@@ -36,6 +42,29 @@ fn all_wheels_stay_on_the_towns_roads() {
         }
         assert!(worst_m < 0.0, "{traffic:?}: {worst_m} m off the road at {where_m} m of the route");
     }
+}
+
+#[test]
+fn islands_are_no_road() {
+    let secondary = r#"<tag k="highway" v="secondary"/>"#;
+    let wide = TOWN.replace(secondary, &format!(r#"{secondary}<tag k="width" v="12"/>"#));
+    let config = SimConfig { conditions: crate::Conditions::STREET, ..SimConfig::default() };
+    let simulator = on_map(&wide, &config);
+    let places = (0..1600).flat_map(|i| (0..1600).map(move |j| [i, j].map(|k| 0.25 * f64::from(k) - 200.0)));
+    let (mut road, mut islands) = (0, 0);
+    for [x, y] in places {
+        let is_road = simulator.is_on_road(Point2::new(x, y));
+        if simulator.renderer.ground.at(x as f32, y as f32).edge_m < 0.0 {
+            let on_island =
+                simulator.renderer.street_at(x as f32, y as f32).is_some_and(|at| at.behind_kerb_m > 0.0);
+            assert_eq!(is_road, !on_island, "{x}, {y}");
+            road += 1;
+            islands += i32::from(on_island);
+        } else {
+            assert!(!is_road, "{x}, {y}: beside the road, be it a parking bay");
+        }
+    }
+    assert!(islands > 50 && islands * 20 < road, "{islands} of {road}");
 }
 
 #[test]
