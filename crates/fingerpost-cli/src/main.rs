@@ -51,6 +51,7 @@ mod side_by_side;
 mod simulate;
 mod stage_clock;
 mod start_check;
+mod surface_place;
 #[cfg(unix)]
 mod tether;
 mod tune;

@@ -1,12 +1,13 @@
 //! Kerbs: where the road surface ends against where the truth has the kerb, and what lies on either side of it.
 //!
-//! From the vehicle's axis outwards the road ends where nothing within [`GAP_M`] is road any more. Kerbs that count are at least
+//! From the vehicle's axis outwards the road ends where nothing within 0.2 m is road any more. Kerbs that count are at least
 //! [`LEAST_KERB_M`] high and [`KERBS_AHEAD_M`] ahead.
 
 use fingerpost_format::{ErrorQuantiles, TruthRecord};
 use serde::Serialize;
 
 use crate::error_quantiles;
+use crate::surface_end::{SurfaceEnd, is_called_road, places_aside};
 
 /// How far ahead of the vehicle kerbs count, metres.
 pub const KERBS_AHEAD_M: [f64; 2] = [5.0, 12.0];
@@ -14,12 +15,6 @@ pub const KERBS_AHEAD_M: [f64; 2] = [5.0, 12.0];
 pub const LEAST_KERB_M: f64 = 0.08;
 /// How far behind the kerb the ground counts as pavement, metres: the narrowest that are built.
 pub const PAVEMENT_M: f64 = 1.5;
-/// From this probability on ground is called road.
-const ROAD_FROM: f64 = 0.5;
-/// Spacing of the places that are looked at across the road, metres.
-const STEP_M: f64 = 0.05;
-/// Narrower gaps are none, metres: a joint or a line.
-const GAP_M: f64 = 0.2;
 
 /// What the road surfaces of one or more drives make of kerbs.
 #[derive(Debug, Clone, Default)]
@@ -68,27 +63,22 @@ impl KerbScores {
 
     /// Adds a kerb so far aside of the vehicle's axis.
     fn add_kerb(&mut self, kerb_m: f64, across: impl Fn(f64) -> Option<f64>) {
-        let places = (0..).map(|i| STEP_M * (f64::from(i) + 0.5));
-        let seen = places.map_while(|aside_m| across(aside_m).map(|p| (aside_m, p >= ROAD_FROM)));
-        let (mut end_m, mut last_m, mut ended) = (0.0, 0.0, false);
+        let seen = places_aside().map_while(|aside_m| across(aside_m).map(|p| (aside_m, is_called_road(p))));
+        let mut surface = SurfaceEnd::default();
         for (aside_m, is_road) in seen {
             let of = if aside_m < kerb_m { &mut self.road } else { &mut self.pavement };
             if aside_m < kerb_m + PAVEMENT_M {
                 of.all += 1;
                 of.road += u64::from(is_road);
             }
-            ended |= aside_m - end_m > GAP_M;
-            if is_road && !ended {
-                end_m = aside_m + 0.5 * STEP_M;
-            }
-            last_m = aside_m;
+            surface.take(aside_m, is_road);
         }
-        if last_m < kerb_m {
+        if surface.last_m < kerb_m {
             // What is not seen as far as to its kerb says nothing about it.
             return;
         }
-        self.missed += u64::from(!ended);
-        self.errors_m.push((end_m - kerb_m).abs());
+        self.missed += u64::from(!surface.ended);
+        self.errors_m.push((surface.end_m - kerb_m).abs());
     }
 
     /// Adds what other drives made of theirs.

@@ -23,6 +23,7 @@ mod pose;
 mod quantiles;
 mod remarks;
 mod road;
+mod surface_end;
 mod truth_features;
 
 pub use campaign::CampaignTally;

@@ -7,16 +7,14 @@ use clap::Args;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_eval::{KerbEvaluation, KerbScores};
 use fingerpost_format::TruthRecord;
-use fingerpost_geometry::GroundGrid;
 use fingerpost_io::{picture_paths, read_picture};
-use fingerpost_vision::picture::Plane;
-use nalgebra::Point2;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::print_quantiles;
 use crate::examples::examples;
 use crate::parts::parts;
+use crate::surface_place::probability_at;
 use crate::{inputs, output};
 
 /// Kerbs: where the road surface ends against where the kerb is, pavement that is called road, and road that is not.
@@ -112,20 +110,4 @@ fn scores(drive: &Path, config: &Config) -> Result<KerbScores> {
         before = Some(truth);
     }
     Ok(scores)
-}
-
-/// The probability of road at a place of the vehicle frame, 0 to 1; none where the camera does not show it.
-fn probability_at(
-    grid: &GroundGrid,
-    probability: &Plane<u8>,
-    validity: &Plane<u8>,
-    [forward_m, left_m]: [f64; 2],
-) -> Option<f64> {
-    let pixel = grid.ground_from_vehicle(Point2::new(forward_m, left_m));
-    if pixel.column < -0.5 || pixel.row < -0.5 {
-        return None;
-    }
-    let (column, row) = (pixel.column.round() as usize, pixel.row.round() as usize);
-    validity.get(column, row).filter(|&seen| seen != 0)?;
-    probability.get(column, row).map(|p| f64::from(p) / 255.0)
 }
