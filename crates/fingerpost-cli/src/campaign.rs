@@ -7,6 +7,7 @@
 mod closed_loop;
 mod drive;
 mod plan;
+mod road_edges;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -30,7 +31,7 @@ use crate::interrupt::Interrupt;
 use crate::{inputs, output, output_path, side_by_side};
 
 /// Simulate many short drives, run the method on each and count: features found, falsely found and arrived at, errors of
-/// place and of motion, by conditions. The truth is only used to measure the results. With --closed-loop the advice drives the
+/// place and of motion, edges of the road in their places, by conditions. The truth is only used to measure the results. With --closed-loop the advice drives the
 /// vehicle.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
@@ -240,10 +241,10 @@ fn print_table(campaign: &Campaign) {
 
 /// Columns of the table. Errors are those of a feature's place: over frames, over features, and over frames by the reported
 /// standard deviation. The last ones are the shares of confident frames that are off, and of features that were better
-/// known before their detection.
+/// known before their detection. `edges` is the share of the road's edges that the road surface has within 0.3 m.
 const TABLE_HEAD: &str = "\
-conditions  drives  features  found  false  arrived  lost     error, m      of features, m    by sigma        sure,    made   distance
-                                                             p50    p95      p50    p95    p68  p95  p99  % off  worse, %  p50, % off";
+conditions  drives  features  found  false  arrived  lost     error, m      of features, m    by sigma        sure,    made   distance  edges in
+                                                             p50    p95      p50    p95    p68  p95  p99  % off  worse, %  p50, % off  0.3 m, %";
 
 fn line(group: &CampaignGroup) -> String {
     let name = group.conditions.as_deref().unwrap_or("all");
@@ -263,8 +264,9 @@ fn line(group: &CampaignGroup) -> String {
     let off = percent(group.confident_frames_off, group.confident_frames);
     let worse = percent(group.features_made_worse, group.features_expected);
     let distance = number(group.motion_error_pct.map(|error_pct| error_pct.p50), 2);
+    let edges = number(group.road_edges.map(|edges| 100.0 * edges.within_share), 1);
     format!(
         "{name:<10}  {drives:>6}  {features_total:>8}  {found:>3} %  {false_detections:>5}  {arrivals:>7}  {losses:>4}  \
-         {p50:>6} {p95:>6}   {feature_p50:>6} {feature_p95:>6}  {s68:>5}{s95:>5}{s99:>5}  {off:>5}  {worse:>8}  {distance:>10}"
+         {p50:>6} {p95:>6}   {feature_p50:>6} {feature_p95:>6}  {s68:>5}{s95:>5}{s99:>5}  {off:>5}  {worse:>8}  {distance:>10}  {edges:>8}"
     )
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use fingerpost_format::{CampaignGroup, FeatureRecord};
 
-use crate::FALSE_BEYOND_M;
 use crate::quantiles::{error_quantiles, median, sigma_quantiles};
+use crate::{FALSE_BEYOND_M, RoadEdgeScores};
 
 /// Probability of being there from which a claim counts as a confident one.
 pub const CONFIDENT_FROM: f64 = 0.95;
@@ -46,6 +46,8 @@ pub struct DriveClaims {
     pub claims: Vec<Claim>,
     /// First detections against what was expected.
     pub first_detections: Vec<FirstDetection>,
+    /// The road's edges, frame by frame.
+    pub road_edges: RoadEdgeScores,
 }
 
 impl ClaimError {
@@ -71,6 +73,7 @@ impl Claim {
 pub(crate) fn summarise<'a>(group: &mut CampaignGroup, drives: impl Iterator<Item = &'a DriveClaims>) {
     let (mut errors_m, mut per_sigma) = (Vec::new(), Vec::new());
     let (mut feature_errors_m, mut feature_per_sigma) = (Vec::new(), Vec::new());
+    let mut road_edges = RoadEdgeScores::default();
     for drive in drives {
         let mut of_feature: BTreeMap<usize, Vec<ClaimError>> = BTreeMap::new();
         for claim in &drive.claims {
@@ -90,11 +93,13 @@ pub(crate) fn summarise<'a>(group: &mut CampaignGroup, drives: impl Iterator<Ite
             errors_m.extend(errors.iter().map(|error| error.distance_m));
             per_sigma.extend(errors.iter().flat_map(|error| error.per_sigma));
         }
+        road_edges.extend(&drive.road_edges);
         for detection in &drive.first_detections {
             group.features_expected += 1;
             group.features_made_worse += u64::from(detection.detected_off_m > detection.expected_off_m);
         }
     }
+    group.road_edges = road_edges.summary();
     group.position_error_m = error_quantiles(errors_m);
     group.error_per_sigma = sigma_quantiles(per_sigma);
     group.feature_error_m = error_quantiles(feature_errors_m);
@@ -120,7 +125,7 @@ mod tests {
             FirstDetection { detected_off_m: 1.0, expected_off_m: 5.0 },
         ];
         let mut group = CampaignGroup::default();
-        summarise(&mut group, [DriveClaims { claims, first_detections }].iter());
+        summarise(&mut group, [DriveClaims { claims, first_detections, ..DriveClaims::default() }].iter());
         assert!((group.position_error_m.unwrap().p95 - 0.1).abs() < 1e-9);
         let of_features = group.feature_error_m.unwrap();
         assert!(

@@ -23,6 +23,7 @@ mod pose;
 mod quantiles;
 mod remarks;
 mod road;
+mod road_edges;
 mod surface_end;
 mod truth_features;
 
@@ -45,3 +46,4 @@ pub use motion::{MotionEvaluation, evaluate_motion};
 pub use pose::{PlanarPose, PosesError, poses_from_kitti, poses_from_truth};
 pub use quantiles::{error_quantiles, stage_time};
 pub use road::{RoadEvaluation, RoadLabels, RoadScores};
+pub use road_edges::{EDGE_WITHIN_M, EDGES_AHEAD_M, EDGES_ASIDE_M, EDGES_EVERY_M, EdgeScene, RoadEdgeScores};

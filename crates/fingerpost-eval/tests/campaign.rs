@@ -1,7 +1,9 @@
 //! Many drives in numbers.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-use fingerpost_eval::{CampaignTally, Claim, ClaimError, DriveClaims, error_quantiles};
+use fingerpost_eval::{
+    CampaignTally, Claim, ClaimError, DriveClaims, EdgeScene, RoadEdgeScores, error_quantiles,
+};
 use fingerpost_format::{CampaignDrive, TruthSummary};
 
 /// A place of the route's first feature that is off by so much.
@@ -23,9 +25,20 @@ fn drive(seed: u64, conditions: &str, detected: u64, errors_m: &[f64]) -> (Campa
         CampaignDrive { seed, conditions: conditions.to_owned(), truth, ..CampaignDrive::default() },
         DriveClaims {
             claims: errors_m.iter().map(|&error_m| claim(error_m)).collect(),
-            first_detections: Vec::new(),
+            ..DriveClaims::default()
         },
     )
+}
+
+/// Two edges in each of nine sections, 3 m aside, and a surface that goes so far.
+fn edges(surface_m: f64) -> RoadEdgeScores {
+    let mut scores = RoadEdgeScores::default();
+    scores.add(&EdgeScene {
+        is_road: |[_, left_m]: [f64; 2]| left_m.abs() < 3.0,
+        is_shown: |_: [f64; 2]| true,
+        probability: |[_, left_m]: [f64; 2]| Some(if left_m.abs() < surface_m { 1.0 } else { 0.0 }),
+    });
+    scores
 }
 
 fn names() -> Vec<String> {
@@ -60,6 +73,24 @@ fn sums_and_quantiles_are_over_the_frames_of_all_drives() {
         "a miss weighs more than an error"
     );
     assert_eq!(campaign.worst[1].seed, 2);
+}
+
+#[test]
+fn edges_are_counted_over_the_drives_that_have_some() {
+    let mut tally = CampaignTally::new(&names(), 3);
+    for (seed, conditions, surface_m) in [(1, "wet", 3.0), (2, "dusk", 4.0)] {
+        let (drive, claims) = drive(seed, conditions, 4, &[0.2]);
+        tally.add(drive, DriveClaims { road_edges: edges(surface_m), ..claims });
+    }
+    let (none, claims) = drive(3, "dust", 4, &[0.2]);
+    tally.add(none, claims);
+    let campaign = tally.campaign();
+    let total = campaign.total.road_edges.unwrap();
+    assert_eq!((total.edges, total.missed), (36, 0));
+    assert!((total.within_share - 0.5).abs() < 1e-9 && (total.error_m.p95 - 1.0).abs() < 0.05, "{total:?}");
+    let shares = campaign.conditions.iter().map(|group| group.road_edges.map(|edges| edges.within_share));
+    let shares: Vec<Option<bool>> = shares.map(|share| share.map(|share| share > 0.5)).collect();
+    assert_eq!(shares, [Some(true), Some(false), None]);
 }
 
 #[test]

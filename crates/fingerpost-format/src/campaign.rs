@@ -72,6 +72,23 @@ pub struct CampaignGroup {
     pub features_made_worse: u64,
     /// Error of a drive's summed motion, percent of its length, over drives.
     pub motion_error_pct: Option<ErrorQuantiles>,
+    /// Where the road surface ends against where the road does, over the frames of all drives; none where no edge was to be seen.
+    #[serde(default)]
+    pub road_edges: Option<RoadEdgeSummary>,
+}
+
+/// The ends of the road surface to the left and right of the vehicle's axis against the road's edges, 4 to 12 m ahead.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct RoadEdgeSummary {
+    /// Edges that are in view and shown by the picture: one a side, section across the road and frame.
+    pub edges: u64,
+    /// Of those, the ones beyond which the surface goes on to the end of what is looked at.
+    pub missed: u64,
+    /// Share of the edges that the surface has within 0.3 m of their place.
+    pub within_share: f64,
+    /// Distance between the surface's end and the edge, across the vehicle's axis, metres, in steps of 2 cm, 4 m for all beyond; of those
+    /// that are missed as far as the surface goes on.
+    pub error_m: ErrorQuantiles,
 }
 
 /// Quantiles of errors by their standard deviations.
@@ -105,6 +122,9 @@ pub struct CampaignDrive {
     pub truth: TruthSummary,
     /// Every feature of the route, in its order.
     pub features: Vec<FeatureSummary>,
+    /// Where the road surface ends against where the road does; none where no edge was to be seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub road_edges: Option<RoadEdgeSummary>,
     /// Why there are no numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,

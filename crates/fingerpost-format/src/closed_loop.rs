@@ -98,8 +98,8 @@ pub struct LoopFrame {
 /// is entered and left.
 pub const JUNCTION_M: f64 = 15.0;
 
-/// How often the vehicle was how far from its lane's middle, every half metre of its way: counts in steps of
-/// [`Self::STEP_M`]; the last holds all beyond.
+/// How often something was how far aside, the vehicle from its lane's middle every half metre of its way among others: counts in steps
+/// of [`Self::STEP_M`]; the last holds all beyond.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct CrossTrackCounts(Vec<u64>);

@@ -35,7 +35,7 @@ pub use camera_file::{
 };
 pub use camera_info::{CameraInfo, PictureKind};
 pub use camera_yaml::camera_from_yaml;
-pub use campaign::{Campaign, CampaignDrive, CampaignGroup, SigmaQuantiles, WorstDrive};
+pub use campaign::{Campaign, CampaignDrive, CampaignGroup, RoadEdgeSummary, SigmaQuantiles, WorstDrive};
 pub use centreline::{CentrelineRecord, WaysRecord};
 pub use closed_loop::{ClosedLoop, CrossTrackCounts, JUNCTION_M, LoopDrive, LoopEnd, LoopFrame, LoopGroup};
 pub use columns::ColumnsError;

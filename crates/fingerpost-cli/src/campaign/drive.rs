@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use anyhow::{Error, Result};
 use fingerpost::Sensors;
-use fingerpost_eval::{DriveClaims, evaluate_junctions, feature_summaries, first_detections};
+use fingerpost_eval::{DriveClaims, RoadEdgeScores, evaluate_junctions, feature_summaries, first_detections};
 use fingerpost_format::{CampaignDrive, FrameRecord, TrackState, TruthRecord};
 use fingerpost_io::{JsonLinesFile, RunFolder, write_private_file};
 use fingerpost_map::{Route, write_route};
 use fingerpost_record::{FrameTime, broken_record};
+use fingerpost_report::Scene;
 use indicatif::ProgressBar;
 
+use super::road_edges::TrueEdges;
 use super::{Plan, Setting};
 use crate::driver::{Driver, FrameResult, RunSetting, Sequence};
 use crate::output;
@@ -41,8 +43,11 @@ fn try_drive(setting: &Setting<'_>, named: &CampaignDrive) -> Result<Option<Driv
         }
         let frame = plan.simulator.frame(index);
         let time = FrameTime { frame: index as u64, t_s: index as f64 / plan.fps };
+        let edges = TrueEdges::new(&plan.simulator, index, &frame);
+        let scores = &mut run.road_edges;
+        let mut measure = |scene: &Scene<'_>| edges.measure(scene, scores);
+        let result = run.driver.step_showing(time, &frame.picture, Sensors::default(), &mut measure)?;
         run.truth.push(frame.truth);
-        let result = run.driver.step(time, &frame.picture, Sensors::default())?;
         run.take(time, result)?;
     }
     run.finish(named, &plan.route).map(Some)
@@ -57,6 +62,7 @@ struct Run {
     folder: PathBuf,
     records: Vec<FrameRecord>,
     truth: Vec<TruthRecord>,
+    road_edges: RoadEdgeScores,
 }
 
 impl Run {
@@ -92,6 +98,7 @@ impl Run {
             folder,
             records: Vec::with_capacity(frames),
             truth: Vec::with_capacity(frames),
+            road_edges: RoadEdgeScores::default(),
         })
     }
 
@@ -105,7 +112,7 @@ impl Run {
     }
 
     fn finish(self, named: &CampaignDrive, route: &Route) -> Result<Driven> {
-        let Self { driver, recorder, folder, records, truth } = self;
+        let Self { driver, recorder, folder, records, truth, road_edges } = self;
         if let Some(recorder) = recorder {
             recorder.finish(RunEnd::Complete, None, Some(&truth))?;
             write_private_file(&folder.join("route.geojson"), write_route(route)?)?;
@@ -113,7 +120,9 @@ impl Run {
             truth.iter().try_for_each(|truth| lines.append(truth))?;
             lines.finish()?;
         }
-        measure(named, &records, &truth, route, &driver)
+        let (drive, claims) = measure(named, &records, &truth, route, &driver)?;
+        let drive = CampaignDrive { road_edges: road_edges.summary(), ..drive };
+        Ok((drive, DriveClaims { road_edges, ..claims }))
     }
 }
 
@@ -140,5 +149,5 @@ pub(crate) fn measure(
         features: feature_summaries(records, driver.features()),
         ..named.clone()
     };
-    Ok((drive, DriveClaims { claims: evaluation.claims, first_detections }))
+    Ok((drive, DriveClaims { claims: evaluation.claims, first_detections, ..DriveClaims::default() }))
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use fingerpost_format::Campaign;
+use fingerpost_format::{Campaign, CampaignDrive};
 use tempfile::TempDir;
 
 use crate::program::call_line;
@@ -32,6 +32,14 @@ fn drives_follow_from_their_seeds_on_any_number_of_threads() {
     assert!(campaign.drives.iter().all(|drive| (2..=4).contains(&drive.features.len()) && drive.frames > 20));
     let sum: u64 = campaign.drives.iter().map(|drive| drive.truth.features_total).sum();
     assert_eq!((campaign.total.features_total, campaign.total.drives), (sum, 2));
+    let edges = |drive: &CampaignDrive| drive.road_edges.map_or(0, |edges| edges.edges);
+    let sum: u64 = campaign.drives.iter().map(edges).sum();
+    let all = campaign.total.road_edges.unwrap();
+    assert_eq!(all.edges, sum);
+    assert!(called.stderr.contains("0.3 m, %"), "{}", called.stderr);
+    let clear = campaign.drives[1].road_edges.unwrap();
+    assert!(clear.edges > 5 * campaign.drives[1].frames, "most sections have edges to be seen: {clear:?}");
+    assert!(clear.within_share > 0.7 && clear.error_m.p50 < 0.15, "{clear:?}");
 }
 
 #[test]
