@@ -159,27 +159,37 @@ fn a_streak_of_salt_inside_the_lane_is_no_edge() {
     assert!((near[0] - dash_u).abs() < 12.0, "{near:?} is not at {dash_u}");
 }
 
-/// A street between kerbs, with tar seams and parked cars, and a turn at a junction; nothing is painted on it.
+/// Pitches that a calibration of the camera of KITTI's drives may say, degrees; its own is about 0.75.
+const KITTI_PITCHES_DEG: [f64; 6] = [0.2, 0.4, 0.5, 0.75, 0.9, 1.0];
+/// Frames of 130 in which a line may be claimed where there is none.
+const MOST_FALSE_FRAMES: u64 = 3;
+
+/// A street between kerbs, with tar seams and parked cars, and a turn at a junction; nothing is painted on it. A twentieth of a degree
+/// decides which kerb lies where a line might.
 #[test]
-fn a_street_without_markings_has_no_lane() {
-    let camera = "[image]\nwidth = 1241\nheight = 376\n\
-        [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n\
-        [mount]\nheight_m = 1.65\npitch_deg = 0.75\n";
+fn a_street_without_markings_has_no_lane_at_any_pitch_of_the_calibration() {
     let folder = TempDir::new().unwrap();
     let (camera_file, run) = (folder.path().join("camera.toml"), folder.path().join("run"));
-    fs::write(&camera_file, camera).unwrap();
     let frames = data("kitti/frames00");
-    fingerpost(&["run", text(&frames), "--camera", text(&camera_file), "--out", text(&run)]);
     let unmarked: Vec<TruthRecord> =
         (0..130).map(|frame| TruthRecord { frame, ..TruthRecord::default() }).collect();
     let truth = folder.path().join("truth.jsonl");
     let lines: String = unmarked.iter().map(|record| to_json_line(record).unwrap()).collect();
     fs::write(&truth, lines).unwrap();
-    let printed = fingerpost(&["evaluate", "lanes", text(&run), "--truth", text(&truth), "--json"]);
-    let numbers: Value = serde_json::from_str(&printed).unwrap();
-    assert_eq!(numbers["clips"][0]["unmarked_frames"], 130);
-    let false_lanes_pct = numbers["clips"][0]["false_lanes_pct"].as_f64().unwrap();
-    assert!(false_lanes_pct <= 2.0, "{false_lanes_pct} %");
+    for pitch_deg in KITTI_PITCHES_DEG {
+        let camera = format!(
+            "[image]\nwidth = 1241\nheight = 376\n\
+             [intrinsics]\nfx = 718.856\nfy = 718.856\ncx = 607.1928\ncy = 185.2157\n\
+             [mount]\nheight_m = 1.65\npitch_deg = {pitch_deg}\n"
+        );
+        fs::write(&camera_file, camera).unwrap();
+        fingerpost(&["run", text(&frames), "--camera", text(&camera_file), "--out", text(&run)]);
+        let printed = fingerpost(&["evaluate", "lanes", text(&run), "--truth", text(&truth), "--json"]);
+        let numbers: Value = serde_json::from_str(&printed).unwrap();
+        assert_eq!(numbers["clips"][0]["unmarked_frames"], 130);
+        let false_frames = numbers["clips"][0]["false_lane_frames"].as_u64().unwrap();
+        assert!(false_frames <= MOST_FALSE_FRAMES, "{false_frames} frames at {pitch_deg} degrees");
+    }
 }
 
 #[test]

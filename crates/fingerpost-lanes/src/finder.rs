@@ -25,7 +25,7 @@ const NEW_ROWS: usize = 9;
 const LOST_SHARE: f64 = 0.5;
 /// Frames without any paint after which an edge is looked for anew, while it is still kept.
 const MISSED_FRAMES: u32 = 2;
-/// Logarithm of the odds of paint from which an edge is given out, 10 to 1, and below whose negative it is none.
+/// Logarithm of the odds of paint at which an edge is given out, 10 to 1 and more, and below whose negative it is none.
 const SURE_LOG_ODDS: f64 = std::f64::consts::LN_10;
 /// What a followed edge must show in a frame to count as seen.
 const SEEN_NEAR_M: f64 = 0.6;
@@ -280,14 +280,14 @@ impl LaneFinder {
         }
     }
 
-    /// Decides which edges are given out: not before they are surely painted, not long after they have been seen.
+    /// Decides which edges are given out: those that are surely painted by all that has been seen of them up to now, not long after that.
     fn judge(&mut self, input: &LaneInput<'_>) {
         let stands = input.vehicle.stands();
         let odds = of_both([0, 1].map(|side| self.followed[side].notes.log_odds()));
         for (followed, log_odds) in self.followed.iter_mut().zip(odds).filter(|(followed, _)| followed.active)
         {
-            followed.shown |= log_odds >= SURE_LOG_ODDS;
             // A standing vehicle's lane stays where it is, whatever passes in front.
+            followed.shown = log_odds >= SURE_LOG_ODDS || followed.shown && stands;
             if log_odds <= -SURE_LOG_ODDS || followed.kept_frames > self.config.keep_frames && !stands {
                 followed.forget();
             }
