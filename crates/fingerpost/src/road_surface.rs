@@ -156,6 +156,10 @@ pub enum RoadPicture {
     Camera,
 }
 
+/// [`RoadEvidence::uninformed_log_odds`] of detectors by the drive's colours: measured as ln(share of road / share of ground beside
+/// roads) against the probability, over 18 drawn worlds, where it is zero at 0.83.
+pub const UNINFORMED_LOG_ODDS_BY_COLOUR: f64 = 1.6;
+
 /// Sides of the region assumed to be road in a camera picture, shares of the picture's: left, top, right, bottom. It is
 /// what a forward-looking camera shows of the lane some metres ahead, above the bonnet.
 const CAMERA_SAMPLE: [f64; 4] = [0.35, 0.72, 0.65, 0.95];
@@ -290,6 +294,8 @@ pub struct RoadSurface {
     pub probability: Plane<u8>,
     /// Prefix sums of `probability` over what is known, ready for [`RowSums::cover`].
     pub sums: RowSums,
+    /// As of [`RoadEvidence::uninformed_log_odds`].
+    pub uninformed_log_odds: f64,
 }
 
 /// What a pixel of a road surface is known from.
@@ -333,6 +339,8 @@ pub struct RoadEvidence {
     pub sample_probability: f64,
     /// Histograms in the rolling mean; 0 for a detector without one.
     pub histograms: usize,
+    /// Log-odds that its probability has of ground of which it knows nothing: what a reader with a prior of its own takes off.
+    pub uninformed_log_odds: f64,
     /// Which known surface is under way; none for a detector that knows none.
     pub bank: Option<BankEvidence>,
     /// What was learned and weighed; none for a detector that is not trained online.
@@ -431,6 +439,7 @@ pub trait RoadDetector: Send {
     /// [`RoadError`] as of [`RoadDetector::estimate`].
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
         let evidence = self.estimate(input, &mut surface.probability)?;
+        surface.uninformed_log_odds = evidence.uninformed_log_odds;
         surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(evidence)
     }

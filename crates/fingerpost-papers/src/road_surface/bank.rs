@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use fingerpost::road_surface::{
     BankConfig, Region, RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse, SurfaceFile,
-    SurfaceMemory,
+    SurfaceMemory, UNINFORMED_LOG_ODDS_BY_COLOUR,
 };
 use fingerpost_vision::backprojection::{BackProjector, ratio_lookup};
 use fingerpost_vision::histogram::Histogram;
@@ -123,6 +123,7 @@ impl RoadDetector for Bank {
             sample.zip(&self.largest).map(|(mass, &p)| mass * f64::from(p) / 255.0).sum();
         Ok(RoadEvidence {
             detector: "bank",
+            uninformed_log_odds: UNINFORMED_LOG_ODDS_BY_COLOUR,
             sample: input.sample,
             sample_use,
             sample_probability,

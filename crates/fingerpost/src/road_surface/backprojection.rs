@@ -21,7 +21,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::region::Region;
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse, UNINFORMED_LOG_ODDS_BY_COLOUR};
 
 /// Settings of histogram back-projection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -179,6 +179,7 @@ impl Backprojection {
         }
         Ok(RoadEvidence {
             detector: "backprojection",
+            uninformed_log_odds: UNINFORMED_LOG_ODDS_BY_COLOUR,
             sample: input.sample,
             sample_use,
             sample_probability,

@@ -48,7 +48,7 @@ impl Joining {
         height: &GroundHeight,
         surface: &mut RoadSurface,
     ) -> Result<(), PictureError> {
-        let RoadSurface { probability, sums } = surface;
+        let RoadSurface { probability, sums, .. } = surface;
         self.join_seen(height, sums.validity(), probability)?;
         sums.resum(probability.view())
     }

@@ -25,7 +25,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::perspective::clear_unseen;
-use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse};
+use super::{RoadDetector, RoadError, RoadEvidence, RoadInput, SampleUse, UNINFORMED_LOG_ODDS_BY_COLOUR};
 use blocks::Blocks;
 use discriminant::Discriminant;
 use layout::Layout;
@@ -161,6 +161,7 @@ impl Online {
         };
         Ok(RoadEvidence {
             detector: "online",
+            uninformed_log_odds: UNINFORMED_LOG_ODDS_BY_COLOUR,
             sample: input.sample,
             sample_use: match (layout.sample.is_empty(), founded) {
                 (true, _) => SampleUse::Unseen,

@@ -28,7 +28,7 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Point2};
 
 use self::feature_belief::{Moments, Workspace};
-use self::ground_memory::GroundMemory;
+use self::ground_memory::{GroundMemory, Looks};
 use self::likelihood::Ground;
 use self::route_belief::{FeatureInView, PASSED_M, RouteBelief, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
@@ -331,7 +331,12 @@ impl FeatureTracker for BeliefTracker {
         output.begin_frame();
         if !self.stops.is_empty() {
             self.carry(&moved);
-            self.memory.see(shown.laid.grid(), (&shown.surface.probability, shown.seen), self.shown.map());
+            let looks = Looks {
+                probability: &shown.surface.probability,
+                uninformed_log_odds: shown.surface.uninformed_log_odds,
+                seen: shown.seen,
+            };
+            self.memory.see(shown.laid.grid(), looks, self.shown.map());
             if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
                 evidence.gps = Some(self.route.observe_gps(route, p_in_map));
             }

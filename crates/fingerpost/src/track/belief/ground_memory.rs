@@ -29,12 +29,18 @@ const KEPT_LOOKS_M: f64 = 3.0;
 const FADING_M: f64 = 30.0;
 /// Trust below which a place says nothing.
 const LEAST_TRUST: f64 = 0.02;
-/// Log-odds that a detector's probability has on ground of which it knows nothing: measured as ln(share of road / share of
-/// ground beside roads) against the probability, over 18 drawn worlds, where it is zero at 0.83.
-const DETECTOR_BIAS: f64 = 1.6;
 /// Greatest log-odds that a place can have, either way: no look is surer than 20 to 1, though the same measurement reached -5
 /// where the detector is sure of no road.
 const MOST_LOG_ODDS: f64 = 3.0;
+
+/// What a frame shows of the road surface, where `seen` says that it shows any.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Looks<'a> {
+    pub(super) probability: &'a Plane<u8>,
+    /// As of [`RoadSurface::uninformed_log_odds`](crate::road_surface::RoadSurface).
+    pub(super) uninformed_log_odds: f64,
+    pub(super) seen: &'a ValidityMask,
+}
 
 /// What is known of a cell.
 #[derive(Debug, Clone, Copy, Default)]
@@ -129,12 +135,11 @@ impl GroundMemory {
         [middle.x, middle.y].map(|m| (m / CELL_M).round() as i64 - SIDE / 2)
     }
 
-    /// Takes in what a frame shows of the road surface, where `seen` says that it shows any, and lists what is known from then
-    /// on. The view shows a place of the road where `shown_from_road` says.
+    /// Takes in what a frame shows of the road surface and lists what is known from then on. The view shows a place of the road where `shown_from_road` says.
     pub(super) fn see(
         &mut self,
         grid: &GroundGrid,
-        (probability, seen): (&Plane<u8>, &ValidityMask),
+        Looks { probability, uninformed_log_odds, seen }: Looks<'_>,
         shown_from_road: &Matrix3<f64>,
     ) {
         let vehicle_from_map = self.map_from_vehicle.inverse();
@@ -154,7 +159,7 @@ impl GroundMemory {
                     let shown = Point2::new(shown.x / shown.z, shown.y / shown.z);
                     if let Some(p) = mean_about(probability, seen, grid.ground_from_vehicle(shown)) {
                         let ahead_m2 = (place - self.camera_foot).norm_squared();
-                        cell.look(p, 1.0 / (1.0 + ahead_m2 / HALF_TRUST_M.powi(2)));
+                        cell.look(p, uninformed_log_odds, 1.0 / (1.0 + ahead_m2 / HALF_TRUST_M.powi(2)));
                     }
                 }
                 let trust = f64::from(cell.trust);
@@ -176,11 +181,11 @@ impl GroundMemory {
 }
 
 impl Cell {
-    /// Takes a look in at which the cell was road with probability `p`.
-    fn look(&mut self, p: f64, trust: f64) {
+    /// Takes a look in at which the cell was road with probability `p`, by a detector whose log-odds are those where it knows nothing.
+    fn look(&mut self, p: f64, uninformed_log_odds: f64, trust: f64) {
         // Half a level of 255, where the detector's own odds would be endless.
         let p = p.clamp(0.002, 0.998);
-        let log_odds = (libm::log(p / (1.0 - p)) - DETECTOR_BIAS).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
+        let log_odds = (libm::log(p / (1.0 - p)) - uninformed_log_odds).clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
         let (before, looks) = (f64::from(self.looks), f64::from(self.looks) + trust);
         self.log_odds = ((f64::from(self.log_odds) * before + log_odds * trust) / looks) as f32;
         self.looks = looks as f32;
@@ -227,6 +232,10 @@ mod tests {
         plane
     }
 
+    fn looks<'a>(probability: &'a Plane<u8>, seen: &'a ValidityMask) -> Looks<'a> {
+        Looks { probability, uninformed_log_odds: 0.0, seen }
+    }
+
     fn at(memory: &GroundMemory, place: Point2<f64>) -> Option<GroundCell> {
         memory.squares().flatten().find(|cell| (cell.place - place).amax() < 0.5 * CELL_M).copied()
     }
@@ -237,11 +246,11 @@ mod tests {
         let seen = ValidityMask::all_seen(grid.columns(), grid.rows());
         let road = surface(&grid, |p| if p.y.abs() < 3.0 { 250 } else { 5 });
         let mut memory = GroundMemory::new(Point2::new(1.5, 0.0));
-        memory.see(&grid, (&road, &seen), &Matrix3::identity());
+        memory.see(&grid, looks(&road, &seen), &Matrix3::identity());
         let before: Vec<GroundCell> = memory.squares().flatten().copied().collect();
         for _ in 0..100 {
             memory.carry(&Isometry2::identity());
-            memory.see(&grid, (&road, &seen), &Matrix3::identity());
+            memory.see(&grid, looks(&road, &seen), &Matrix3::identity());
         }
         assert_eq!(before.len(), memory.squares().flatten().count());
         for (before, now) in before.iter().zip(memory.squares().flatten()) {
@@ -252,7 +261,7 @@ mod tests {
         // Driven on and turned left by a right angle: what lay ahead on the left lies ahead now.
         memory.carry(&Isometry2::new(Vector2::new(6.0, 0.0), std::f64::consts::FRAC_PI_2));
         let nothing = ValidityMask::from_plane(Plane::new(grid.columns(), grid.rows(), 0));
-        memory.see(&grid, (&road, &nothing), &Matrix3::identity());
+        memory.see(&grid, looks(&road, &nothing), &Matrix3::identity());
         assert!(at(&memory, Point2::new(2.0, 0.0)).unwrap().log_odds > 2.0);
         assert!(at(&memory, Point2::new(4.0, 0.0)).unwrap().log_odds < -2.0);
     }
