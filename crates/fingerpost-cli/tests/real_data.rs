@@ -255,28 +255,41 @@ fn largest_offset_from_straight(points: &[[f64; 2]]) -> f64 {
     points.iter().map(|p| (p[1] - mean_y - slope * (p[0] - mean_x)).abs()).fold(0.0, f64::max)
 }
 
-/// How well the online classifier tells the road of labelled street pictures, at one threshold for the whole set.
-fn online_iou(set: &str, labels: &str, further: &[&str]) -> f64 {
+/// How well a detector tells the road of labelled street pictures: intersection over union at one threshold for the whole set, and at even odds.
+fn road_iou(detector: &str, set: &str, labels: &str, further: &[&str]) -> [f64; 2] {
     let (images, labels) = (data(set), data(labels));
     let output = Command::new(env!("CARGO_BIN_EXE_fingerpost"))
         .args(["evaluate", "road", "--images", text(&images), "--labels", text(&labels), "--road", "3"])
-        .args(["--void", "11", "--detector", "online", "--json"])
+        .args(["--void", "11", "--detector", detector, "--from-row", "0.33", "--json"])
         .args(further)
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let numbers: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    numbers["detectors"][0]["iou"].as_f64().unwrap()
+    ["iou", "iou_at_half"].map(|key| numbers["detectors"][0][key].as_f64().unwrap())
 }
 
 #[test]
 fn the_online_classifier_tells_the_road_from_the_pavement() {
-    let day = online_iou("camvid/val", "camvid/valannot", &[]);
+    let [day, _] = road_iou("online", "camvid/val", "camvid/valannot", &[]);
     assert!(day > 0.89, "by day {day}");
-    let first_frames = online_iou("camvid/val", "camvid/valannot", &["--stills"]);
+    let [first_frames, _] = road_iou("online", "camvid/val", "camvid/valannot", &["--stills"]);
     assert!(first_frames > 0.88, "every frame the first {first_frames}");
-    let dusk = online_iou("camvid/dusk", "camvid/duskannot", &[]);
+    let [dusk, _] = road_iou("online", "camvid/dusk", "camvid/duskannot", &[]);
     assert!(dusk > 0.77, "at dusk {dusk}");
+}
+
+/// Network and drive together tell it better than either, at one threshold as at even odds.
+#[test]
+fn both_together_tell_the_road_better_than_either() {
+    for (set, labels) in [("camvid/val", "camvid/valannot"), ("camvid/dusk", "camvid/duskannot")] {
+        let iou = |detector| road_iou(detector, set, labels, &[]);
+        let (together, online, network) = (iou("combined"), iou("online"), iou("network"));
+        for at in [0, 1] {
+            let better = online[at].max(network[at]) + 0.01;
+            assert!(together[at] > better, "{set}: {together:?}, {online:?}, {network:?}");
+        }
+    }
 }
 
 /// The twenty photographs of a chessboard by the camera of the motorway clips. OpenCV's `findChessboardCorners` finds 17 of the

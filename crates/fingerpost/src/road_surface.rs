@@ -4,8 +4,8 @@
 //! for every seen pixel and none for unseen ones; better detectors take the place of the papers' behind the trait. The papers' bank
 //! of known surfaces and their detector before the ground view are in `fingerpost-papers`.
 
+mod appearance;
 mod backprojection;
-mod colour_counts;
 mod colours;
 mod drive_colours;
 mod fused;
@@ -20,8 +20,6 @@ mod onnx;
 mod perspective;
 mod reduced_frame;
 mod region;
-mod verge_colours;
-mod way_colours;
 
 use fingerpost_vision::backprojection::BackProjectionError;
 use fingerpost_vision::colour::ColourError;
@@ -48,6 +46,7 @@ pub use region::Region;
 
 pub(crate) use height_joining::Joining;
 
+use appearance::Appearance;
 use fused::Fused;
 use named::Named;
 
@@ -114,7 +113,7 @@ pub enum RoadMethod {
     Onnx,
     /// What another of these sees, remembered as the vehicle moves on ([`Memory`]).
     Memory,
-    /// The same, with the surface under way named by the bank, and "online" in camera pictures.
+    /// The same, with the surface under way named by the bank.
     #[default]
     Combined,
 }
@@ -186,8 +185,7 @@ impl RoadSurfaceConfig {
         Ok(match self.detector {
             RoadMethod::Memory => Box::new(Memory::new(self.detector, &self.memory, seeing)),
             RoadMethod::Combined => {
-                let in_camera = Box::new(Online::new(&self.online));
-                let named = Box::new(Named::new(&self.bank, in_camera, seeing)?);
+                let named = Box::new(Named::new(&self.bank, seeing)?);
                 Box::new(Memory::new(self.detector, &self.memory, named))
             }
             _ => seeing,
@@ -224,7 +222,8 @@ impl RoadSurfaceConfig {
             (RememberedMethod::Network, _) => Box::new(Network::new()?),
             (RememberedMethod::Onnx, _) => return Err(RoadError::NoOnnx),
             (RememberedMethod::Fused, _) => {
-                Box::new(Fused::new(Online::new(&self.online), &self.backprojection)?)
+                let online = Online::new(&self.online);
+                Box::new(Fused::new(Appearance::new(online, &self.backprojection)?)?)
             }
         })
     }
@@ -347,7 +346,7 @@ pub struct RoadEvidence {
     pub online: Option<OnlineEvidence>,
     /// What was remembered; none for a detector without a memory, and in camera pictures.
     pub memory: Option<MemoryEvidence>,
-    /// Share of the places below the horizon, 0 to 1, where the drive's own colours decided against the network alone; none for a
+    /// Share of the places that may show road, 0 to 1, where what was learned on the drive decided against the network; none for a
     /// detector that does not join them.
     pub by_colours: Option<f64>,
 }

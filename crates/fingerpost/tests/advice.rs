@@ -22,7 +22,7 @@ const EAST: &[Place] = &[(0.0, 0.0), (60.0, 0.0)];
 const WEST: &[Place] = &[(0.0, 0.0), (-60.0, 0.0)];
 
 fn config(controller: ControllerName) -> Config {
-    let mut config = Config::default();
+    let mut config = painted::config();
     // The painted roads meet at sharp corners.
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
@@ -124,7 +124,7 @@ fn every_controller_takes_the_vehicle_round_a_corner() {
         // Ten metres behind the corner. A drive among many that comes out of it wide is on its way back.
         off_m.sort_unstable_by(f64::total_cmp);
         let mean_m = off_m.iter().sum::<f64>() / off_m.len() as f64;
-        assert!(mean_m < 0.7 && off_m[off_m.len() - 2] < 1.0, "{controller:?}: {off_m:?}");
+        assert!(mean_m < 0.9 && off_m[off_m.len() - 2] < 1.0, "{controller:?}: {off_m:?}");
         // And all of the vehicle, two metres wide, is on the road.
         assert!(off_m[off_m.len() - 1] < 0.5 * WIDTH_M - 1.0, "{controller:?}: {off_m:?}");
     };

@@ -29,7 +29,7 @@ struct Seen {
 }
 
 fn config() -> Config {
-    let mut config = Config::default();
+    let mut config = painted::config();
     config.track.method = TrackMethod::Belief;
     config
 }

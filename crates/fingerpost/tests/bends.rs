@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use fingerpost::track::State;
 use fingerpost::vehicle::Traffic;
-use fingerpost::{Config, Pipeline, Sensors};
+use fingerpost::{Pipeline, Sensors};
 use fingerpost_geometry::{Polyline, heading_of};
 use fingerpost_map::{
     FeatureKind, FeatureOptions, LatLon, OsmData, OsmNode, OsmWay, RoadGraph, Route, TangentPlane, plan,
@@ -64,7 +64,7 @@ struct Met {
 
 /// Drives along the middle of `driven` and looks for the bends of `route`, which begins where it does.
 fn drive(route: &Route, driven: &[Place]) -> Met {
-    let mut config = Config::default();
+    let mut config = painted::config();
     config.vehicle.traffic = Traffic::Centre;
     let camera = camera_of_width(400);
     let world = World::new(&[(driven, WIDTH_M)]);

@@ -33,7 +33,7 @@ fn world() -> World {
 
 /// The painted roads meet at sharp corners and have one lane.
 fn config() -> Config {
-    let mut config = Config::default();
+    let mut config = painted::config();
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     config

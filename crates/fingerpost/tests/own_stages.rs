@@ -27,7 +27,7 @@ const FRAMES: usize = 30;
 const STEP_M: f64 = 0.6;
 
 fn settings() -> Config {
-    let mut config = Config::default();
+    let mut config = painted::config();
     config.ground_view.metres_per_pixel = 0.1;
     // The painted roads meet at sharp corners.
     config.track.alignment.kerb_radius_m = 0.0;

@@ -4,7 +4,7 @@
 mod painted;
 
 use fingerpost::vehicle::Traffic;
-use fingerpost::{Config, Pipeline, Sensors};
+use fingerpost::{Pipeline, Sensors};
 use nalgebra::{Isometry2, Vector2};
 use painted::{World, camera, route_past};
 
@@ -14,7 +14,7 @@ const SIDE_M: f64 = 60.0;
 
 /// How far ahead a side road is tracked first, by how much its place is off then, and what standard deviation is said, metres.
 fn tracked_from(far_m: f64) -> Option<[f64; 3]> {
-    let mut config = Config::default();
+    let mut config = painted::config();
     config.ground_view.far_m = far_m;
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use fingerpost::track::TrackMethod;
 use fingerpost::vehicle_signals::{Sample, VehicleSamples};
-use fingerpost::{Config, Pipeline, Sensors};
+use fingerpost::{Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -177,7 +177,7 @@ impl Drive {
         }
         let (world, route) = (self.world(), route_past(&on_map, ENDS, WIDTH_M));
         let plane = TangentPlane::new(ORIGIN);
-        let mut config = Config::default();
+        let mut config = painted::config();
         config.track.method = self.method;
         let start_m = self.start_off_m - ENDS[0];
         let believed = camera_calibrated_wrong(self.calibration_off.0, self.calibration_off.1);

@@ -188,13 +188,6 @@ impl Backprojection {
         })
     }
 
-    /// Raises what the colours of the picture that was learned from last say to at least these probabilities, of 255.
-    pub(super) fn raise_to(&mut self, least: &[u8]) {
-        for (p, &least) in self.lookup.iter_mut().zip(least) {
-            *p = (*p).max(least);
-        }
-    }
-
     /// Fills `probability` for the picture that was learned from last.
     pub(super) fn project(
         &mut self,

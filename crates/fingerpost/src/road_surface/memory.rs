@@ -85,7 +85,8 @@ pub enum RememberedMethod {
     Network,
     /// A segmentation network that a user brings, in programs built for it.
     Onnx,
-    /// Back-projection where colours tell the road, and elsewhere "online", sharpened by the colours of what it finds.
+    /// The network's evidence and the drive's own together: back-projection where colours tell the road, and elsewhere "online",
+    /// sharpened by the colours of what it finds; in camera pictures "online".
     #[default]
     Fused,
 }

@@ -1,26 +1,19 @@
-//! Another detector for each perspective, with the surface under way named by the bank of known surfaces.
+//! Another detector, with the surface under way named by the bank of known surfaces.
 
 use fingerpost_vision::picture::Plane;
 use fingerpost_vision::road_network::RoadNetwork;
 
-use super::{
-    BankConfig, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile, SurfaceMemory,
-};
+use super::{BankConfig, RoadDetector, RoadError, RoadEvidence, RoadInput, SurfaceFile, SurfaceMemory};
 
-/// A detector whose evidence names the surface under way; its probabilities are those of the perspective's detector alone.
+/// A detector whose evidence names the surface under way; its probabilities are those of the other detector alone.
 pub(super) struct Named {
     surfaces: SurfaceMemory,
-    in_camera: Box<dyn RoadDetector>,
-    in_ground: Box<dyn RoadDetector>,
+    seeing: Box<dyn RoadDetector>,
 }
 
 impl Named {
-    pub(super) fn new(
-        config: &BankConfig,
-        in_camera: Box<dyn RoadDetector>,
-        in_ground: Box<dyn RoadDetector>,
-    ) -> Result<Self, RoadError> {
-        Ok(Self { surfaces: SurfaceMemory::new(config)?, in_camera, in_ground })
+    pub(super) fn new(config: &BankConfig, seeing: Box<dyn RoadDetector>) -> Result<Self, RoadError> {
+        Ok(Self { surfaces: SurfaceMemory::new(config)?, seeing })
     }
 }
 
@@ -30,11 +23,7 @@ impl RoadDetector for Named {
         input: RoadInput<'_>,
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
-        let seeing = match input.perspective {
-            Perspective::Camera { .. } => &mut self.in_camera,
-            Perspective::Ground { .. } => &mut self.in_ground,
-        };
-        let mut evidence = seeing.estimate(input, probability)?;
+        let mut evidence = self.seeing.estimate(input, probability)?;
         evidence.bank = Some(self.surfaces.consider(&input)?.0);
         Ok(evidence)
     }
@@ -48,12 +37,11 @@ impl RoadDetector for Named {
     }
 
     fn network(&self) -> Option<&RoadNetwork> {
-        self.in_ground.network()
+        self.seeing.network()
     }
 
     fn reset(&mut self) {
         self.surfaces.forget();
-        self.in_camera.reset();
-        self.in_ground.reset();
+        self.seeing.reset();
     }
 }

@@ -60,7 +60,7 @@ pub fn no_junction_is_confirmed(detectors: &[RoadMethod], parts: impl Fn(&Config
     let seen: Vec<RgbImage> = (0..22).map(picture).collect();
     for &detector in detectors {
         for (name, cover) in COVERS {
-            let mut config = Config::default();
+            let mut config = painted::config();
             config.track.alignment.kerb_radius_m = 0.0;
             config.vehicle.traffic = Traffic::Centre;
             config.road_surface.detector = detector;

@@ -5,6 +5,8 @@
 #![allow(unreachable_pub, dead_code, reason = "shared by several test programs, each of which uses a part")]
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
+use fingerpost::config::Config;
+use fingerpost::road_surface::RememberedMethod;
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, Polyline};
 use fingerpost_map::{Arm, ArmRole, FeatureKind, LatLon, Route, RouteFeature, RoutePoint, TangentPlane};
 use fingerpost_vision::picture::RgbImage;
@@ -34,6 +36,13 @@ fn calibrated(width: usize, pitch_rad: f64, focal_factor: f64) -> Camera {
     let (cx, cy) = (0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0));
     let intrinsics = Intrinsics { fx: f, fy: f, cx, cy };
     Camera::calibrated(width, height, intrinsics, Distortion::None, mount).unwrap()
+}
+
+/// The default settings, with road by its colours alone: a plane without a world is nothing that the network was trained on.
+pub fn config() -> Config {
+    let mut config = Config::default();
+    config.road_surface.memory.of = RememberedMethod::Backprojection;
+    config
 }
 
 /// Roads painted on the plane.
