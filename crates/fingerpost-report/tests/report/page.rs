@@ -65,14 +65,14 @@ fn the_page_of_a_drive_holds_everything() {
         let has_lanes = key.pictures.iter().any(|picture| picture.stage == "lane steps");
         assert_eq!(
             key.pictures.len(),
-            6 + usize::from(has_lanes),
-            "composed and five stages, and the lane's"
+            7 + usize::from(has_lanes),
+            "composed, five stages and what the network sees, and the lane's"
         );
         assert!(key.pictures.iter().all(|picture| picture.jpeg.starts_with(&[0xFF, 0xD8])));
     }
-    let with_lanes = run.key_frames.frames().iter().filter(|key| key.pictures.len() == 7).count();
+    let with_lanes = run.key_frames.frames().iter().filter(|key| key.pictures.len() == 8).count();
     assert!(with_lanes > 0, "lanes are looked for");
-    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 6 * reasons.len() + with_lanes);
+    assert_eq!(page.matches("data:image/jpeg;base64,").count(), 7 * reasons.len() + with_lanes);
     assert!(page.contains("OpenStreetMap contributors, ODbL"));
     for outside in ["http:", "https:", "<script", "url("] {
         assert!(!page.contains(outside), "nothing from outside: {outside}");
