@@ -148,8 +148,8 @@ mod tests {
     #[test]
     fn equal_and_opposite_evidence_of_both_is_weighed_by_the_regression() {
         let expected = |p: f64, q: f64| {
-            let log_odds = |p: f64| (p / (1.0 - p)).ln();
-            255.0 / (1.0 + (-(0.9 * log_odds(p) + 0.6 * log_odds(q))).exp())
+            let log_odds = |p: f64| libm::log(p / (1.0 - p));
+            255.0 / (1.0 + libm::exp(-(0.9 * log_odds(p) + 0.6 * log_odds(q))))
         };
         let weights = Weights::new();
         for (p, q) in [(204, 51), (51, 204), (128, 128), (230, 100)] {
