@@ -108,8 +108,8 @@ pub struct FeatureStep {
 pub struct MotionOutput {
     /// How the vehicle moved.
     pub motion: Motion,
-    /// How the camera is turned by all that was seen so far.
-    pub camera: CameraAttitude,
+    /// How the camera is turned by all that was seen so far; none where the estimator says nothing of it.
+    pub camera: Option<CameraAttitude>,
     /// Why the motion is wrong by what else the picture shows; none where nothing speaks against it.
     pub doubt: Option<MotionDoubt>,
 }
@@ -144,7 +144,7 @@ impl Display for MotionDoubt {
 impl From<Motion> for MotionOutput {
     /// A motion that says nothing of the camera.
     fn from(motion: Motion) -> Self {
-        Self { motion, camera: CameraAttitude::default(), doubt: None }
+        Self { motion, camera: None, doubt: None }
     }
 }
 

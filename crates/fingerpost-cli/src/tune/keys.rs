@@ -11,13 +11,12 @@ use serde_json::Value;
 use thiserror::Error;
 
 /// Keys that are searched where none are named: what a feature must show to be believed, and how sure its place is said to be.
-pub(super) const DEFAULT_KEYS: [&str; 6] = [
+pub(super) const DEFAULT_KEYS: [&str; 5] = [
     "track.detect_threshold",
     "track.detect_threshold_at_verge",
     "track.detect_contrast",
     "track.detect_frames",
     "track.alignment.sigma_m",
-    "track.alignment.pitch_sigma_deg",
 ];
 /// Keys that are named for one that does not exist.
 const NEAR_KEYS: usize = 3;

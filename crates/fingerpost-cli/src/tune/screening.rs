@@ -11,7 +11,7 @@ use crate::output;
 
 /// Numbers that are screened: of tracker, match, road surface, motion, mount and progress those by which something is believed or
 /// not. Steps, reaches and sizes are left out: they cost time or are geometry.
-pub(super) const CANDIDATES: [&str; 18] = [
+pub(super) const CANDIDATES: [&str; 17] = [
     "track.detect_threshold",
     "track.detect_threshold_at_verge",
     "track.detect_contrast",
@@ -22,7 +22,6 @@ pub(super) const CANDIDATES: [&str; 18] = [
     "track.alignment.sigma_m",
     "track.alignment.width_sigma_share",
     "track.alignment.kerb_radius_m",
-    "track.alignment.pitch_sigma_deg",
     "match.min_seen_share",
     "match.min_seen_length_m",
     "road_surface.memory.doubt",

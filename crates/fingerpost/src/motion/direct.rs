@@ -302,7 +302,8 @@ impl MotionEstimator for DirectMotion {
             patch.keep(0.0);
         }
         let camera = self.turn.attitude();
-        Ok(motion.map(|(motion, doubt)| (MotionOutput { motion, camera, doubt }, &self.evidence)))
+        Ok(motion
+            .map(|(motion, doubt)| (MotionOutput { motion, camera: Some(camera), doubt }, &self.evidence)))
     }
 
     fn reset(&mut self) {

@@ -99,7 +99,7 @@ impl Ego {
         Ok(EgoFrame {
             motion,
             motion_doubt,
-            camera: seen.map(|seen| seen.camera),
+            camera: seen.and_then(|seen| seen.camera),
             vehicle,
             mount: self.mount.estimate(),
             pitch_change: attitude.pitch_change,

@@ -27,6 +27,7 @@ use super::pitch_doubt::PitchDoubt;
 use super::pose_filter::{LineMeasurement, PoseFilter, SlopeMeasurement, Update};
 use crate::ground_view::Viewpoint;
 use crate::matching::LaidSurface;
+use crate::motion::CameraAttitude;
 use measured::{Edge, Measured, heading, leave_out_beside_lines, measured_width_m, slope_by_pose};
 use slide::Slide;
 
@@ -67,10 +68,6 @@ pub struct AlignmentConfig {
     /// Radius of the kerbs where roads meet, metres: within them a road's edge is not its own.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub kerb_radius_m: f64,
-    /// Standard deviation of what is not known of the camera's pitch, degrees: far places are less sure, in however
-    /// many frames they are seen.
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub pitch_sigma_deg: f64,
 }
 
 impl Default for AlignmentConfig {
@@ -86,7 +83,6 @@ impl Default for AlignmentConfig {
             sigma_m: 0.2,
             width_sigma_share: 0.16,
             kerb_radius_m: 4.0,
-            pitch_sigma_deg: 0.2,
         }
     }
 }
@@ -115,7 +111,7 @@ impl Aligner {
     pub(super) fn new(config: &AlignmentConfig, viewpoint: Viewpoint) -> Self {
         Self {
             config: config.clone(),
-            pitch: PitchDoubt { sigma_rad: config.pitch_sigma_deg.to_radians(), viewpoint },
+            pitch: PitchDoubt::of_calibration(viewpoint),
             slide: Slide::new(config),
             arm: Vec::new(),
             sections: Vec::new(),
@@ -123,6 +119,11 @@ impl Aligner {
             slopes: Vec::new(),
             wider: Vec::new(),
         }
+    }
+
+    /// Takes over how well the camera's pitch is known now: far places are less sure, in however many frames they are seen.
+    pub(super) fn know_attitude(&mut self, attitude: &CameraAttitude) {
+        self.pitch = self.pitch.of_attitude(attitude);
     }
 
     /// What is not known of the camera's pitch.

@@ -141,6 +141,9 @@ impl Tracker {
     }
 
     fn predict(&mut self, moved: &Moved<'_>) {
+        if let Some(attitude) = &moved.camera {
+            self.aligner.know_attitude(attitude);
+        }
         let before = self.shown;
         let now = moved.camera.map_or(before, |camera| ShownRoad::new(&camera.turn, self.viewpoint));
         let predict = |filter: &mut PoseFilter| {
