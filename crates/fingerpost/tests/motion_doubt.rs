@@ -24,7 +24,8 @@ const FRAMES: usize = 26;
 const DOUBTED: Range<usize> = 10..22;
 const FPS: f64 = 10.0;
 const SPEED_MPS: f64 = 8.0;
-const START_M: f64 = 30.0;
+/// Between the first junction and where the second is found: one found meanwhile would tell where the vehicle is.
+const START_M: f64 = 75.0;
 
 /// The motion as it is, in which some frames are doubted.
 struct Doubted {
