@@ -23,8 +23,8 @@ const DOUBT: f32 = 0.002;
 /// What was counted on the drive so far.
 #[derive(Debug, Clone)]
 pub(super) struct DriveColours {
-    /// Step of brightness by the sum of a place's levels.
-    brightness: Vec<u8>,
+    /// By the sum of a place's levels.
+    of_total: Vec<OfTotal>,
     /// How sure a logit is, 0 to 1; its sign says of what.
     sureness: [f32; 256],
     colours: Plane<u16>,
@@ -37,12 +37,40 @@ pub(super) struct DriveColours {
     steps: Vec<i8>,
 }
 
+/// What the sum of a place's levels says of its colour.
+#[derive(Debug, Clone, Copy)]
+struct OfTotal {
+    /// What a level is multiplied by to become its share of the sum, in steps: the bits before the lowest [`SHARE_BITS`] are whole steps.
+    steps_of_level: u32,
+    /// Step of brightness.
+    brightness: u32,
+}
+
+/// Bits behind the point with which every level comes to the whole steps that its division by the sum gives.
+const SHARE_BITS: u32 = 24;
+/// Steps that a share of 1 would have: from a sixth to a half, where colours of the day lie (grey has a third of each), there are [`BINS`].
+const SHARE_STEPS: u32 = 72;
+/// What is added to the sum of the levels, so that the darkest places are grey.
+const DARK: u32 = 12;
+
+impl OfTotal {
+    fn new(total: u32, brightness: u32) -> Self {
+        Self { steps_of_level: (SHARE_STEPS << SHARE_BITS).div_ceil(total + DARK), brightness }
+    }
+
+    /// Step of a level's share.
+    #[inline]
+    fn share(self, level: u32) -> u32 {
+        (level * self.steps_of_level >> SHARE_BITS).clamp(12, 11 + BINS as u32) - 12
+    }
+}
+
 impl DriveColours {
     pub(super) fn new() -> Self {
         let brightness = |sum: usize| {
             // The same steps everywhere between a level of 1 % and full white.
             let log = libm::log(sum as f64 / (4.0 * 255.0) + 0.05);
-            ((log / 2.2 + 1.0) / 1.6 * BINS as f64).clamp(0.0, (BINS - 1) as f64) as u8
+            ((log / 2.2 + 1.0) / 1.6 * BINS as f64).clamp(0.0, (BINS - 1) as f64) as u32
         };
         let mut sureness = [0.0; 256];
         for (logit, sure) in (i8::MIN..=i8::MAX).zip(&mut sureness) {
@@ -50,7 +78,7 @@ impl DriveColours {
         }
         let nothing = vec![0.0; BINS * BINS * BINS];
         Self {
-            brightness: (0..=BRIGHTEST).map(brightness).collect(),
+            of_total: (0..=BRIGHTEST).map(|total| OfTotal::new(total as u32, brightness(total))).collect(),
             sureness,
             colours: Plane::default(),
             road: nothing.clone(),
@@ -111,17 +139,16 @@ impl DriveColours {
     #[inline]
     pub(super) fn steps(&self, pixel: [u8; 3]) -> i8 {
         // A place has four pixels.
-        self.steps[self.colour(pixel.map(|level| 4 * usize::from(level)))]
+        self.steps[self.colour(pixel.map(|level| 4 * u32::from(level)))]
     }
 
     /// The colour of a place with these sums of levels.
     #[inline]
-    fn colour(&self, [red, green, blue]: [usize; 3]) -> usize {
-        let total = red + green + blue;
-        // From a sixth to a half: grey has a third of each.
-        let chromaticity = |part: usize| (72 * part / (total + 12)).clamp(12, 11 + BINS) - 12;
-        let brightness = usize::from(self.brightness[total.min(BRIGHTEST)]);
-        (chromaticity(red) * BINS + chromaticity(blue)) * BINS + brightness
+    fn colour(&self, [red, green, blue]: [u32; 3]) -> usize {
+        let total = (red + green + blue) as usize;
+        let of_total = self.of_total[total.min(BRIGHTEST)];
+        let (red, blue) = (of_total.share(red), of_total.share(blue));
+        ((red * BINS as u32 + blue) * BINS as u32 + of_total.brightness) as usize
     }
 
     /// Names the colour of each place of `size`: chromaticities of red and blue, and brightness, of its four pixels.
@@ -135,7 +162,7 @@ impl DriveColours {
             let fours = above.chunks_exact(6).zip(below.chunks_exact(6));
             for (colour, (above, below)) in colours.row_mut(y).iter_mut().zip(fours) {
                 let sum =
-                    |c: usize| [above[c], above[c + 3], below[c], below[c + 3]].map(usize::from).iter().sum();
+                    |c: usize| [above[c], above[c + 3], below[c], below[c + 3]].map(u32::from).iter().sum();
                 *colour = self.colour([0, 1, 2].map(sum)) as u16;
             }
         }

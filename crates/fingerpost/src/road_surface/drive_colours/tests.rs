@@ -107,3 +107,14 @@ fn it_is_what_the_training_computes() {
     }
     assert!(compared > 200, "{compared}");
 }
+
+#[test]
+fn shares_have_the_whole_steps_of_their_division() {
+    for total in 0..=BRIGHTEST as u32 {
+        let of_total = OfTotal::new(total, 0);
+        for level in 0..=total.min(BRIGHTEST as u32 / 3) {
+            let expected = (SHARE_STEPS * level / (total + DARK)).clamp(12, 11 + BINS as u32) - 12;
+            assert_eq!(of_total.share(level), expected, "{level} of {total}");
+        }
+    }
+}
