@@ -110,6 +110,11 @@ impl Canvas {
                 let (pixels, _) = canvas.image.row_mut(y).as_chunks_mut::<3>();
                 let pixels = pixels.iter_mut().skip(clip.x).take(clip.width);
                 for (pixel, columns) in pixels.zip(columns.iter().skip(clip.x - area.x)) {
+                    // Where nothing is reduced the four places are one.
+                    if rows[0] == rows[1] && columns[0] == columns[1] {
+                        *pixel = colour_at(columns[0], rows[0]);
+                        continue;
+                    }
                     let mut sum = [2_u16; 3];
                     for row in rows {
                         for &column in columns {
