@@ -19,7 +19,7 @@ import fingerpost
 from fingerpost import fleet
 
 PROGRAM = os.environ["FINGERPOST"]
-DRIVES = 20
+DRIVES = 12
 #: Small pictures and few of them, so that a drive takes seconds.
 SMALL = {"size": (120, 90), "fps": 4.0, "conditions": ("clear", "unmarked")}
 TOWN = pathlib.Path(__file__).parents[2] / "crates/fingerpost-sim/assets"
