@@ -107,7 +107,7 @@ fn drives_of_every_kind_raise_no_alarm() {
 fn raises_no_alarm(seed: u64, name: &str) -> bool {
     let conditions = Conditions::named(name).unwrap();
     // Every other drive begins before a turn.
-    let start_m = if seed % 2 == 0 { 10.0 } else { 235.0 };
+    let start_m = if seed.is_multiple_of(2) { 10.0 } else { 235.0 };
     let config = SimConfig { seed, conditions, start_m, ..SimConfig::default() };
     let simulator = simulator(MOUNT, &config);
     let estimates = estimates(&simulator, (0..60).map(|index| simulator.frame(index).picture));
