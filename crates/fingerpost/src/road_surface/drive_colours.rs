@@ -61,7 +61,7 @@ impl OfTotal {
     /// Step of a level's share.
     #[inline]
     fn share(self, level: u32) -> u32 {
-        (level * self.steps_of_level >> SHARE_BITS).clamp(12, 11 + BINS as u32) - 12
+        ((level * self.steps_of_level) >> SHARE_BITS).clamp(12, 11 + BINS as u32) - 12
     }
 }
 
