@@ -115,7 +115,7 @@ fn main() -> Result<()> {
     if timed("height") {
         sections.push(height::height(effort)?);
     }
-    if timed("network") {
+    if wanted("network") {
         sections.push(network::network(effort, &footage, &sets)?);
         CodePath::limit(most);
     }
