@@ -32,6 +32,8 @@ pub struct AttitudeObservation {
     pub pitch_change: Option<ObservedAngle>,
     /// Change of the roll since the frame before.
     pub roll_change: Option<ObservedAngle>,
+    /// Change of the vehicle's heading since the frame before; positive left.
+    pub heading_change: Option<ObservedAngle>,
     /// Whether near things were seen to be left behind, in whatever direction: a vehicle that drives passes them.
     pub passes_things: bool,
 }
@@ -60,6 +62,7 @@ impl AttitudeObservation {
             yaw: joined(self.yaw, other.yaw),
             pitch_change: joined(self.pitch_change, other.pitch_change),
             roll_change: joined(self.roll_change, other.roll_change),
+            heading_change: joined(self.heading_change, other.heading_change),
             passes_things: self.passes_things || other.passes_things,
         }
     }

@@ -115,6 +115,7 @@ impl Sighting {
             roll: None,
             pitch_change: seen(self.pitch_change_rad, turned.x),
             roll_change: seen(self.roll_change_rad, turned.z),
+            heading_change: seen(self.turn_rad, turned.y),
             passes_things: self.passes_things,
         }
     }

@@ -229,6 +229,7 @@ impl SeenTurn {
             yaw: None,
             pitch_change: angle(Vector4::new(1.0, 0.0, 0.0, 0.0)),
             roll_change: angle(Vector4::new(0.0, 1.0, 0.0, 0.0)),
+            heading_change: None,
             passes_things: false,
         })
     }

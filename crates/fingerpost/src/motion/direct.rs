@@ -165,11 +165,11 @@ impl DirectMotion {
         let displaced = |motion| Displacement::of(motion, turn_before_rad);
         let points = (coarsest, &coarsest.template);
         let mut cost_of = |motion| cost(points, residuals, &displaced(motion), &views, Brightness::default());
-        let found = start(&mut cost_of, last.current_from_previous, last.bearable);
+        let expected = Expected::after(&last, self.turn, attitude);
+        let found = start(&mut cost_of, expected.current_from_previous, last.bearable);
         self.travel = self.travel.after(attitude);
         let travel = self.travel;
         let mut begun = Begun { patch, residuals, views, last, travel, iterations: self.config.iterations };
-        let expected = Expected::after(&last, self.turn, attitude);
         let (aligned, start) = begun.aligned(&expected, found, displaced)?;
         let Aligned { mut estimate, quality, stands_still, .. } = aligned;
         show(begun.patch, begun.residuals, (&estimate, &begun.views), start, &mut self.evidence);
@@ -185,8 +185,8 @@ impl DirectMotion {
         let (left_over, shifted) = costs(coarsest, begun.residuals, (&estimate, &begun.views));
         self.turn = expected.turn.updated(&seen_turn);
         self.evidence.attitude = seen_turn.observation();
-        // Where too little is seen to judge by, the next frame is searched for.
-        let bearable = if left_over.is_finite() && shifted.is_finite() {
+        // Where too little is seen to judge by, or what was seen is not believed, the next frame is searched for.
+        let bearable = if !goes_on && left_over.is_finite() && shifted.is_finite() {
             (BEARABLE * left_over.max(COST_FLOOR)).max(shifted)
         } else {
             0.0
@@ -266,7 +266,7 @@ impl Begun<'_> {
             cost(points, residuals, &displaced(motion), views, Brightness::default())
         };
         let reach_m = REACH_SIGMAS * expected.covariance[(0, 0)].max(0.0).sqrt();
-        let found = search_along(cost_of, last.current_from_previous, reach_m);
+        let found = search_along(cost_of, expected.current_from_previous, reach_m);
         // From next to where the alignment has come to, it comes there again.
         let reached = aligned.estimate.displacement.current_from_previous;
         let is_there = (reached.inverse() * found).translation.vector.norm() < FINE_STEP_M;

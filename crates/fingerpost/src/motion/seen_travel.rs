@@ -100,6 +100,7 @@ mod tests {
         yaw: None,
         pitch_change: None,
         roll_change: None,
+        heading_change: None,
         passes_things: false,
     };
 

@@ -5,7 +5,7 @@ use nalgebra::{Isometry2, Matrix3, Vector3};
 
 use super::Last;
 use super::gauss_newton::Prior;
-use crate::attitude::AttitudeObservation;
+use crate::attitude::{AttitudeObservation, lasting_variance_rad2};
 use crate::motion::camera_turn::{PredictedTurn, TurnFilter};
 
 /// Change of the motion from frame to frame, one standard deviation: metres forward and left, radians. A frame may last a
@@ -29,7 +29,21 @@ impl Expected {
         let covariance =
             last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
         let turn = turn.predicted().with(far);
-        Self { current_from_previous: last.current_from_previous, covariance, turn }
+        Self { current_from_previous: last.current_from_previous, covariance, turn }.turning(far)
+    }
+
+    /// With the heading's change as the far scene shows it, which needs no road: Kalman's update by one component.
+    fn turning(mut self, far: &AttitudeObservation) -> Self {
+        let Some(seen) = &far.heading_change else { return self };
+        let previous_from_current = self.current_from_previous.inverse();
+        let (moved, yaw_rad) =
+            (previous_from_current.translation.vector, previous_from_current.rotation.angle());
+        let of_yaw = self.covariance.column(2).into_owned();
+        let gain = of_yaw / (of_yaw.z + lasting_variance_rad2(seen));
+        let change = gain * (seen.angle_rad - yaw_rad);
+        self.current_from_previous = Isometry2::new(moved + change.xy(), yaw_rad + change.z).inverse();
+        self.covariance -= gain * of_yaw.transpose();
+        self
     }
 
     /// Of a motion that was searched for, because it is none that was expected.
