@@ -4,7 +4,7 @@
 //!
 //! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) p(ground | place, unknowns),
 //!
-//! against p(nothing there) p(ground | plain road), where p(place | progress) is what the route's other features leave open, and
+//! against p(nothing there) p(ground | plain road, or ground that is paved all over), where p(place | progress) is what the route's other features leave open, and
 //! some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds
 //! are fitted together with what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
@@ -37,6 +37,11 @@ const LEAST_RADIUS_M: f64 = 0.3;
 const SCALE_SIGMA: f64 = 0.03;
 /// How often a feature of the map is not there, or not as the map says.
 const MAP_WRONG: f64 = 0.03;
+/// The ground makes a claim, not the map: before anything is seen of it a feature in view is as probable as none. By the map's own
+/// share a bend that is seen nowhere is claimed at the far end of the view, where nothing speaks for it or against it.
+const CLAIMED_BEFORE: f64 = 0.5;
+/// How often the ground about a place is paved all over, as yards and car parks are: a guess.
+const PAVED: f64 = 0.05;
 /// Step of the scan along the approach, metres, and how soft edges are for it, metres: what a step must not jump over.
 const SCAN_STEP_M: f64 = 0.5;
 const SCAN_SOFT_M: f64 = 0.4;
@@ -208,7 +213,7 @@ impl FeatureBelief {
         }
         self.places.sort_unstable_by(|a, b| b.log_evidence().total_cmp(&a.log_evidence()));
         self.places.truncate(MOST_PLACES);
-        self.place_on_route(seen, plain.log_evidence);
+        self.place_on_route(seen, log_sum(plain.log_evidence, libm::log(PAVED) + ground.log_likelihood_paved()));
         self.weigh(self.in_view(seen));
         tried
     }
@@ -342,8 +347,8 @@ impl FeatureBelief {
     /// Gives every place its probability against that of a plain road.
     fn weigh(&mut self, in_view: f64) {
         let best = self.places.iter().map(|place| place.log_share).fold(0.0, f64::max);
-        let there = |place: &Place| (1.0 - MAP_WRONG) * libm::exp(place.log_share - best);
-        let nowhere = (1.0 - (1.0 - MAP_WRONG) * in_view) * libm::exp(-best);
+        let there = |place: &Place| (1.0 - CLAIMED_BEFORE) * libm::exp(place.log_share - best);
+        let nowhere = (1.0 - (1.0 - CLAIMED_BEFORE) * in_view) * libm::exp(-best);
         let total = nowhere + self.places.iter().map(there).sum::<f64>();
         for place in &mut self.places {
             place.weight = there(place) / total.max(f64::MIN_POSITIVE);
@@ -405,6 +410,11 @@ impl Place {
     fn log_evidence(&self) -> f64 {
         self.fit.log_evidence + self.expected.log_weight
     }
+}
+
+/// Logarithm of the sum of two numbers that are given by theirs.
+fn log_sum(a: f64, b: f64) -> f64 {
+    a.max(b) + libm::log1p(libm::exp(-(a - b).abs()))
 }
 
 /// Keeps those that are higher than their neighbours, the highest first.

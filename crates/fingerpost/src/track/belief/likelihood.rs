@@ -106,6 +106,11 @@ impl Ground {
         }
     }
 
+    /// Log-likelihood of ground that is paved all over.
+    pub(super) fn log_likelihood_paved(&self) -> f64 {
+        self.squares.iter().map(|square| square.on_road).sum()
+    }
+
     /// Log-likelihood with edges as soft as `soft_m`, by every `every`-th square.
     pub(super) fn score(&self, shape: &JunctionShape, unknowns: &Unknowns, soft_m: f64, every: usize) -> f64 {
         let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
