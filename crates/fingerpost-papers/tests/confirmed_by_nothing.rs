@@ -3,6 +3,8 @@
 
 #[path = "../../fingerpost/tests/covered/mod.rs"]
 mod covered;
+#[path = "../../fingerpost/tests/painted/mod.rs"]
+mod painted;
 
 use fingerpost::road_surface::RoadMethod;
 

@@ -2,9 +2,7 @@
 #![allow(unreachable_pub, reason = "shared by several test programs")]
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-#[path = "../painted/mod.rs"]
-mod painted;
-
+use super::painted::{Junction, Place, World, camera_of_width, route};
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::RoadMethod;
 use fingerpost::track::{Decision, State};
@@ -13,7 +11,6 @@ use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Isometry2, Vector2};
-use painted::{Junction, Place, World, camera_of_width, route};
 
 const WIDTH_M: f64 = 5.5;
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
@@ -60,7 +57,7 @@ pub fn no_junction_is_confirmed(detectors: &[RoadMethod], parts: impl Fn(&Config
     let seen: Vec<RgbImage> = (0..22).map(picture).collect();
     for &detector in detectors {
         for (name, cover) in COVERS {
-            let mut config = painted::config();
+            let mut config = super::painted::config();
             config.track.alignment.kerb_radius_m = 0.0;
             config.vehicle.traffic = Traffic::Centre;
             config.road_surface.detector = detector;

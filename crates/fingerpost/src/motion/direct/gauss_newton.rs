@@ -63,7 +63,7 @@ pub(super) const FIRST_SCALE: f64 = 8.0;
 /// Least standard deviation of residuals, levels of the flattened picture: rounding leaves as much.
 const SCALE_FLOOR: f64 = 1.0;
 /// Share of the points that count as independent measurements: what is left of a good alignment is not noise but a road
-/// that is not quite flat, alike over metres. Found from the errors of simulated drives (`tests/motion_accuracy.rs`).
+/// that is not quite flat, alike over metres. Found from the errors of simulated drives (`tests/drives/motion_accuracy.rs`).
 const INDEPENDENT: f64 = 0.06;
 /// Distance at which a turn is counted as a displacement, metres: the far end of the patch.
 const REACH_M: f64 = 10.0;

@@ -213,7 +213,10 @@ impl FeatureBelief {
         }
         self.places.sort_unstable_by(|a, b| b.log_evidence().total_cmp(&a.log_evidence()));
         self.places.truncate(MOST_PLACES);
-        self.place_on_route(seen, log_sum(plain.log_evidence, libm::log(PAVED) + ground.log_likelihood_paved()));
+        self.place_on_route(
+            seen,
+            log_sum(plain.log_evidence, libm::log(PAVED) + ground.log_likelihood_paved()),
+        );
         self.weigh(self.in_view(seen));
         tried
     }

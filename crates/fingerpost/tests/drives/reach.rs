@@ -1,12 +1,10 @@
 //! How far ahead a feature is tracked: as far as the ground view is asked to reach, and no farther than its distance is known.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{World, camera, route_past};
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Pipeline, Sensors};
 use nalgebra::{Isometry2, Vector2};
-use painted::{World, camera, route_past};
 
 const WIDTH_M: f64 = 6.0;
 /// Where the side road leaves a road that goes north, metres.
@@ -14,7 +12,7 @@ const SIDE_M: f64 = 60.0;
 
 /// How far ahead a side road is tracked first, by how much its place is off then, and what standard deviation is said, metres.
 fn tracked_from(far_m: f64) -> Option<[f64; 3]> {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.ground_view.far_m = far_m;
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;

@@ -1,14 +1,12 @@
 //! The papers' curve, by which features are found, by known places: turning circle, set-back, roundness.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, route};
 use fingerpost::feature_masks::{FeatureMaskConfig, MaskCurve};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};
 use nalgebra::Point2;
-use painted::{Junction, Place, route};
 
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 const EAST: &[Place] = &[(0.0, 0.0), (60.0, 0.0)];

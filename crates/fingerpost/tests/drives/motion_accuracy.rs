@@ -6,17 +6,15 @@
 // A helper that fails has failed the test that calls it.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod simulated;
-
+use crate::simulated::{
+    BINS, camera, drive, error, is_measured_in_other_views, motions, recorded, simulator, turns, view,
+};
 use fingerpost::attitude::{AttitudeObservation, ObservedAngle};
 use fingerpost::ground_view::GroundPicture;
 use fingerpost::motion::{DirectMotion, DirectMotionConfig, MotionDoubt, MotionEstimator, MotionOutput};
 use fingerpost_map::{OsmData, RoadGraph};
 use fingerpost_sim::{Conditions, RandomRouteOptions, SimConfig, Simulator, random_drive, random_route};
 use nalgebra::Isometry2;
-use simulated::{
-    BINS, camera, drive, error, is_measured_in_other_views, motions, recorded, simulator, turns, view,
-};
 
 fn direct() -> DirectMotion {
     DirectMotion::new(&DirectMotionConfig::default())
@@ -57,7 +55,7 @@ fn a_pattern_that_stays_with_the_camera_does_not_hold_the_vehicle_back() {
 #[test]
 fn what_a_wet_road_mirrors_does_not_hold_the_vehicle_back() {
     let seed = 6014;
-    let town = include_bytes!("../../fingerpost-sim/assets/town.osm");
+    let town = include_bytes!("../../../fingerpost-sim/assets/town.osm");
     let graph = RoadGraph::from_osm(&OsmData::from_bytes(town).unwrap()).unwrap();
     let route = random_route(&graph, seed, &RandomRouteOptions::default()).unwrap();
     let config = random_drive(seed, &Conditions::WET);

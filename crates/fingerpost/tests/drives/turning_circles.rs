@@ -2,14 +2,12 @@
 //! there and said to be.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, route};
 use fingerpost::driving_line::{CornerSetting, DrivingLine, DrivingLineConfig};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};
 use nalgebra::{Point2, Vector2};
-use painted::{Junction, Place, route};
 
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 const KERB_M: f64 = 4.0;

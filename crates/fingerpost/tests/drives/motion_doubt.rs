@@ -1,10 +1,9 @@
 //! A motion that cannot be true by what else the picture shows is named, and nothing is advised by it; a clean drive has none.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod simulated;
-
 use std::ops::Range;
 
+use crate::simulated::{camera, simulator};
 use fingerpost::advice::Stop;
 use fingerpost::attitude::AttitudeObservation;
 use fingerpost::fix::NearPlace;
@@ -18,7 +17,6 @@ use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Config, FrameOutput, Pipeline, Sensors};
 use fingerpost_map::{LatLon, OsmData, RoadGraph, read_route};
 use fingerpost_sim::SimConfig;
-use simulated::{camera, simulator};
 
 const FRAMES: usize = 26;
 const DOUBTED: Range<usize> = 10..22;
@@ -56,9 +54,9 @@ impl MotionEstimator for Doubted {
 
 /// The outputs of a drive some frames of which are doubted, with the bus's speed or without, on a route and its map.
 fn drive(doubt: Option<MotionDoubt>, bus_mps: Option<f64>) -> Vec<FrameOutput> {
-    let town = include_bytes!("../../fingerpost-sim/assets/town.osm");
+    let town = include_bytes!("../../../fingerpost-sim/assets/town.osm");
     let graph = RoadGraph::from_osm(&OsmData::from_bytes(town).unwrap()).unwrap();
-    let route = read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap();
+    let route = read_route(include_str!("../../../fingerpost-sim/assets/town_route.geojson")).unwrap();
     let config =
         SimConfig { start_m: START_M, fps: FPS, cruise_speed_mps: SPEED_MPS, ..SimConfig::default() };
     let simulator = simulator(&config);

@@ -1,11 +1,10 @@
 //! The memory of the road over a world whose road is known everywhere, seen by a detector that is always right.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 
+use crate::painted::camera;
 use fingerpost::Config;
 use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::motion::Motion;
@@ -16,7 +15,6 @@ use fingerpost::road_surface::{
 use fingerpost_geometry::GroundPixel;
 use fingerpost_vision::picture::{Plane, Rect, RgbImage};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
-use painted::camera;
 
 /// Road or not, by place in the map frame.
 type World = fn(Point2<f64>) -> bool;

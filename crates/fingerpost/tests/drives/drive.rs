@@ -1,14 +1,12 @@
 //! The whole method on painted drives: every place is known, so every number is checked.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, World, camera, route};
 use fingerpost::track::State;
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, FrameOutput, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Point2, Vector2};
-use painted::{Junction, Place, World, camera, route};
 
 const WIDTH_M: f64 = 5.5;
 
@@ -37,7 +35,7 @@ fn drive(world: &World, junction: &Junction<'_>, config: &Config, left_m: f64, s
 
 /// The painted roads meet at sharp corners.
 fn keeping(traffic: Traffic) -> Config {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = traffic;
     config
@@ -156,7 +154,7 @@ fn ego_motion_is_the_motion_and_a_standing_vehicle_does_not_move() {
     let world = World::new(&[(SOUTH, WIDTH_M), (NORTH, WIDTH_M)]);
     let camera = camera();
     for (step_m, yaw_step) in [(0.0, 0.0), (0.4, 0.0), (1.2, 0.0), (0.5, 0.04), (0.5, -0.04)] {
-        let mut pipeline = Pipeline::new(&painted::config(), &camera, None, None).unwrap();
+        let mut pipeline = Pipeline::new(&crate::painted::config(), &camera, None, None).unwrap();
         let mut map_from_vehicle = Isometry2::new(Vector2::new(0.0, -20.0), std::f64::consts::FRAC_PI_2);
         let step = Isometry2::new(Vector2::new(step_m, 0.0), yaw_step);
         for i in 0..5 {

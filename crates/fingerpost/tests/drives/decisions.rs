@@ -1,15 +1,13 @@
 //! What a frame says decided it must have decided it: value and bound of every test, on drives that pass and fail them.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::collections::BTreeMap;
 
+use crate::painted::{Junction, Place, World, camera, route};
 use fingerpost::track::{Decision, Missing, TrackEvidence};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Vector2};
-use painted::{Junction, Place, World, camera, route};
 
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 const NORTH: &[Place] = &[(0.0, 0.0), (0.0, 60.0)];

@@ -2,18 +2,16 @@
 //! order, the camera's calibration, GPS, the map. Nothing false is claimed, and what can be found again is.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::painted::{Place, World, camera, camera_calibrated_wrong, route_past};
 use fingerpost::track::TrackMethod;
 use fingerpost::vehicle_signals::{Sample, VehicleSamples};
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Isometry2, Point2, Vector2};
-use painted::{Place, World, camera, camera_calibrated_wrong, route_past};
 
 const WIDTH_M: f64 = 5.5;
 /// Metres north of the nodes, and where the side roads lead.
@@ -177,7 +175,7 @@ impl Drive {
         }
         let (world, route) = (self.world(), route_past(&on_map, ENDS, WIDTH_M));
         let plane = TangentPlane::new(ORIGIN);
-        let mut config = painted::config();
+        let mut config = crate::painted::config();
         config.track.method = self.method;
         let start_m = self.start_off_m - ENDS[0];
         let believed = camera_calibrated_wrong(self.calibration_off.0, self.calibration_off.1);

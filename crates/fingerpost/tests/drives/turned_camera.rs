@@ -29,9 +29,9 @@ fn camera(mount: Mount) -> Camera {
 }
 
 fn simulator(mount: Mount, config: &SimConfig) -> Simulator {
-    let town = include_bytes!("../../fingerpost-sim/assets/town.osm");
+    let town = include_bytes!("../../../fingerpost-sim/assets/town.osm");
     let graph = RoadGraph::from_osm(&OsmData::from_bytes(town).unwrap()).unwrap();
-    let route = read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap();
+    let route = read_route(include_str!("../../../fingerpost-sim/assets/town_route.geojson")).unwrap();
     Simulator::new(&graph, &route, &camera(mount), config).unwrap()
 }
 

@@ -1,13 +1,11 @@
 //! The belief on painted drives, where every place is known: what is there is found, and what is not is not claimed.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, World, camera, route};
 use fingerpost::track::{Decision, Lack, State, TrackMethod};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Point2, Vector2};
-use painted::{Junction, Place, World, camera, route};
 
 const WIDTH_M: f64 = 5.5;
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
@@ -29,7 +27,7 @@ struct Seen {
 }
 
 fn config() -> Config {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.track.method = TrackMethod::Belief;
     config
 }

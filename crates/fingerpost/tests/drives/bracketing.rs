@@ -2,10 +2,9 @@
 //! place of flow.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::painted::{Junction, Place, World, camera_of_width, route};
 use fingerpost::ground_view::GroundView;
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionMethod};
@@ -17,7 +16,6 @@ use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Matrix3, Vector2};
-use painted::{Junction, Place, World, camera_of_width, route};
 
 const WIDTH_M: f64 = 5.5;
 const STEP_M: f64 = 0.6;
@@ -33,7 +31,7 @@ fn world() -> World {
 
 /// The painted roads meet at sharp corners and have one lane.
 fn config() -> Config {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     config

@@ -2,15 +2,13 @@
 //! from the second or third that comes on, or from the first where the drive begins at the beginning, all are found.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::collections::BTreeSet;
 
+use crate::painted::{Place, World, camera_of_width, route_past};
 use fingerpost::track::{Decision, State};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
 use nalgebra::{Isometry2, Point2, Vector2};
-use painted::{Place, World, camera_of_width, route_past};
 
 const WIDTH_M: f64 = 5.5;
 const WEST: Place = (-60.0, 0.0);

@@ -1,10 +1,9 @@
 //! Bends of a road that nothing else meets, from the map's nodes to the tracked feature, on painted drives.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::painted::{Place, World, camera_of_width};
 use fingerpost::track::State;
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Pipeline, Sensors};
@@ -13,7 +12,6 @@ use fingerpost_map::{
     FeatureKind, FeatureOptions, LatLon, OsmData, OsmNode, OsmWay, RoadGraph, Route, TangentPlane, plan,
 };
 use nalgebra::{Isometry2, Point2};
-use painted::{Place, World, camera_of_width};
 
 const WIDTH_M: f64 = 6.0;
 /// Length of road before and behind the bend, metres.
@@ -64,7 +62,7 @@ struct Met {
 
 /// Drives along the middle of `driven` and looks for the bends of `route`, which begins where it does.
 fn drive(route: &Route, driven: &[Place]) -> Met {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.vehicle.traffic = Traffic::Centre;
     let camera = camera_of_width(400);
     let world = World::new(&[(driven, WIDTH_M)]);

@@ -1,14 +1,12 @@
 //! The driving line by known places: turning circle, side of the road, curvature's sign.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, route};
 use fingerpost::driving_line::{CornerSetting, DrivingLine, DrivingLineConfig};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::vehicle::{Traffic, VehicleConfig};
 use fingerpost_map::{FeatureKind, TangentPlane};
 use nalgebra::{Point2, Vector2};
-use painted::{Junction, Place, route};
 
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 

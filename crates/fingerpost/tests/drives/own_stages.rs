@@ -1,8 +1,7 @@
 //! Stages that a program gives the pipeline in place of the configuration's act there.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, World, camera_of_width, route};
 use fingerpost::lanes::{Lane, LaneDetector, LaneEdge, LaneError, LaneEvidence, LaneInput, LaneMethod, Side};
 use fingerpost::matching::{FeatureMatcher, LaidSurface, MatchConfig};
 use fingerpost::pipeline::Parts;
@@ -16,7 +15,6 @@ use fingerpost_vision::error::PictureError;
 use fingerpost_vision::picture::{Plane, ValidityMask};
 use fingerpost_vision::span::RowSums;
 use nalgebra::{Isometry2, Vector2};
-use painted::{Junction, Place, World, camera_of_width, route};
 
 const WIDTH_M: f64 = 5.5;
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
@@ -27,7 +25,7 @@ const FRAMES: usize = 30;
 const STEP_M: f64 = 0.6;
 
 fn settings() -> Config {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     config.ground_view.metres_per_pixel = 0.1;
     // The painted roads meet at sharp corners.
     config.track.alignment.kerb_radius_m = 0.0;

@@ -1,8 +1,7 @@
 //! Equations 1 and 2 of paper 1 on surfaces that can be summed by hand, and masks by known places.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, route};
 use fingerpost::feature_masks::{FeatureMaskConfig, MaskCache, node_pixel};
 use fingerpost::feature_model::FeatureModel;
 use fingerpost::matching::{LaidSurface, Match, MatchConfig, MatchedSurface, Matcher, Participation};
@@ -12,7 +11,6 @@ use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_map::{FeatureKind, TangentPlane};
 use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::{Isometry2, Point2, Vector2};
-use painted::{Junction, Place, route};
 
 const SOUTH: &[Place] = &[(0.0, 0.0), (0.0, -60.0)];
 const NORTH: &[Place] = &[(0.0, 0.0), (0.0, 60.0)];

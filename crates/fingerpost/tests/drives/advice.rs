@@ -1,8 +1,7 @@
 //! Advice on painted roads, followed by a kinematic bicycle: it gets round a corner by it, or stops and says why.
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
-mod painted;
-
+use crate::painted::{Junction, Place, World, camera_of_width, route};
 use fingerpost::advice::{ControllerName, LineKind, RoadEnd, Stop};
 use fingerpost::vehicle::Traffic;
 use fingerpost::vehicle_signals::{Sample, VehicleSamples};
@@ -11,7 +10,6 @@ use fingerpost_geometry::Camera;
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::RgbImage;
 use nalgebra::{Isometry2, Vector2};
-use painted::{Junction, Place, World, camera_of_width, route};
 
 const WIDTH_M: f64 = 5.5;
 const DT_S: f64 = 0.1;
@@ -22,7 +20,7 @@ const EAST: &[Place] = &[(0.0, 0.0), (60.0, 0.0)];
 const WEST: &[Place] = &[(0.0, 0.0), (-60.0, 0.0)];
 
 fn config(controller: ControllerName) -> Config {
-    let mut config = painted::config();
+    let mut config = crate::painted::config();
     // The painted roads meet at sharp corners.
     config.track.alignment.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;

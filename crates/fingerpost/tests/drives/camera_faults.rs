@@ -156,7 +156,7 @@ fn a_camera_that_fails_on_the_way_is_named_and_nothing_is_read_out_of_it() {
 
 #[test]
 fn a_camera_that_is_blind_from_the_start_finds_nothing() {
-    let route = read_route(include_str!("../../fingerpost-sim/assets/town_route.geojson")).unwrap();
+    let route = read_route(include_str!("../../../fingerpost-sim/assets/town_route.geojson")).unwrap();
     for fault in FAULTS {
         let (camera, simulator) = drive_on_lane(3);
         let mut pipeline = Pipeline::new(&Config::default(), &camera, Some(&route), Some(0.0)).unwrap();
