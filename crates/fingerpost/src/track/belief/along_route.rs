@@ -92,6 +92,11 @@ impl SeenAlong {
         Self { ahead_m, sigma_m: variance.sqrt(), log_likelihood: log_ratio }
     }
 
+    /// Probability of a feature there by the ground alone, for which it was as likely as none.
+    pub(super) fn probability(&self) -> f64 {
+        1.0 / (1.0 + libm::exp(-self.log_likelihood))
+    }
+
     /// Logarithm of how much likelier the ground is if what is seen there may also be none of the route's features.
     pub(super) fn log_clutter(&self) -> f64 {
         let log_share =

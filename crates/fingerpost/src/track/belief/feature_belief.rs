@@ -37,9 +37,6 @@ const LEAST_RADIUS_M: f64 = 0.3;
 const SCALE_SIGMA: f64 = 0.03;
 /// How often a feature of the map is not there, or not as the map says.
 const MAP_WRONG: f64 = 0.03;
-/// The ground makes a claim, not the map: before anything is seen of it a feature in view is as probable as none. By the map's own
-/// share a bend that is seen nowhere is claimed at the far end of the view, where nothing speaks for it or against it.
-const CLAIMED_BEFORE: f64 = 0.5;
 /// How often the ground about a place is paved all over, as yards and car parks are: a guess.
 const PAVED: f64 = 0.05;
 /// Step of the scan along the approach, metres, and how soft edges are for it, metres: what a step must not jump over.
@@ -91,6 +88,8 @@ struct Place {
     expected: Expected,
     /// Logarithm of how much likelier it makes the ground than a plain road does, with the probability of being there.
     log_share: f64,
+    /// Probability of a feature here by what the ground says alone.
+    by_ground: f64,
     weight: f64,
 }
 
@@ -200,7 +199,7 @@ impl FeatureBelief {
                 index >= known && self.places.iter().any(|place| is_same(&place.fit.unknowns, unknowns))
             };
             let Some(fit) = fitter.fit(ground, &stop.shape, &prior, start, is_known) else { continue };
-            let place = Place { fit, expected, log_share: f64::NEG_INFINITY, weight: 0.0 };
+            let place = Place { fit, expected, log_share: f64::NEG_INFINITY, by_ground: 0.0, weight: 0.0 };
             // Beyond the view nothing speaks against a place: there the feature is not seen, which is weighed as a whole.
             if at(&place.fit.unknowns).x > seen.view_m[1] - EDGE_ROOM_M {
                 continue;
@@ -312,6 +311,7 @@ impl FeatureBelief {
                 place.log_share = place.expected.log_weight + log_ratio - log_clutter;
                 (seen, log_clutter)
             };
+            place.by_ground = if self.carried.is_some() { 1.0 } else { seen.probability() };
             self.on_route.push(seen.on_map(log_clutter));
         }
         let mut looked_for: Option<([f64; 2], f64)> = None;
@@ -347,14 +347,15 @@ impl FeatureBelief {
         progress.probability_between(route_m - view_m[1] + EDGE_ROOM_M, route_m)
     }
 
-    /// Gives every place its probability against that of a plain road.
+    /// Gives every place its probability against that of a plain road, as far as the ground speaks for it: a bend that is seen nowhere is not
+    /// there because the far end of the view is the one place where nothing speaks against it.
     fn weigh(&mut self, in_view: f64) {
         let best = self.places.iter().map(|place| place.log_share).fold(0.0, f64::max);
-        let there = |place: &Place| (1.0 - CLAIMED_BEFORE) * libm::exp(place.log_share - best);
-        let nowhere = (1.0 - (1.0 - CLAIMED_BEFORE) * in_view) * libm::exp(-best);
+        let there = |place: &Place| (1.0 - MAP_WRONG) * libm::exp(place.log_share - best);
+        let nowhere = (1.0 - (1.0 - MAP_WRONG) * in_view) * libm::exp(-best);
         let total = nowhere + self.places.iter().map(there).sum::<f64>();
         for place in &mut self.places {
-            place.weight = there(place) / total.max(f64::MIN_POSITIVE);
+            place.weight = place.by_ground * there(place) / total.max(f64::MIN_POSITIVE);
         }
         self.places.retain(|place| place.weight > LEAST_WEIGHT);
         self.places.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight));
