@@ -131,6 +131,11 @@ impl Last {
         self.covariance.map_or(0.0, |covariance| change_m - covariance[(0, 0)].max(0.0).sqrt())
     }
 
+    /// Whether the frame said too little for the next one to begin from.
+    fn is_to_be_searched(&self) -> bool {
+        self.bearable <= 0.0
+    }
+
     /// Before the second frame: nothing is known, and any start but a fitting one is searched for.
     fn first() -> Self {
         Self { current_from_previous: Isometry2::identity(), covariance: None, bearable: 0.0 }

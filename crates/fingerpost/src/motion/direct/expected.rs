@@ -29,20 +29,20 @@ impl Expected {
         let covariance =
             last.covariance.map_or(diagonal(UNKNOWN_SIGMA), |last| last + diagonal(CHANGE_SIGMA));
         let turn = turn.predicted().with(far);
-        Self { current_from_previous: last.current_from_previous, covariance, turn }.turning(far)
+        let expected = Self { current_from_previous: last.current_from_previous, covariance, turn };
+        if last.is_to_be_searched() { expected.turning(far) } else { expected }
     }
 
-    /// With the heading's change as the far scene shows it, which needs no road: Kalman's update by one component.
+    /// With the heading's change as the far scene shows it, which needs no road: where that shows itself, it measures the turn better
+    /// than a camera does whose focal length is a little off.
     fn turning(mut self, far: &AttitudeObservation) -> Self {
         let Some(seen) = &far.heading_change else { return self };
         let previous_from_current = self.current_from_previous.inverse();
         let (moved, yaw_rad) =
             (previous_from_current.translation.vector, previous_from_current.rotation.angle());
         let of_yaw = self.covariance.column(2).into_owned();
-        let gain = of_yaw / (of_yaw.z + lasting_variance_rad2(seen));
-        let change = gain * (seen.angle_rad - yaw_rad);
+        let change = of_yaw * (seen.angle_rad - yaw_rad) / (of_yaw.z + lasting_variance_rad2(seen));
         self.current_from_previous = Isometry2::new(moved + change.xy(), yaw_rad + change.z).inverse();
-        self.covariance -= gain * of_yaw.transpose();
         self
     }
 
