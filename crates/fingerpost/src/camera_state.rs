@@ -54,8 +54,8 @@ pub struct CameraEvidence {
 const MAX_COLUMNS: usize = 320;
 /// Side of a block, samples.
 const BLOCK: usize = 8;
-/// Least contrast, grey levels, as many times that of black with noise after H.264 at a rate factor of 28, 0.9, as that of the
-/// darkest simulated evening, 1.8, is of it; the darkest of the still and moving pictures of eight recorded sets has 7.6.
+/// Least contrast, grey levels: between black with noise after H.264 at a rate factor of 28, which has 0.9, and the darkest simulated
+/// evening, 1.8 (their geometric mean). Simulated night has 4.1, the darkest of the pictures of eight recorded sets 7.6.
 const LEAST_CONTRAST: f64 = 1.3;
 /// How many times the contrast that noise alone gives is needed: simulated night has 4.2 times as much, recorded pictures
 /// 12 and more, white noise of any strength 1.0.

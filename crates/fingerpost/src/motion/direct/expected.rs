@@ -66,3 +66,32 @@ impl Expected {
 fn diagonal(sigma: [f64; 3]) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::from(sigma.map(|sigma| sigma * sigma)))
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::attitude::ObservedAngle;
+
+    /// The turn to the left that is expected after one of 0.1 rad where the far scene shows another, radians.
+    fn expected_rad(seen_rad: f64, bearable: f64) -> f64 {
+        let last = Last {
+            current_from_previous: Isometry2::new(Vector2::new(0.7, 0.0), 0.1).inverse(),
+            covariance: Some(diagonal([0.1, 0.05, 0.02])),
+            bearable,
+        };
+        let heading_change = Some(ObservedAngle { angle_rad: seen_rad, variance_rad2: 1e-6 });
+        let far = AttitudeObservation { heading_change, ..AttitudeObservation::default() };
+        let expected = Expected::after(&last, TurnFilter::default(), &far);
+        expected.current_from_previous.inverse().rotation.angle()
+    }
+
+    #[test]
+    fn the_far_scene_says_how_a_vehicle_turns_whose_road_is_lost() {
+        for seen_rad in [-0.05, 0.0, 0.08] {
+            assert!((expected_rad(seen_rad, 0.0) - seen_rad).abs() < 0.005, "{seen_rad}");
+            assert!((expected_rad(seen_rad, 5.0) - 0.1).abs() < 1e-9, "the road is not lost");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::feature_belief::Seen;
 use super::fit::Fit;
-use super::likelihood::pose_of;
+use super::likelihood::{log_sum, pose_of};
 use crate::feature_model::FeatureModel;
 use crate::progress::FeaturePlace;
 
@@ -101,7 +101,7 @@ impl SeenAlong {
     pub(super) fn log_clutter(&self) -> f64 {
         let log_share =
             libm::log(CLUTTER_PER_M) + self.log_likelihood + LN_SQRT_TAU + libm::log(self.sigma_m);
-        log_share.max(0.0) + libm::log1p(libm::exp(-log_share.abs()))
+        log_sum(0.0, log_share)
     }
 
     /// As the progress takes it, whose map has errors of its own.

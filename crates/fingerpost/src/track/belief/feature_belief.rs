@@ -4,8 +4,8 @@
 //!
 //! p(place, unknowns | ground) ~ p(place | progress) p(unknowns) p(ground | place, unknowns),
 //!
-//! against p(nothing there) p(ground | plain road, or ground that is paved all over), where p(place | progress) is what the route's other features leave open, and
-//! some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds
+//! against p(nothing there) p(ground | plain road, or ground that is paved all over), where p(place | progress) is what the route's
+//! other features leave open, and some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds
 //! are fitted together with what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
 use fingerpost_geometry::wrap_angle;
@@ -16,7 +16,7 @@ use super::fit::{Fit, Fitter, Prior, Start};
 use super::junction_shape::{
     CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
 };
-use super::likelihood::{Ground, pose_of};
+use super::likelihood::{Ground, log_sum, pose_of};
 use crate::progress::{FeatureOutcome, FeaturePlace, Progress};
 use crate::track::{PossiblePlace, RouteStop, TrackConfig};
 
@@ -347,8 +347,8 @@ impl FeatureBelief {
         progress.probability_between(route_m - view_m[1] + EDGE_ROOM_M, route_m)
     }
 
-    /// Gives every place its probability against that of a plain road, as far as the ground speaks for it: a bend that is seen nowhere is not
-    /// there because the far end of the view is the one place where nothing speaks against it.
+    /// Gives every place its probability against that of a plain road, as far as the ground speaks for it: a bend that is seen
+    /// nowhere is not there because the far end of the view is the one place where nothing speaks against it.
     fn weigh(&mut self, in_view: f64) {
         let best = self.places.iter().map(|place| place.log_share).fold(0.0, f64::max);
         let there = |place: &Place| (1.0 - MAP_WRONG) * libm::exp(place.log_share - best);
@@ -414,11 +414,6 @@ impl Place {
     fn log_evidence(&self) -> f64 {
         self.fit.log_evidence + self.expected.log_weight
     }
-}
-
-/// Logarithm of the sum of two numbers that are given by theirs.
-fn log_sum(a: f64, b: f64) -> f64 {
-    a.max(b) + libm::log1p(libm::exp(-(a - b).abs()))
 }
 
 /// Keeps those that are higher than their neighbours, the highest first.

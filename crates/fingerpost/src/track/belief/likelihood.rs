@@ -36,6 +36,11 @@ pub(super) fn pose_of(unknowns: &Unknowns) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(unknowns[FORWARD], unknowns[LEFT]), unknowns[HEADING])
 }
 
+/// Logarithm of the sum of two numbers that are given by theirs.
+pub(super) fn log_sum(a: f64, b: f64) -> f64 {
+    a.max(b) + libm::log1p(libm::exp(-(a - b).abs()))
+}
+
 /// A piece of ground with all that does not depend on the unknowns.
 #[derive(Debug, Clone, Copy)]
 struct Witness {
