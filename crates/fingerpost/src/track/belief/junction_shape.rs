@@ -3,7 +3,7 @@
 //!
 //! Every arm is a strip about its course; between two neighbouring arms that meet at less than a straight angle the edges are
 //! joined by an arc that touches both. A square corner is an arc of no radius, a wide mouth one of a large radius: there is no
-//! rule for either. The distance is that to the nearest edge, negative on the road, with its derivatives by everything that
+//! rule for either. A bend, which has two arms alone, has such an arc on its outer side too. The distance is that to the nearest edge, negative on the road, with its derivatives by everything that
 //! is not known.
 
 use std::f64::consts::TAU;
@@ -79,6 +79,8 @@ pub(in crate::track) struct Outline<'a> {
     half_m: [f64; MOST_ARMS],
     offset_m: [f64; MOST_ARMS],
     radius_m: [f64; MOST_ARMS],
+    /// The least half width of all: no arm reaches farther behind the node, where the others' road is.
+    end_m: f64,
 }
 
 /// Where a place lies beside an arm.
@@ -92,6 +94,38 @@ struct Beside {
 
 /// Beside an arm that is not there.
 const NOWHERE: Beside = Beside { left_m: f64::INFINITY, left: Vector2::new(0.0, 1.0), along_m: 0.0 };
+
+/// Signed distance of a place from two edges that are joined by an arc, and how it changes.
+#[derive(Debug, Clone, Copy)]
+struct Arc {
+    distance_m: f64,
+    /// By how far the place lies beyond each edge.
+    by_beyond: [f64; 2],
+    by_radius: f64,
+}
+
+impl Arc {
+    /// Of a place so far beyond each of two edges with this product of their normals, between which the ground is road where the place
+    /// is on the road's side of either; none where it lies beside an edge and not beside the arc.
+    fn between([u_m, v_m]: [f64; 2], radius_m: f64, product: f64) -> Option<Self> {
+        let (du, dv, rest) = (u_m - radius_m, v_m - radius_m, 1.0 - product * product);
+        let (a, b) = ((du - product * dv) / rest, (dv - product * du) / rest);
+        (a <= 0.0 && b <= 0.0).then(|| {
+            let from_centre_m = (du * a + dv * b).max(1e-18).sqrt();
+            Self {
+                distance_m: radius_m - from_centre_m,
+                by_beyond: [-a / from_centre_m, -b / from_centre_m],
+                by_radius: 1.0 + (a + b) / from_centre_m,
+            }
+        })
+    }
+
+    /// Of a place beside the first edge, or the second.
+    const fn of_edge([u_m, v_m]: [f64; 2], is_first: bool) -> Self {
+        let (distance_m, by_beyond) = if is_first { (u_m, [1.0, 0.0]) } else { (v_m, [0.0, 1.0]) };
+        Self { distance_m, by_beyond, by_radius: 0.0 }
+    }
+}
 
 /// Signed distance of a place from the road's edge, negative on the road, and how it changes.
 #[derive(Debug, Clone, Copy)]
@@ -165,11 +199,13 @@ impl JunctionShape {
             half_m: [0.0; MOST_ARMS],
             offset_m: [0.0; MOST_ARMS],
             radius_m: [0.0; MOST_ARMS],
+            end_m: f64::INFINITY,
         };
         for (i, arm) in self.arms.iter().enumerate() {
             outline.half_m[i] = arm.half_width_m * libm::exp(unknowns[WIDTHS + i]);
             outline.offset_m[i] = unknowns[OFFSETS + i];
             outline.radius_m[i] = libm::exp(unknowns[CORNERS + i]);
+            outline.end_m = outline.end_m.min(outline.half_m[i]);
         }
         outline
     }
@@ -187,7 +223,7 @@ impl Outline<'_> {
             let distance_m = if beside.along_m >= 0.0 {
                 beside.left_m.abs() - self.half_m[i]
             } else {
-                (beside.left_m * beside.left_m + beside.along_m * beside.along_m).sqrt() - self.half_m[i]
+                self.end(i, &beside).0
             };
             if distance_m < nearest_m {
                 (nearest, nearest_m) = (i, distance_m);
@@ -204,26 +240,25 @@ impl Outline<'_> {
         if beside.along_m > self.arms[nearest].reach_m {
             return None;
         }
+        if let Some(i) = self.bend() {
+            return Some(self.distance_from_bend((i, 1 - i), &besides, stretch));
+        }
         let is_left = off_m >= 0.0;
         // The corner on the side of the nearest arm on which the place lies.
         let (i, j) =
             if is_left { (nearest, (nearest + 1) % count) } else { ((nearest + count - 1) % count, nearest) };
-        if i != j
-            && let Some(product) = self.arms[i].corner
-        {
-            let (left_arm, right_arm, radius_m) = (besides[i], besides[j], self.radius_m[i]);
-            let (u, v) = (left_arm.left_m - self.half_m[i], -right_arm.left_m - self.half_m[j]);
-            let (du, dv, rest) = (u - radius_m, v - radius_m, 1.0 - product * product);
-            let (a, b) = ((du - product * dv) / rest, (dv - product * du) / rest);
-            if a <= 0.0 && b <= 0.0 {
-                let from_centre_m = (du * a + dv * b).max(1e-18).sqrt();
-                let (by_u, by_v) = (-a / from_centre_m, -b / from_centre_m);
+        let (left_arm, right_arm) = (&besides[i], &besides[j]);
+        let is_between = i != j && left_arm.left_m >= 0.0 && right_arm.left_m <= 0.0;
+        if let Some(product) = self.arms[i].corner.filter(|_| is_between) {
+            let beyond_m = [left_arm.left_m - self.half_m[i], -right_arm.left_m - self.half_m[j]];
+            if let Some(arc) = Arc::between(beyond_m, self.radius_m[i], product) {
+                let [by_u, by_v] = arc.by_beyond;
                 return Some(EdgeDistance {
-                    distance_m: radius_m - from_centre_m,
+                    distance_m: arc.distance_m,
                     stretch,
                     by_place: by_u * left_arm.left - by_v * right_arm.left,
                     edges: [(i, by_u), (j, by_v)],
-                    corner: Some((i, (1.0 + (a + b) / from_centre_m) * radius_m)),
+                    corner: Some((i, arc.by_radius * self.radius_m[i])),
                 });
             }
         }
@@ -233,10 +268,68 @@ impl Outline<'_> {
         let by_place = if beside.along_m >= 0.0 {
             if is_left { beside.left } else { -beside.left }
         } else {
-            let outwards = p_in_feature.coords;
-            outwards / outwards.norm().max(1e-6)
+            self.end(nearest, &beside).1
         };
         Some(EdgeDistance { distance_m: nearest_m, stretch, by_place, edges, corner: None })
+    }
+
+    /// The arm after which the corner of a bend comes; none of other features.
+    fn bend(&self) -> Option<usize> {
+        self.arms.iter().position(|arm| arm.corner.is_some()).filter(|_| self.arms.len() == 2)
+    }
+
+    /// Signed distance from the edges of a bend, whose inner edges `i` has on its left and `j` on its right. Either pair of edges ends
+    /// in an arc, the outer one with the radius that is otherwise that of the corner after `j`.
+    fn distance_from_bend(
+        &self,
+        (i, j): (usize, usize),
+        besides: &[Beside; MOST_ARMS],
+        stretch: usize,
+    ) -> EdgeDistance {
+        let product = self.arms[i].corner.unwrap_or_default();
+        let [one, other] = [i, j].map(|arm| (besides[arm].left_m, besides[arm].left, self.half_m[arm]));
+        let inner_m = [one.0 - one.2, -other.0 - other.2];
+        let inner = Arc::between(inner_m, self.radius_m[i], product)
+            .unwrap_or_else(|| Arc::of_edge(inner_m, inner_m[0] <= inner_m[1]));
+        // Seen from the ground beside it the outer arc is one that turns the other way.
+        let outer_m = [other.0 - other.2, -one.0 - one.2];
+        let beside_m = outer_m.map(|m| -m);
+        let outer = Arc::between(beside_m, self.radius_m[j], product)
+            .unwrap_or_else(|| Arc::of_edge(beside_m, beside_m[0] <= beside_m[1]));
+        if inner.distance_m >= -outer.distance_m {
+            let [by_left, by_right] = inner.by_beyond;
+            EdgeDistance {
+                distance_m: inner.distance_m,
+                stretch,
+                by_place: by_left * one.1 - by_right * other.1,
+                edges: [(i, by_left), (j, by_right)],
+                corner: Some((i, inner.by_radius * self.radius_m[i])),
+            }
+        } else {
+            let [by_left, by_right] = outer.by_beyond;
+            EdgeDistance {
+                distance_m: -outer.distance_m,
+                stretch,
+                by_place: by_left * other.1 - by_right * one.1,
+                edges: [(j, by_left), (i, by_right)],
+                corner: Some((j, -outer.by_radius * self.radius_m[j])),
+            }
+        }
+    }
+
+    /// Signed distance of a place behind the node from the end of an arm, and how it changes with the place. The end is half of an
+    /// ellipse as wide as the arm and as deep as the narrowest arm's half width, so that a wide arm does not reach across a narrow
+    /// road; the distance is that of first order (Taubin: Estimation of planar curves, surfaces and nonplanar space curves defined
+    /// by implicit equations, 1991).
+    fn end(&self, arm: usize, beside: &Beside) -> (f64, Vector2<f64>) {
+        let half_m = self.half_m[arm];
+        let stretched = half_m / self.end_m;
+        let (left_m, along_m) = (beside.left_m, stretched * beside.along_m);
+        let from_node_m = libm::hypot(left_m, along_m).max(1e-9);
+        let along = Vector2::new(beside.left.y, -beside.left.x);
+        let slope = (left_m * beside.left + stretched * along_m * along) / from_node_m;
+        let steepness = slope.norm().max(1e-9);
+        ((from_node_m - half_m) / steepness, slope / steepness)
     }
 
     /// Gives the outline, piece by piece from the ends of the arms as far as they go, feature frame, metres.
@@ -355,6 +448,8 @@ pub(super) mod tests {
 
     use super::*;
 
+    type Place = (f64, f64);
+
     /// A T-junction that is left to the right: approach from behind, exit to the right, the other arm to the left.
     pub(in crate::track::belief) fn t_junction() -> JunctionShape {
         let arm = |role, label: &str, x: f64, y: f64| ArmModel {
@@ -411,10 +506,66 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_distance() {
+    fn a_wide_arm_does_not_reach_across_a_narrow_road() {
         let shape = t_junction();
+        let mut wide = unknowns(4.0);
+        wide[WIDTHS + 1] = std::f64::consts::LN_2;
+        let distance_m =
+            |x: f64, y: f64| shape.outline(&wide).distance(Point2::new(x, y)).unwrap().distance_m;
+        for (x, y, is) in
+            [(-15.0, 5.0, -1.0), (3.5, 0.0, 0.5), (2.5, 0.0, -0.5), (3.5, 4.0, 0.5), (5.0, 0.0, 2.0)]
+        {
+            assert!((distance_m(x, y) - is).abs() < 1e-8, "({x}, {y}): {} for {is}", distance_m(x, y));
+        }
+    }
+
+    /// A bend to the right by a right angle: approach from behind, exit to the right.
+    fn bend() -> JunctionShape {
+        let mut bend = t_junction();
+        bend.arms.retain(|arm| arm.pieces[0].along.y < 0.5);
+        bend.arms.iter_mut().for_each(|arm| arm.corner = None);
+        // Anticlockwise the exit comes after the approach.
+        bend.arms[0].corner = Some(0.0);
+        bend
+    }
+
+    #[test]
+    fn a_bend_has_an_arc_on_either_side() {
+        let shape = bend();
+        let mut at = unknowns(4.0);
+        at[CORNERS + 1] = libm::log(10.0);
+        let distance_m = |x: f64, y: f64| shape.outline(&at).distance(Point2::new(x, y)).unwrap().distance_m;
+        // Both arcs are about a place 7 m behind the node and 7 m to the right of it.
+        let along = std::f64::consts::FRAC_1_SQRT_2;
+        let about = |radius_m: f64| [-7.0 + along * radius_m, -7.0 + along * radius_m];
+        for (radius_m, is) in [(3.0, 1.0), (4.0, 0.0), (6.0, -2.0), (8.0, -2.0), (10.0, 0.0), (12.0, 2.0)] {
+            let [x, y] = about(radius_m);
+            assert!((distance_m(x, y) - is).abs() < 1e-8, "{radius_m}: {} for {is}", distance_m(x, y));
+        }
+        for (x, y, is) in [(-15.0, 2.0, -1.0), (-15.0, -4.0, 1.0), (-1.0, -20.0, -2.0), (3.5, -20.0, 0.5)] {
+            assert!((distance_m(x, y) - is).abs() < 1e-8, "({x}, {y}): {} for {is}", distance_m(x, y));
+        }
+        // A square outer corner.
+        at[CORNERS + 1] = libm::log(0.3);
+        let square_m = shape.outline(&at).distance(Point2::new(2.5, 2.5)).unwrap().distance_m;
+        assert!(square_m < -0.2, "{square_m}");
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_distance() {
+        check_derivatives(
+            &t_junction(),
+            &[(-15.0, 2.5), (-12.0, -3.2), (-4.5, 4.0), (-4.0, -5.5), (2.5, 8.0), (3.1, -9.0)],
+        );
+        check_derivatives(
+            &bend(),
+            &[(-15.0, 2.5), (-12.0, -3.2), (-4.5, -4.0), (-5.0, -3.9), (1.0, 0.5), (0.5, 1.5), (3.1, -14.0)],
+        );
+    }
+
+    fn check_derivatives(shape: &JunctionShape, places: &[Place]) {
         let step = 1e-6;
-        for (x, y) in [(-15.0, 2.5), (-12.0, -3.2), (-4.5, 4.0), (-4.0, -5.5), (2.5, 8.0), (3.1, -9.0)] {
+        for &(x, y) in places {
             let mut at = unknowns(5.0);
             (at[WIDTHS], at[OFFSETS + 1], at[CORNERS + 2]) = (0.1, 0.2, 1.2);
             let place = Point2::new(x, y);
