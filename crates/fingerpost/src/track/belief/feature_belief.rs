@@ -175,10 +175,12 @@ impl FeatureBelief {
         let Seen { stop, ground, .. } = seen;
         expected.clear();
         expected.extend(Expected::by_progress(seen));
-        let first_m = expected.first().map_or(0.5 * (seen.view_m[0] + seen.view_m[1]), |first| first.ahead_m);
-        let here = self.prior(seen, &expected_at(seen, expected, first_m), first_m);
-        let start = self.plain.unwrap_or(Start::new(here.mean));
-        let Some(plain) = fitter.fit(ground, &stop.plain_shape, &here, &start, |_| false) else { return 0 };
+        // Where the feature is beyond the view, the road that is seen is still a plain one, and the map may end it before the feature.
+        let [nearest_m, farthest_m] = seen.view_m;
+        let first_m = expected.first().map_or(0.5 * (nearest_m + farthest_m), |first| first.ahead_m);
+        let Some(plain) = self.fit_plain(fitter, seen, expected, first_m.clamp(nearest_m, farthest_m)) else {
+            return 0;
+        };
         self.plain = Some(plain.start());
         starts.clear();
         starts.extend(self.places.iter().map(|place| place.fit.start()));
@@ -212,12 +214,34 @@ impl FeatureBelief {
         }
         self.places.sort_unstable_by(|a, b| b.log_evidence().total_cmp(&a.log_evidence()));
         self.places.truncate(MOST_PLACES);
-        self.place_on_route(
-            seen,
-            log_sum(plain.log_evidence, libm::log(PAVED) + ground.log_likelihood_paved()),
-        );
+        let at_best = self.places.first().map(|best| stop.model.before_m(&pose_of(&best.fit.unknowns)));
+        let plain_at_best = at_best.and_then(|best_m| self.fit_plain(fitter, seen, expected, best_m));
+        let plain = plain_at_best.map_or(plain.log_evidence, |other| plain.log_evidence.max(other.log_evidence));
+        self.place_on_route(seen, log_sum(plain, libm::log(PAVED) + ground.log_likelihood_paved()));
         self.weigh(self.in_view(seen));
         tried
+    }
+
+    /// The road without the feature, whose node would be `before_m` ahead along the approach.
+    fn fit_plain(
+        &self,
+        fitter: &mut Fitter,
+        seen: Seen<'_>,
+        expected: &[Expected],
+        before_m: f64,
+    ) -> Option<Fit> {
+        let Seen { stop, ground, .. } = seen;
+        let prior = self.prior(seen, &expected_at(seen, expected, before_m), before_m);
+        let start = self.plain.map_or(Start::new(prior.mean), |mut start| {
+            let pose = pose_of(&start.unknowns);
+            let (left_m, heading_rad) =
+                (stop.model.left_of_approach_m(&pose), stop.model.heading_off_approach_rad(&pose));
+            let pose = stop.model.vehicle_from_feature(before_m, left_m, heading_rad);
+            (start.unknowns[FORWARD], start.unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
+            start.unknowns[HEADING] = pose.rotation.angle();
+            start
+        });
+        fitter.fit(ground, &stop.plain_shape, &prior, &start, |_| false)
     }
 
     /// What is known before of a feature whose node is `before_m` ahead along the approach.
