@@ -75,7 +75,7 @@ pub enum TrackMethod {
     Belief,
 }
 
-/// Settings of [`BeliefTracker`], which also takes `track.alignment.kerb_radius_m` and `track.alignment.width_sigma_share`.
+/// Settings of [`BeliefTracker`], which also takes `track.alignment.kerb_radius_m`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BeliefConfig {
@@ -85,9 +85,12 @@ pub struct BeliefConfig {
     /// Probability below which a tracked feature is lost; at most `detect_present`.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub lost_present: f64,
-    /// Standard deviation of its place up to which a feature is tracked, metres: what a vehicle can still steer by.
+    /// Standard deviation of its place up to which a feature is tracked, metres: the record says how well it is known.
     #[schemars(range(min = 0.1, max = 10.0))]
     pub detect_sigma_m: f64,
+    /// Standard deviation of an arm's width against the map's, share of it.
+    #[schemars(range(min = 0.01, max = 1.0))]
+    pub width_sigma_share: f64,
 }
 
 impl TrackConfig {
@@ -116,7 +119,7 @@ impl TrackConfig {
 
 impl Default for BeliefConfig {
     fn default() -> Self {
-        Self { detect_present: 0.8, lost_present: 0.5, detect_sigma_m: 1.2 }
+        Self { detect_present: 0.8, lost_present: 0.5, detect_sigma_m: 2.5, width_sigma_share: 0.35 }
     }
 }
 

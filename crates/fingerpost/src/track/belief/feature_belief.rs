@@ -216,7 +216,8 @@ impl FeatureBelief {
         self.places.truncate(MOST_PLACES);
         let at_best = self.places.first().map(|best| stop.model.before_m(&pose_of(&best.fit.unknowns)));
         let plain_at_best = at_best.and_then(|best_m| self.fit_plain(fitter, seen, expected, best_m));
-        let plain = plain_at_best.map_or(plain.log_evidence, |other| plain.log_evidence.max(other.log_evidence));
+        let plain =
+            plain_at_best.map_or(plain.log_evidence, |other| plain.log_evidence.max(other.log_evidence));
         self.place_on_route(seen, log_sum(plain, libm::log(PAVED) + ground.log_likelihood_paved()));
         self.weigh(self.in_view(seen));
         tried
@@ -265,7 +266,7 @@ impl FeatureBelief {
             (pose.translation.x, pose.translation.y, pose.rotation.angle());
         [sigma[FORWARD], sigma[LEFT], sigma[HEADING]] = sigmas;
         for arm in 0..MOST_ARMS {
-            sigma[WIDTHS + arm] = config.alignment.width_sigma_share;
+            sigma[WIDTHS + arm] = config.belief.width_sigma_share;
             sigma[OFFSETS + arm] = OFFSET_SIGMA_M;
             mean[CORNERS + arm] = libm::log(config.alignment.kerb_radius_m.max(LEAST_RADIUS_M));
             sigma[CORNERS + arm] = CORNER_LOG_SIGMA;

@@ -10,6 +10,8 @@ use crate::track::{CandidatePlace, Decision, Missing, PoseFilter, TrackConfig, T
 const CANDIDATE_PATIENCE: usize = 10;
 /// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
 const STEERED_RAD: f64 = 0.052;
+/// Standard deviation of a curve's place up to which it is followed, metres: what a vehicle can still steer by.
+const CURVE_SIGMA_M: f64 = 1.2;
 /// Sums of weights that differ by less are equal.
 const WEIGHT_ROUNDING: f64 = 1e-9;
 
@@ -25,9 +27,7 @@ impl Tracker {
         let surprise = self.surprise(&found.filter).unwrap_or(0.0);
         let (config, index) = (&self.config, self.next);
         let is_curve = self.stops.get(index).is_some_and(|stop| stop.model.is_curve());
-        // What a vehicle can still steer by, as the belief has it.
-        let most_m =
-            if is_curve { config.belief.detect_sigma_m.max(self.known_sigma_m) } else { self.known_sigma_m };
+        let most_m = if is_curve { CURVE_SIGMA_M.max(self.known_sigma_m) } else { self.known_sigma_m };
         let Found { filter, frames, weight, .. } = found;
         let (frames, weight) = (frames + 1, weight + frame_weight(config, aligned_p, contrast, surprise));
         if contrast.is_none() {
