@@ -12,7 +12,7 @@
 //! probability goes elsewhere. A feature that was arrived at is measured on until it lies behind, while the next is searched for.
 //! Where the vehicle is along the route is part of it (`route_belief.rs`).
 //!
-//! Limits: on recorded streets, where shadows and parked cars make whole stretches of road look like none, it finds less than the rules.
+//! Limits: without a start it finds little, as every feature may be the next.
 
 mod along_route;
 mod feature_belief;

@@ -7,8 +7,11 @@ use crate::feature_model::FeatureModel;
 use crate::progress::FeaturePlace;
 
 /// How many places along a metre of road look like a feature and are none of the route's, as clutter is counted where targets
-/// are tracked (Bar-Shalom, Daum, Huang: The probabilistic data association filter, 2009): one in 200 m.
-const CLUTTER_PER_M: f64 = 0.005;
+/// are tracked (Bar-Shalom, Daum, Huang: The probabilistic data association filter, 2009), and the log-likelihood over which they become
+/// fewer by a factor of e: on 2,851 m of drawn worlds, away from every node, 14 had more than 10 and 10 more than 20. Drawn worlds have
+/// about twice as many of them as other roads: a guess.
+const CLUTTER_PER_M: f64 = 0.003;
+const CLUTTER_LOG_LIKELIHOOD: f64 = 30.0;
 /// Standard deviation within which a place is looked for where nothing says where the vehicle is, metres: the view.
 const ANYWHERE_SIGMA_M: f64 = 15.0;
 /// Least standard deviation of the progress, metres.
@@ -99,8 +102,8 @@ impl SeenAlong {
 
     /// Logarithm of how much likelier the ground is if what is seen there may also be none of the route's features.
     pub(super) fn log_clutter(&self) -> f64 {
-        let log_share =
-            libm::log(CLUTTER_PER_M) + self.log_likelihood + LN_SQRT_TAU + libm::log(self.sigma_m);
+        let alike_per_m = CLUTTER_PER_M * libm::exp(-self.log_likelihood.max(0.0) / CLUTTER_LOG_LIKELIHOOD);
+        let log_share = libm::log(alike_per_m * self.sigma_m) + self.log_likelihood + LN_SQRT_TAU;
         log_sum(0.0, log_share)
     }
 
