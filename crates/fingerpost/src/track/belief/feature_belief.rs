@@ -178,9 +178,8 @@ impl FeatureBelief {
         // Where the feature is beyond the view, the road that is seen is still a plain one, and the map may end it before the feature.
         let [nearest_m, farthest_m] = seen.view_m;
         let first_m = expected.first().map_or(0.5 * (nearest_m + farthest_m), |first| first.ahead_m);
-        let Some(plain) = self.fit_plain(fitter, seen, expected, first_m.clamp(nearest_m, farthest_m)) else {
-            return 0;
-        };
+        let in_view_m = first_m.max(nearest_m).min(farthest_m);
+        let Some(plain) = self.fit_plain(fitter, seen, expected, in_view_m) else { return 0 };
         self.plain = Some(plain.start());
         starts.clear();
         starts.extend(self.places.iter().map(|place| place.fit.start()));
