@@ -50,6 +50,8 @@ pub struct Progress {
     elsewhere: Elsewhere,
     travelled: Travelled,
     receiver: Receiver,
+    /// Logarithm of how probable it made what was observed.
+    log_evidence: f64,
 }
 
 /// One of the places at which the vehicle may be.
@@ -76,7 +78,25 @@ impl Progress {
         } else {
             elsewhere.add_evenly(1.0);
         }
-        Self { noise, components, elsewhere, travelled: Travelled::new(), receiver: Receiver::new() }
+        Self::of(noise, components, elsewhere)
+    }
+
+    /// Progress at the first frame of a route of `route_length_m` metres: anywhere between two places along it.
+    pub fn between(config: &RouteProgressConfig, [from_m, to_m]: [f64; 2], route_length_m: f64) -> Self {
+        let route_length_m = if route_length_m.is_finite() { route_length_m.max(1.0) } else { 1.0 };
+        let mut elsewhere = Elsewhere::new(route_length_m);
+        elsewhere.add_between(1.0, from_m, to_m.max(from_m + 1.0));
+        Self::of(Noise::new(config), Mixture::new(), elsewhere)
+    }
+
+    fn of(noise: Noise, components: Mixture<CAPACITY>, elsewhere: Elsewhere) -> Self {
+        let (travelled, receiver) = (Travelled::new(), Receiver::new());
+        Self { noise, components, elsewhere, travelled, receiver, log_evidence: 0.0 }
+    }
+
+    /// Logarithm of how probable what was observed of the route was by this belief, against a road without its features.
+    pub fn log_evidence(&self) -> f64 {
+        self.log_evidence
     }
 
     /// The vehicle moved on for `dt_s` seconds. A step without time is ignored; a distance or speed that no road vehicle has
@@ -185,6 +205,7 @@ impl Progress {
                 component.weight /= total;
             }
             self.elsewhere.scale(1.0 / total);
+            self.log_evidence += libm::log(total);
         } else {
             self.components = Mixture::new();
             self.elsewhere.scale(0.0);

@@ -37,6 +37,14 @@ impl Elsewhere {
         self.masses.iter().sum()
     }
 
+    /// Adds `mass`, spread evenly between two places along the route, metres.
+    pub(super) fn add_between(&mut self, mass: f64, from_m: f64, to_m: f64) {
+        let cell_m = self.cell_m;
+        for (start_m, cell) in cells(self.origin_m, cell_m, &mut self.masses) {
+            *cell += mass * overlap(start_m, start_m + cell_m, from_m, to_m) / (to_m - from_m);
+        }
+    }
+
     /// Adds `mass`, spread evenly over the route.
     pub(super) fn add_evenly(&mut self, mass: f64) {
         let (cell_m, route_length_m) = (self.cell_m, self.route_length_m);

@@ -26,6 +26,8 @@ pub struct FeatureOutcome<'a> {
     pub looked_for_m: Option<[f64; 2]>,
     /// Probability that the map is wrong and the feature does not exist, 0 to 1.
     pub map_wrong_share: f64,
+    /// Logarithm of a factor of the likelihoods that says nothing of whether the belief is right; [`Progress::log_evidence`] leaves it out.
+    pub log_excess: f64,
 }
 
 /// Share of a component that the looked-for stretch has to take for the component to be cut there.
@@ -75,6 +77,7 @@ impl Progress {
             after.elsewhere.thin(from_m, to_m, absent);
         }
         after.settle(weighed);
+        after.log_evidence -= outcome.log_excess;
         after
     }
 }

@@ -33,8 +33,12 @@ fn drive(progress: &mut Progress, metres: f64) {
 /// Conditions on a feature that is seen `ahead_m` before the vehicle, or not at all, where the ground is seen up to 40 m ahead.
 fn look(progress: &Progress, feature_m: f64, ahead_m: Option<f64>) -> Progress {
     let place = ahead_m.map(|ahead_m| FeaturePlace { likelihood: PLAIN, ahead_m, sigma_m: 0.7 });
-    let outcome =
-        FeatureOutcome { places: place.as_slice(), looked_for_m: Some([-20.0, 40.0]), map_wrong_share: 0.02 };
+    let outcome = FeatureOutcome {
+        places: place.as_slice(),
+        looked_for_m: Some([-20.0, 40.0]),
+        map_wrong_share: 0.02,
+        log_excess: 0.0,
+    };
     progress.conditioned(feature_m, &outcome)
 }
 

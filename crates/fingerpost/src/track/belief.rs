@@ -10,38 +10,39 @@
 //! same of a plain road without the feature. Searching while neither is sure, tracking once the feature is there and its place
 //! is known well enough to steer by, arrived when the start of their curve reaches the bottom of the view, lost when the
 //! probability goes elsewhere. A feature that was arrived at is measured on until it lies behind, while the next is searched for.
-//! Where the vehicle is along the route is part of it (`route_belief.rs`).
-//!
-//! Limits: without a start it finds little, as every feature may be the next.
+//! Where the vehicle is along the route is part of it (`route_belief.rs`). Without a start every feature may be the first one to come:
+//! each of these hypotheses has a progress of its own and all of them share the ground (`hypothesis.rs`). Nothing is given out while
+//! none of them is sure.
 
 mod along_route;
 mod feature_belief;
 mod fit;
 mod ground_memory;
+mod hypothesis;
 pub(super) mod junction_shape;
 mod likelihood;
 mod route_belief;
 
-use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
+use fingerpost_geometry::{GeometryError, Polyline};
 use fingerpost_map::Route;
 use fingerpost_vision::span::SpanError;
-use nalgebra::{Isometry2, Point2};
+use nalgebra::Point2;
 
 use self::feature_belief::{Moments, Workspace};
 use self::ground_memory::{GroundMemory, Looks};
+use self::hypothesis::{Hypothesis, Reading};
 use self::likelihood::Ground;
-use self::route_belief::{FeatureInView, PASSED_M, RouteBelief, Stage, View};
+use self::route_belief::{FeatureInView, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
     CandidatePlace, Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State,
     TrackConfig, TrackEvidence, TrackOutput,
 };
-use crate::feature_masks::MaskCurve;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::CameraAttitude;
-use crate::progress::Travel;
+use crate::progress::{Progress, Travel};
 
 /// Follows the features of a route, one after the other.
 #[derive(Debug)]
@@ -49,9 +50,10 @@ pub struct BeliefTracker {
     config: TrackConfig,
     stops: Vec<RouteStop>,
     route_in_map: Option<Polyline>,
-    route: RouteBelief,
-    /// While no feature is followed.
-    state: State,
+    /// Where the drive began, the likeliest first; one where that is known.
+    hypotheses: Vec<Hypothesis>,
+    /// The first feature by the hypothesis that is followed.
+    believed: Option<usize>,
     memory: GroundMemory,
     ground: Ground,
     work: Workspace,
@@ -71,12 +73,14 @@ pub struct BeliefTracker {
 
 /// Distance driven after which the ground has more to say, metres: a cell of its map.
 const NEWS_M: f64 = 0.25;
-/// A vehicle that follows its road wanders so far from the heading at which it found a feature, radians: 3 degrees.
-const STEERED_RAD: f64 = 0.052;
-/// A tracked feature is lost when its place is less sure than the bound for tracking by this factor, so that it does not come and go.
-const LOST_SIGMA_FACTOR: f64 = 1.6;
-/// Probability from which all features lie behind.
-const DONE: f64 = 0.5;
+/// Probability from which a hypothesis is followed, and below which it is no more.
+const SURE: f64 = 0.9;
+const STILL_SURE: f64 = 0.5;
+/// A hypothesis less probable than this is given up: two features where it expects them would hardly bring it back.
+const GIVEN_UP: f64 = 1e-4;
+/// Share of the drives without a start that begin with their route, and how far along it they do, metres: guesses.
+const BEGINS_WITH_ROUTE: f64 = 0.2;
+const BEGINNING_M: f64 = 5.0;
 
 impl BeliefTracker {
     /// A tracker at the start of `route`, or without one.
@@ -92,10 +96,10 @@ impl BeliefTracker {
         let route_length_m = route_in_map.as_ref().map_or(0.0, Polyline::length_m);
         Ok(Self {
             config: setting.track.clone(),
-            state: if stops.is_empty() { State::NoRoute } else { State::Searching },
+            hypotheses: hypotheses(setting, &stops, start_m, route_length_m),
+            believed: None,
             stops,
             route_in_map,
-            route: RouteBelief::new(setting.progress, start_m, route_length_m),
             memory: GroundMemory::new(setting.viewpoint.foot),
             ground: Ground::default(),
             work: Workspace::default(),
@@ -116,24 +120,18 @@ impl BeliefTracker {
             self.attitude_sigma_rad = sigma_rad;
         }
         let Some((motion, travel)) = moved.motion.zip(moved.travel()) else { return };
-        self.route.advance(travel, moved.time_s());
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.route.advance(travel, moved.time_s());
+        }
         if let Travel::Measured { .. } = travel {
             let step = &motion.previous_from_current;
             self.memory.carry(step);
-            self.route.carry(step);
+            self.hypotheses.iter_mut().for_each(|hypothesis| hypothesis.route.carry(step));
             self.since_update_m = self.since_update_m.map(|since_m| since_m + step.translation.vector.norm());
         } else {
-            self.leave_ground();
-        }
-    }
-
-    /// The vehicle went on unseen: what is remembered of the ground lies nobody knows where.
-    fn leave_ground(&mut self) {
-        self.memory.clear();
-        self.route.leave_ground();
-        self.since_update_m = None;
-        if matches!(self.state, State::Tracking | State::Arrived) {
-            self.state = State::Lost;
+            self.memory.clear();
+            self.hypotheses.iter_mut().for_each(Hypothesis::leave_ground);
+            self.since_update_m = None;
         }
     }
 
@@ -142,149 +140,80 @@ impl BeliefTracker {
         if self.since_update_m.is_some_and(|since_m| since_m < NEWS_M) {
             return;
         }
-        if let Some(index) = self.route.choose(&self.stops, self.view_m) {
-            self.forget_masks(index);
-            evidence.decision = Decision::Skipped { index };
-            self.state = State::Searching;
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.choose(&mut self.stops, self.view_m);
         }
-        if self.route.features().is_empty() {
+        if self.hypotheses.iter().all(|hypothesis| hypothesis.route.features().is_empty()) {
             self.since_update_m = None;
             return;
         }
         self.since_update_m = Some(0.0);
         self.ground.take(self.memory.squares(), self.viewpoint, self.row_rad);
-        let Self { config, stops, ground, view_m, attitude_sigma_rad, route, work, .. } = self;
+        let Self { config, stops, ground, view_m, attitude_sigma_rad, work, .. } = self;
         let (view_m, attitude_sigma_rad) = (*view_m, *attitude_sigma_rad);
-        evidence.tried = route.weigh(View { config, stops, ground, view_m, attitude_sigma_rad }, work);
+        for hypothesis in &mut self.hypotheses {
+            evidence.tried +=
+                hypothesis.route.weigh(View { config, stops, ground, view_m, attitude_sigma_rad }, work);
+        }
     }
 
-    /// Reads the state off the beliefs.
-    ///
-    /// # Errors
-    /// [`SpanError`] when an arm cannot be drawn.
-    fn decide(&mut self, grid: &GroundGrid, evidence: &mut TrackEvidence) -> Result<(), SpanError> {
-        let gone = |feature: &&FeatureInView| feature.stage == Stage::Arrived && passed(&self.stops, feature);
-        if let Some(index) = self.route.features().iter().find(gone).map(|gone| gone.index) {
-            self.route.leave(&self.stops, index);
-            self.forget_masks(index);
+    /// Weighs the hypotheses against each other, and gives up what is too improbable.
+    fn weigh(&mut self) {
+        let most = self.hypotheses.iter().map(Hypothesis::log_weight).fold(f64::NEG_INFINITY, f64::max);
+        let share = |hypothesis: &Hypothesis| libm::exp(hypothesis.log_weight() - most);
+        let total: f64 = self.hypotheses.iter().map(share).sum();
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.weight = share(hypothesis) / total;
         }
-        let bottom_m = grid.near_m().max(self.view_m[0]);
-        let next = self.next().unwrap_or(self.stops.len());
-        let mut decided = None;
-        let mut state = if self.state == State::Lost { State::Lost } else { State::Searching };
-        let mut arrived = None;
-        for feature in self.route.features_mut() {
-            let index = feature.index;
-            let Some(stop) = self.stops.get_mut(index) else { continue };
-            let moments = feature.belief.moments();
-            let lack = moments.map(|moments| lack(&self.config, &moments, feature.stage));
-            match (feature.stage, moments, lack) {
-                (Stage::Arrived, ..) => {}
-                (Stage::Sought, Some(moments), Some(None)) if index <= next => {
-                    feature.stage = Stage::Tracked;
-                    stop.masks.draw_about(moments.vehicle_from_feature.rotation.angle(), STEERED_RAD)?;
-                    decided = Some(Decision::Detected);
-                    state = State::Tracking;
-                }
-                // It waits until those before it lie behind.
-                (Stage::Sought, Some(_), Some(None)) => {}
-                (Stage::Sought, _, lack) => {
-                    let undecided = lack
-                        .flatten()
-                        .map_or(Decision::NotFound { index }, |lack| Decision::NotSure { index, lack });
-                    decided = decided.or(Some(undecided));
-                }
-                (Stage::Tracked, Some(moments), Some(None)) => {
-                    decided = Some(Decision::Confirmed);
-                    state = State::Tracking;
-                    if has_begun(stop, &moments, bottom_m) {
-                        decided = Some(Decision::Arrived);
-                        feature.belief.leave_approach();
-                        feature.stage = Stage::Arrived;
-                        arrived = Some(index);
-                        state = State::Searching;
+        self.hypotheses.retain(|hypothesis| hypothesis.weight >= GIVEN_UP);
+        self.hypotheses.sort_unstable_by(|a, b| b.weight.total_cmp(&a.weight).then(a.first.cmp(&b.first)));
+        let mut index = 0;
+        while let Some((one, others)) = self.hypotheses.get(index..).and_then(<[Hypothesis]>::split_first) {
+            match others.iter().position(|other| one.agrees_with(other)) {
+                Some(offset) => {
+                    let other = self.hypotheses.remove(index + 1 + offset);
+                    if let Some(one) = self.hypotheses.get_mut(index) {
+                        one.take(&other);
                     }
                 }
-                (Stage::Tracked, _, lack) => {
-                    let needed = self.config.belief.lost_present;
-                    let lack = lack.flatten().unwrap_or(Lack::Presence { present: 0.0, needed });
-                    decided = Some(Decision::NoLongerSure { index, lack });
-                    feature.stage = Stage::Sought;
-                    state = State::Lost;
-                }
+                None => index += 1,
             }
         }
-        if let Some(arrived) = arrived {
-            self.leave_arrived_before(arrived);
-        }
-        let is_passing = self
-            .route
-            .features()
-            .iter()
-            .any(|feature| feature.stage == Stage::Arrived && feature.belief.moments().is_some());
-        if is_passing && matches!(state, State::Searching | State::Lost) {
-            state = State::Arrived;
-        }
-        self.state = state;
-        self.say(decided, evidence);
-        Ok(())
     }
 
-    /// The first feature that does not lie behind.
-    fn next(&self) -> Option<usize> {
-        let progress = self.route.progress();
-        self.stops.iter().position(|stop| progress.mass_behind(stop.model.route_m) < DONE)
-    }
-
-    /// One feature at a time is on its way through: those before `index` lie behind.
-    fn leave_arrived_before(&mut self, index: usize) {
-        let is_before = |feature: &&FeatureInView| feature.stage == Stage::Arrived && feature.index != index;
-        while let Some(before) = self.route.features().iter().find(is_before).map(|feature| feature.index) {
-            self.route.leave(&self.stops, before);
-            self.forget_masks(before);
-        }
-    }
-
-    /// Says what was decided of the features in view, or what there is to say where none is.
-    fn say(&mut self, decided: Option<Decision>, evidence: &mut TrackEvidence) {
-        let is_undecided =
-            |decision: &Decision| matches!(decision, Decision::NotSure { .. } | Decision::NotFound { .. });
-        let progress = self.route.progress();
-        evidence.decision = match (decided, self.state, self.next()) {
-            (Some(decided), ..) if !is_undecided(&decided) => decided,
-            (_, State::Arrived, _) => Decision::Passing,
-            (Some(undecided), ..) => undecided,
-            (None, ..) if matches!(evidence.decision, Decision::Skipped { .. }) => return,
-            (None, _, Some(index)) => {
-                let (route_m, _) = progress.moments_m();
-                let ahead_m = self.stops.get(index).map_or(0.0, |stop| stop.model.route_m - route_m);
-                Decision::NotInReach { index, ahead_m }
-            }
-            (None, _, None) => {
-                self.state = State::RouteDone;
-                Decision::RouteDone
-            }
-        };
-    }
-
-    /// Frees the masks of a feature that lies behind, so that memory does not grow with the route that was driven.
-    fn forget_masks(&mut self, index: usize) {
-        if let Some(stop) = self.stops.get_mut(index) {
-            stop.masks.clear();
-        }
+    /// Whether the likeliest hypothesis is sure enough to follow; says what it is not sure against.
+    fn believe(&mut self) -> Option<Decision> {
+        let first = self.hypotheses.first()?;
+        let needed = if self.believed == Some(first.first) { STILL_SURE } else { SURE };
+        let rival = self.hypotheses.get(1).filter(|_| first.weight < needed);
+        self.believed = rival.is_none().then_some(first.first);
+        rival.map(|rival| Decision::NextUnknown {
+            likeliest: (first.first, first.weight),
+            rival: (rival.first, rival.weight),
+        })
     }
 
     /// The output of this frame, and what it rests on.
     fn give(
         &mut self,
+        unknown: Option<Decision>,
         laid: &LaidSurface<'_>,
         output: &mut TrackOutput,
         evidence: &mut TrackEvidence,
     ) -> Result<(), SpanError> {
-        output.state = self.state;
+        let Some(hypothesis) = self.hypotheses.first().filter(|_| !self.stops.is_empty()) else {
+            output.state = State::NoRoute;
+            return Ok(());
+        };
+        output.state = hypothesis.state;
+        evidence.decision = hypothesis.decision.clone();
         output.skipped = evidence.decision.skipped();
-        let at = |stage: Stage| self.route.features().iter().find(|feature| feature.stage == stage);
-        let followed = match self.state {
+        if let Some(unknown) = unknown {
+            (output.state, output.skipped, evidence.decision) = (State::Searching, None, unknown);
+            return Ok(());
+        }
+        let at = |stage: Stage| hypothesis.route.features().iter().find(|feature| feature.stage == stage);
+        let followed = match hypothesis.state {
             State::Tracking => at(Stage::Tracked),
             State::Arrived => at(Stage::Arrived),
             _ => None,
@@ -338,50 +267,60 @@ impl FeatureTracker for BeliefTracker {
             };
             self.memory.see(shown.laid.grid(), looks, self.shown.map());
             if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
-                evidence.gps = Some(self.route.observe_gps(route, p_in_map));
+                for hypothesis in self.hypotheses.iter_mut().rev() {
+                    evidence.gps = Some(hypothesis.route.observe_gps(route, p_in_map));
+                }
+            }
+            for hypothesis in &mut self.hypotheses {
+                hypothesis.decision = Decision::default();
             }
             self.compute(evidence);
-            self.decide(shown.laid.grid(), evidence)?;
+            let Self { config, stops, view_m: [nearest_seen_m, _], .. } = self;
+            for hypothesis in &mut self.hypotheses {
+                let (grid, nearest_seen_m) = (shown.laid.grid(), *nearest_seen_m);
+                hypothesis.decide(Reading { config, stops, grid, nearest_seen_m })?;
+            }
+            self.weigh();
         }
-        self.give(&shown.laid, output, evidence)?;
+        let unknown = self.believe();
+        let is_unknown = unknown.is_some();
+        self.give(unknown, &shown.laid, output, evidence)?;
         let beside = output.followed.as_ref().and_then(|followed| followed.route_m(&self.stops));
         let likeliest = || {
-            let likeliest = self.route.progress().components().next()?;
-            Some((likeliest.mean_m, likeliest.sigma_m))
+            let likeliest = self.hypotheses.first()?.route.progress().components().next()?;
+            (!is_unknown).then_some((likeliest.mean_m, likeliest.sigma_m))
         };
         (output.route_m, output.route_sigma_m) = beside.or_else(likeliest).unzip();
         Ok(())
     }
 }
 
-/// What a feature lacks to be tracked, or to be tracked on.
-fn lack(config: &TrackConfig, moments: &Moments, stage: Stage) -> Option<Lack> {
-    let (needed, most_m) = match stage {
-        Stage::Sought => (config.belief.detect_present, config.belief.detect_sigma_m),
-        _ => (config.belief.lost_present, LOST_SIGMA_FACTOR * config.belief.detect_sigma_m),
+/// The answers to where a drive begins: at its start, with its route, or anywhere before one of the route's features.
+fn hypotheses(
+    setting: TrackerSetting<'_>,
+    stops: &[RouteStop],
+    start_m: Option<f64>,
+    route_length_m: f64,
+) -> Vec<Hypothesis> {
+    let at = |start_m: f64| Progress::new(setting.progress, Some(start_m), route_length_m);
+    let last_m = match (start_m, stops.last()) {
+        (None, Some(last)) if stops.len() > 1 => last.model.route_m.max(1.0),
+        // Of a single feature there is no doubt which is first.
+        (None, Some(only)) => {
+            let before = [0.0, only.model.route_m.max(1.0)];
+            let progress = Progress::between(setting.progress, before, route_length_m);
+            return vec![Hypothesis::new(0, progress, 1.0)];
+        }
+        (start_m, _) => return vec![Hypothesis::new(0, at(start_m.unwrap_or_default()), 1.0)],
     };
-    let (present, sigma_m) = (moments.present, moments.sigma_m());
-    if present < needed {
-        Some(Lack::Presence { present, needed })
-    } else if sigma_m > most_m {
-        Some(Lack::Place { present, sigma_m, most_m })
-    } else {
-        None
-    }
-}
-
-/// The papers' rule: when the start of their curve reaches the bottom of the view, the vehicle has arrived.
-fn has_begun(stop: &RouteStop, moments: &Moments, bottom_m: f64) -> bool {
-    let start = stop.mask_curve.as_ref().map_or(Point2::origin(), MaskCurve::start);
-    (moments.vehicle_from_feature * start).x <= bottom_m
-}
-
-/// Whether the vehicle's origin is past the end of the papers' curve through the feature.
-fn passed(stops: &[RouteStop], feature: &FeatureInView) -> bool {
-    let stop = stops.get(feature.index);
-    let end = stop.and_then(|stop| stop.mask_curve.as_ref()).map_or(Point2::origin(), MaskCurve::end);
-    feature
-        .belief
-        .pose()
-        .is_none_or(|pose: Isometry2<f64>| (pose * end).x < 0.0 && (pose * Point2::origin()).x < PASSED_M)
+    let with_route = Hypothesis::new(0, at(BEGINNING_M), BEGINS_WITH_ROUTE);
+    let mut from_m = 0.0;
+    let within = stops.iter().enumerate().map(|(first, stop)| {
+        let to_m = stop.model.route_m.max(from_m + 1.0);
+        let prior = (1.0 - BEGINS_WITH_ROUTE) * (to_m - from_m) / last_m;
+        let progress = Progress::between(setting.progress, [from_m, to_m], route_length_m);
+        from_m = to_m;
+        Hypothesis::new(first, progress, prior)
+    });
+    std::iter::once(with_route).chain(within).collect()
 }

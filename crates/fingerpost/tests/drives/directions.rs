@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a failed expectation is a failed test")]
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::painted::{Place, World, camera_of_width, route_past};
-use fingerpost::track::{Decision, State};
+use fingerpost::track::{Decision, State, TrackMethod};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -32,8 +33,15 @@ struct Outcome {
     doubts: Vec<[f64; 2]>,
 }
 
+/// Whether positions by GPS are given.
+#[derive(Clone, Copy)]
+enum Gps {
+    None,
+    Right,
+}
+
 /// Drives from `from_m` to `to_m` north, without a start.
-fn drive([from_m, to_m]: [f64; 2], gps: bool) -> Outcome {
+fn drive(method: TrackMethod, [from_m, to_m]: [f64; 2], gps: Gps) -> Outcome {
     let (camera, route) = (camera_of_width(320), route_past(&SIDES, ENDS, WIDTH_M));
     let roads = SIDES.map(|(north, (x, _))| [(0.0, north), (x, north)]);
     let mut painted: Vec<(&[Place], f64)> = vec![(&[(0.0, -80.0), (0.0, 360.0)], WIDTH_M)];
@@ -41,6 +49,7 @@ fn drive([from_m, to_m]: [f64; 2], gps: bool) -> Outcome {
     let world = World::new(&painted);
     let mut config = Config::default();
     config.ground_view.metres_per_pixel = 0.1;
+    config.track.method = method;
     // The painted roads meet at sharp corners.
     config.track.alignment.kerb_radius_m = 0.0;
     let mut pipeline = Pipeline::new(&config, &camera, Some(&route), None).unwrap();
@@ -50,7 +59,7 @@ fn drive([from_m, to_m]: [f64; 2], gps: bool) -> Outcome {
         let north = from_m + STEP_M * index as f64;
         let map_from_vehicle = Isometry2::new(Vector2::new(0.0, north), std::f64::consts::FRAC_PI_2);
         let picture = world.picture(&camera, &map_from_vehicle);
-        let gps = gps.then(|| plane.wgs84_from_map(Point2::new(0.0, north)));
+        let gps = matches!(gps, Gps::Right).then(|| plane.wgs84_from_map(Point2::new(0.0, north)));
         let sensors = Sensors { dt_s: (index > 0).then_some(0.1), gps, ..Sensors::default() };
         let (output, evidence) = pipeline.step(&picture, sensors, &mut |_| {}).unwrap();
         if let Decision::NextUnknown { likeliest, rival } = evidence.track.decision {
@@ -70,11 +79,10 @@ fn drive([from_m, to_m]: [f64; 2], gps: bool) -> Outcome {
     outcome
 }
 
-#[test]
-fn a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
+fn begins_in_mid_route(method: TrackMethod) {
     // Before the third, which looks like the first; before the second; before the fourth.
     for (from_m, surely) in [(88.0, 4..6), (48.0, 3..6), (128.0, 5..6)] {
-        let outcome = drive([from_m, 275.0], false);
+        let outcome = drive(method, [from_m, 275.0], Gps::None);
         assert!(outcome.false_claims.is_empty(), "{from_m}: {:?}", outcome.false_claims);
         let missing: Vec<usize> = surely.filter(|index| !outcome.found.contains(index)).collect();
         assert!(missing.is_empty(), "{from_m}: {missing:?} not among {:?}", outcome.found);
@@ -82,26 +90,63 @@ fn a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
     }
 }
 
-#[test]
-fn one_that_begins_at_the_beginning_finds_all_that_come() {
-    let outcome = drive([ENDS[0], 225.0], false);
+fn begins_at_the_beginning(method: TrackMethod, mut found: Range<usize>) {
+    let outcome = drive(method, [ENDS[0], 225.0], Gps::None);
     assert!(outcome.false_claims.is_empty(), "{:?}", outcome.false_claims);
-    assert!((0..5).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
+    assert!(found.all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
 }
 
 /// The third lies as far ahead as the first from the route's beginning, and looks like it.
-#[test]
-fn one_that_looks_like_the_beginning_is_mended_by_what_follows() {
-    let outcome = drive([68.0, 275.0], false);
+fn looks_like_the_beginning(method: TrackMethod) {
+    let outcome = drive(method, [68.0, 275.0], Gps::None);
     let mended = |&(index, north, _): &(usize, f64, f64)| index == 0 && north < SIDES[2].0 + 5.0;
     assert!(outcome.false_claims.iter().all(mended), "{:?}", outcome.false_claims);
     assert!((4..6).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
 }
 
-#[test]
-fn a_position_ends_all_doubt() {
-    let outcome = drive([88.0, 170.0], true);
+fn has_a_position(method: TrackMethod) {
+    let outcome = drive(method, [88.0, 170.0], Gps::Right);
     assert!(outcome.false_claims.is_empty(), "{:?}", outcome.false_claims);
     assert!((2..4).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
     assert!(outcome.doubts.len() <= 1);
+}
+
+#[test]
+fn a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
+    begins_in_mid_route(TrackMethod::Rules);
+}
+
+#[test]
+fn by_the_belief_a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
+    begins_in_mid_route(TrackMethod::Belief);
+}
+
+#[test]
+fn one_that_begins_at_the_beginning_finds_all_that_come() {
+    begins_at_the_beginning(TrackMethod::Rules, 0..5);
+}
+
+#[test]
+fn by_the_belief_one_that_begins_at_the_beginning_finds_all_from_the_second_on() {
+    begins_at_the_beginning(TrackMethod::Belief, 1..5);
+}
+
+#[test]
+fn one_that_looks_like_the_beginning_is_mended_by_what_follows() {
+    looks_like_the_beginning(TrackMethod::Rules);
+}
+
+#[test]
+fn by_the_belief_one_that_looks_like_the_beginning_is_mended_by_what_follows() {
+    looks_like_the_beginning(TrackMethod::Belief);
+}
+
+#[test]
+fn a_position_ends_all_doubt() {
+    has_a_position(TrackMethod::Rules);
+}
+
+#[test]
+fn by_the_belief_a_position_ends_all_doubt() {
+    has_a_position(TrackMethod::Belief);
 }

@@ -92,3 +92,17 @@ fn features_teach_the_scale() {
     let (mean, sigma) = progress.scale_error();
     assert!((mean - 0.04).abs() < 2.0 * sigma && sigma < 0.01, "{mean} {sigma}");
 }
+
+#[test]
+fn the_belief_that_expects_what_is_seen_has_the_more_evidence() {
+    // A side road 20 m ahead, by a progress between the features before and behind it and by one that lies elsewhere.
+    let between = |from_m: f64, to_m: f64| Progress::between(&config(), [from_m, to_m], ROUTE_M);
+    let (here, elsewhere) = (between(400.0, 500.0), between(900.0, 1000.0));
+    assert!(here.probability_between(395.0, 505.0) > 0.99);
+    assert!(here.log_evidence().abs() < 1e-9, "{}", here.log_evidence());
+    let evidence = |progress: &Progress| look(progress, 450.0, Some(20.0)).log_evidence();
+    assert!(evidence(&here) > 2.0, "{}", evidence(&here));
+    assert!(evidence(&elsewhere).abs() < 0.1, "{}", evidence(&elsewhere));
+    // Nothing seen where it must be speaks against it.
+    assert!(look(&started(430.0), 450.0, None).log_evidence() < -2.0);
+}

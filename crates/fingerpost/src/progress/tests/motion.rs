@@ -122,7 +122,7 @@ fn absurd_input_changes_nothing_or_is_a_gap() {
         assert_sound(&look(&odd, 50.0, Some(10.0)));
         assert_sound(&odd.conditioned(
             f64::NAN,
-            &FeatureOutcome { places: &[], looked_for_m: None, map_wrong_share: 0.02 },
+            &FeatureOutcome { places: &[], looked_for_m: None, map_wrong_share: 0.02, log_excess: 0.0 },
         ));
     }
 }
@@ -137,7 +137,12 @@ fn absurd_features_leave_sound_numbers() {
                 let places = [FeaturePlace { likelihood, ahead_m, sigma_m }; 3];
                 for bound in odd {
                     let looked_for_m = Some([bound, 40.0]);
-                    let outcome = FeatureOutcome { places: &places, looked_for_m, map_wrong_share: bound };
+                    let outcome = FeatureOutcome {
+                        places: &places,
+                        looked_for_m,
+                        map_wrong_share: bound,
+                        log_excess: 0.0,
+                    };
                     assert_sound(&progress.conditioned(110.0, &outcome));
                 }
             }

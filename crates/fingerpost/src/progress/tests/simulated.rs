@@ -72,7 +72,8 @@ fn drive_past_features(seed: u64, course: Scale, drive: &mut Drive) {
             places.push(FeaturePlace { likelihood: 10.0, ahead_m, sigma_m: 0.7 });
         }
         let looked_for_m = Some([-20.0, 40.0]);
-        let outcome = FeatureOutcome { places: &places, looked_for_m, map_wrong_share: 0.02 };
+        let outcome =
+            FeatureOutcome { places: &places, looked_for_m, map_wrong_share: 0.02, log_excess: 0.0 };
         progress = progress.conditioned(feature_m, &outcome);
         assert_sound(&progress);
         drive.after.0.push(square(&progress));

@@ -107,12 +107,16 @@ impl SeenAlong {
         log_sum(0.0, log_share)
     }
 
+    /// Logarithm of the likelihood with so much of it for what looks alike.
+    pub(super) fn log_likelihood(&self, log_clutter: f64) -> f64 {
+        (self.log_likelihood - log_clutter).min(MOST_LOG_LIKELIHOOD)
+    }
+
     /// As the progress takes it, whose map has errors of its own.
     pub(super) fn on_map(&self, log_clutter: f64) -> FeaturePlace {
         let sigma_m = libm::hypot(self.sigma_m, NODE_SIGMA_M);
-        let log_likelihood = (self.log_likelihood - log_clutter).min(MOST_LOG_LIKELIHOOD);
         FeaturePlace {
-            likelihood: libm::exp(log_likelihood) * self.sigma_m / sigma_m,
+            likelihood: libm::exp(self.log_likelihood(log_clutter)) * self.sigma_m / sigma_m,
             ahead_m: self.ahead_m,
             sigma_m,
         }

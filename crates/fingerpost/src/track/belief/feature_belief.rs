@@ -47,6 +47,7 @@ const SCAN_EVERY: usize = 3;
 /// Of the best places of a scan that are not known so many take turns, one a scan; and most places that are kept.
 const SCANNED_PLACES: usize = 3;
 const MOST_PLACES: usize = 4;
+const MOST_ON_ROUTE: usize = 8;
 /// Places nearer to each other are one, metres.
 const SAME_PLACE_M: f64 = 0.7;
 /// A place of less weight is forgotten.
@@ -110,6 +111,9 @@ pub(super) struct FeatureBelief {
     on_route: Vec<FeaturePlace>,
     /// Where ahead it would have been seen, metres, and the probability that it is there and was not.
     looked_for: Option<([f64; 2], f64)>,
+    /// Logarithm of the likelihood of its best place when the curve began, and how much more the ground said after.
+    log_likelihood: f64,
+    log_said_after: f64,
 }
 
 /// Memory that is reused from belief to belief.
@@ -153,6 +157,9 @@ impl FeatureBelief {
         self.since_scan_m = self.since_scan_m.map(|since_m| since_m + moved.norm());
         self.scanned.iter_mut().for_each(|(ahead_m, _)| *ahead_m -= moved.x);
         self.on_route.iter_mut().for_each(|place| place.ahead_m -= moved.x);
+        if let Some((looked_for_m, _)) = &mut self.looked_for {
+            looked_for_m.iter_mut().for_each(|ahead_m| *ahead_m -= moved.x);
+        }
     }
 
     /// From now on the approach no longer says how the vehicle is turned.
@@ -320,25 +327,61 @@ impl FeatureBelief {
     /// Says of the places, and of the ground where there is none, what the progress is to know.
     fn place_on_route(&mut self, seen: Seen<'_>, plain_log_evidence: f64) {
         let Seen { stop, .. } = seen;
-        if self.carried.is_none() || !self.places.is_empty() {
-            self.on_route.clear();
-        }
-        for place in &mut self.places {
-            let log_ratio = place.fit.log_evidence - plain_log_evidence;
-            let (seen, log_clutter) = if self.carried.is_some() {
+        if self.carried.is_some() {
+            if !self.places.is_empty() {
+                self.on_route.clear();
+            }
+            self.looked_for = None;
+            let mut most = f64::NEG_INFINITY;
+            for place in &mut self.places {
                 // What was known when the curve began is one of the route's features.
-                place.log_share = log_ratio;
-                (SeenAlong::unexpected(&stop.model, &place.fit, log_ratio), 0.0)
-            } else {
-                let seen = SeenAlong::of(&stop.model, &place.fit, &place.expected, log_ratio);
-                let log_clutter = seen.log_clutter();
-                place.log_share = place.expected.log_weight + log_ratio - log_clutter;
-                (seen, log_clutter)
-            };
-            place.by_ground = if self.carried.is_some() { 1.0 } else { seen.probability() };
-            self.on_route.push(seen.on_map(log_clutter));
+                place.log_share = place.fit.log_evidence - plain_log_evidence;
+                place.by_ground = 1.0;
+                let along = SeenAlong::unexpected(&stop.model, &place.fit, place.log_share);
+                most = most.max(along.log_likelihood(0.0));
+                self.on_route.push(along.on_map(0.0));
+            }
+            if !self.places.is_empty() {
+                self.log_said_after = (most - self.log_likelihood).max(0.0);
+            }
+            return;
         }
-        let mut looked_for: Option<([f64; 2], f64)> = None;
+        // What lies behind is seen no better than it was, and says on what it said.
+        self.on_route.retain(|place| place.ahead_m < 0.0);
+        let behind = self.on_route.len();
+        for (i, place) in self.places.iter_mut().enumerate() {
+            let log_ratio = place.fit.log_evidence - plain_log_evidence;
+            let along = SeenAlong::of(&stop.model, &place.fit, &place.expected, log_ratio);
+            let log_clutter = along.log_clutter();
+            if i == 0 {
+                self.log_likelihood = along.log_likelihood(log_clutter);
+            }
+            place.log_share = place.expected.log_weight + log_ratio - log_clutter;
+            place.by_ground = along.probability();
+            let on_map = along.on_map(log_clutter);
+            if on_map.ahead_m >= 0.0 {
+                self.on_route.push(on_map);
+            }
+        }
+        self.look_for();
+        for place in self.on_route.iter_mut().skip(behind) {
+            let is_looked_for =
+                |[nearest_m, farthest_m]: [f64; 2]| place.ahead_m >= nearest_m && place.ahead_m <= farthest_m;
+            if !self.looked_for.is_some_and(|(looked_for_m, _)| is_looked_for(looked_for_m)) {
+                // There the ground is as it is without the feature, which counts as 1 already.
+                place.likelihood = (place.likelihood - 1.0).max(0.0);
+            }
+        }
+        while self.on_route.len() > MOST_ON_ROUTE {
+            let least = (0..self.on_route.len())
+                .min_by(|&a, &b| self.on_route[a].likelihood.total_cmp(&self.on_route[b].likelihood));
+            least.map(|least| self.on_route.remove(least));
+        }
+    }
+
+    /// Says where the feature would have been seen: where the last scan found nothing like it, and behind as far as it was so before.
+    fn look_for(&mut self) {
+        let mut ahead: Option<([f64; 2], f64)> = None;
         let mut unlikely = f64::NEG_INFINITY;
         for &(ahead_m, log_ratio) in &self.scanned {
             let is_place = |place: &FeaturePlace| (place.ahead_m - ahead_m).abs() < SEEN_ABOUT_M;
@@ -348,18 +391,32 @@ impl FeatureBelief {
                 }
                 unlikely = unlikely.max(log_ratio);
             }
-            let nearest_m = looked_for.map_or(ahead_m, |([nearest_m, _], _)| nearest_m);
-            looked_for =
-                Some(([nearest_m, ahead_m], MAP_WRONG + (1.0 - MAP_WRONG) * libm::exp(unlikely).max(UNSEEN)));
+            let nearest_m = ahead.map_or(ahead_m, |([nearest_m, _], _)| nearest_m);
+            let missed = MAP_WRONG + (1.0 - MAP_WRONG) * libm::exp(unlikely).max(UNSEEN);
+            ahead = Some(([nearest_m, ahead_m], missed));
         }
-        self.looked_for = looked_for.filter(|_| self.carried.is_none());
+        let Some(&(first_m, _)) = self.scanned.first() else { return };
+        let before = self
+            .looked_for
+            .map(|([nearest_m, farthest_m], missed)| ([nearest_m, farthest_m.min(first_m)], missed));
+        self.looked_for = match (before.filter(|([nearest_m, farthest_m], _)| nearest_m < farthest_m), ahead)
+        {
+            (Some(([nearest_m, before_m], missed)), Some(([from_m, farthest_m], now_missed)))
+                if before_m >= from_m =>
+            {
+                Some(([nearest_m, farthest_m], missed.max(now_missed)))
+            }
+            (before, None) => before,
+            (_, ahead) => ahead,
+        };
     }
 
     /// What this feature says of the progress.
     pub(super) fn outcome(&self) -> FeatureOutcome<'_> {
         let (looked_for_m, map_wrong_share) = self.looked_for.unzip();
         let map_wrong_share = map_wrong_share.unwrap_or(MAP_WRONG);
-        FeatureOutcome { places: &self.on_route, looked_for_m, map_wrong_share }
+        let log_excess = if self.carried.is_some() { self.log_said_after } else { 0.0 };
+        FeatureOutcome { places: &self.on_route, looked_for_m, map_wrong_share, log_excess }
     }
 
     /// Probability that the feature would be in view if it is there.
