@@ -47,10 +47,7 @@ impl Elsewhere {
 
     /// Adds `mass`, spread evenly over the route.
     pub(super) fn add_evenly(&mut self, mass: f64) {
-        let (cell_m, route_length_m) = (self.cell_m, self.route_length_m);
-        for (from_m, cell) in cells(self.origin_m, cell_m, &mut self.masses) {
-            *cell += mass * overlap(from_m, from_m + cell_m, 0.0, route_length_m) / route_length_m;
-        }
+        self.add_between(mass, 0.0, self.route_length_m);
     }
 
     pub(super) fn scale(&mut self, factor: f64) {

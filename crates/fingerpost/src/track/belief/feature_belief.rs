@@ -47,6 +47,7 @@ const SCAN_EVERY: usize = 3;
 /// Of the best places of a scan that are not known so many take turns, one a scan; and most places that are kept.
 const SCANNED_PLACES: usize = 3;
 const MOST_PLACES: usize = 4;
+/// Most places that are given to the progress, those that lie behind among them.
 const MOST_ON_ROUTE: usize = 8;
 /// Places nearer to each other are one, metres.
 const SAME_PLACE_M: f64 = 0.7;
@@ -375,7 +376,9 @@ impl FeatureBelief {
         while self.on_route.len() > MOST_ON_ROUTE {
             let least = (0..self.on_route.len())
                 .min_by(|&a, &b| self.on_route[a].likelihood.total_cmp(&self.on_route[b].likelihood));
-            least.map(|least| self.on_route.remove(least));
+            if let Some(least) = least {
+                self.on_route.remove(least);
+            }
         }
     }
 
