@@ -295,6 +295,8 @@ pub struct RoadSurface {
     pub sums: RowSums,
     /// As of [`RoadEvidence::uninformed_log_odds`].
     pub uninformed_log_odds: f64,
+    /// As of [`RoadEvidence::reduced_rows`].
+    pub reduced_rows: f64,
 }
 
 /// What a pixel of a road surface is known from.
@@ -340,6 +342,9 @@ pub struct RoadEvidence {
     pub histograms: usize,
     /// Log-odds that its probability has of ground of which it knows nothing: what a reader with a prior of its own takes off.
     pub uninformed_log_odds: f64,
+    /// Rows of the camera's picture that a row of what it looks at spans, where that is a reduced picture whose log-odds are interpolated; 0
+    /// of other detectors.
+    pub reduced_rows: f64,
     /// Which known surface is under way; none for a detector that knows none.
     pub bank: Option<BankEvidence>,
     /// What was learned and weighed; none for a detector that is not trained online.
@@ -439,6 +444,7 @@ pub trait RoadDetector: Send {
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
         let evidence = self.estimate(input, &mut surface.probability)?;
         surface.uninformed_log_odds = evidence.uninformed_log_odds;
+        surface.reduced_rows = evidence.reduced_rows;
         surface.sums.rebuild(surface.probability.view(), input.validity)?;
         Ok(evidence)
     }

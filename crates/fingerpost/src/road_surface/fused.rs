@@ -106,9 +106,9 @@ impl RoadDetector for Fused {
         probability: &mut Plane<u8>,
     ) -> Result<RoadEvidence, RoadError> {
         let evidence = self.appearance.estimate(input, probability)?;
-        self.network.estimate(input, &mut self.by_network)?;
+        let RoadEvidence { reduced_rows, .. } = self.network.estimate(input, &mut self.by_network)?;
         let by_colours = self.fuse(input, probability);
-        Ok(RoadEvidence { by_colours: Some(by_colours), uninformed_log_odds: 0.0, ..evidence })
+        Ok(RoadEvidence { by_colours: Some(by_colours), uninformed_log_odds: 0.0, reduced_rows, ..evidence })
     }
 
     fn network(&self) -> Option<&RoadNetwork> {

@@ -245,6 +245,7 @@ impl RoadDetector for Memory {
     fn detect(&mut self, input: RoadInput<'_>, surface: &mut RoadSurface) -> Result<RoadEvidence, RoadError> {
         let evidence = self.estimate(input, &mut surface.probability)?;
         surface.uninformed_log_odds = evidence.uninformed_log_odds;
+        surface.reduced_rows = evidence.reduced_rows;
         let known = match input.perspective {
             Perspective::Camera { .. } => input.validity,
             Perspective::Ground { .. } => &self.known_pixels,

@@ -169,8 +169,9 @@ impl RoadDetector for Network {
         }
         self.reduced.lay_into(&input, (part, &self.odds), probability)?;
         let by_colours = self.join_colours(&input, probability);
+        let reduced_rows = part.height as f64 / self.network.picture().height().max(1) as f64;
         clear_unseen(input.validity, probability);
-        let evidence = evidence_of_a_network(RoadMethod::Network.name(), &input, probability);
+        let evidence = evidence_of_a_network(RoadMethod::Network.name(), &input, reduced_rows, probability);
         Ok(RoadEvidence { by_colours: Some(by_colours), ..evidence })
     }
 

@@ -151,7 +151,7 @@ impl RoadDetector for Onnx {
         let whole = Rect { x: 0, y: 0, width, height };
         self.reduced.lay_into(&input, (whole, &self.found), probability)?;
         clear_unseen(input.validity, probability);
-        Ok(evidence_of_a_network("onnx", &input, probability))
+        Ok(evidence_of_a_network("onnx", &input, 0.0, probability))
     }
 
     fn reset(&mut self) {}

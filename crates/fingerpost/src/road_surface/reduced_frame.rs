@@ -77,6 +77,7 @@ impl Layout {
 pub(super) fn evidence_of_a_network(
     detector: &'static str,
     input: &RoadInput<'_>,
+    reduced_rows: f64,
     probability: &Plane<u8>,
 ) -> RoadEvidence {
     RoadEvidence {
@@ -84,6 +85,7 @@ pub(super) fn evidence_of_a_network(
         sample: input.sample,
         sample_use: SampleUse::Unused,
         sample_probability: mean_inside(input.sample, probability),
+        reduced_rows,
         ..RoadEvidence::default()
     }
 }

@@ -31,7 +31,7 @@ use nalgebra::Point2;
 use self::feature_belief::{Moments, Workspace};
 use self::ground_memory::{GroundMemory, Looks};
 use self::hypothesis::{Hypothesis, Reading};
-use self::likelihood::Ground;
+use self::likelihood::{Ground, RowAngles};
 use self::route_belief::{FeatureInView, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
@@ -65,6 +65,8 @@ pub struct BeliefTracker {
     viewpoint: Viewpoint,
     /// Angle that a row of the picture spans, radians.
     row_rad: f64,
+    /// As of the last frame's [`RoadSurface`](crate::road_surface::RoadSurface).
+    reduced_rows: f64,
     /// Where the last frame shows the road.
     shown: ShownRoad,
     /// Standard deviations of the camera's pitch and roll, radians.
@@ -108,6 +110,7 @@ impl BeliefTracker {
             view_m: [setting.nearest_seen_m, setting.grid.far_m()],
             viewpoint: setting.viewpoint,
             row_rad: setting.row_rad,
+            reduced_rows: 0.0,
             shown: ShownRoad::new(&CameraTurn::default(), setting.viewpoint),
             attitude_sigma_rad: CameraAttitude::default().sigma_rad,
         })
@@ -148,7 +151,8 @@ impl BeliefTracker {
             return;
         }
         self.since_update_m = Some(0.0);
-        self.ground.take(self.memory.squares(), self.viewpoint, self.row_rad);
+        let rows = RowAngles { picture_rad: self.row_rad, reduced_rad: self.reduced_rows * self.row_rad };
+        self.ground.take(self.memory.squares(), self.viewpoint, rows);
         let Self { config, stops, ground, view_m, attitude_sigma_rad, work, .. } = self;
         let (view_m, attitude_sigma_rad) = (*view_m, *attitude_sigma_rad);
         for hypothesis in &mut self.hypotheses {
@@ -265,6 +269,7 @@ impl FeatureTracker for BeliefTracker {
                 uninformed_log_odds: shown.surface.uninformed_log_odds,
                 seen: shown.seen,
             };
+            self.reduced_rows = shown.surface.reduced_rows;
             self.memory.see(shown.laid.grid(), looks, self.shown.map());
             if let (Some(route), Some(p_in_map)) = (&self.route_in_map, gps_in_map) {
                 for hypothesis in self.hypotheses.iter_mut().rev() {

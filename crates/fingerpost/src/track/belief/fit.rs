@@ -172,7 +172,7 @@ mod tests {
     use super::super::ground_memory::{CELL_M, GroundCell};
     use super::super::junction_shape::tests::t_junction;
     use super::super::junction_shape::{OFFSETS, PITCH, ROLL, SCALE};
-    use super::super::likelihood::pose_of;
+    use super::super::likelihood::{RowAngles, pose_of};
     use super::*;
     use crate::ground_view::Viewpoint;
 
@@ -211,7 +211,7 @@ mod tests {
             })
             .collect();
         let mut ground = Ground::default();
-        ground.take(cells.chunks(2), VIEWPOINT, 0.0025);
+        ground.take(cells.chunks(2), VIEWPOINT, RowAngles { picture_rad: 0.0025, reduced_rad: 0.0 });
         ground
     }
 

@@ -50,6 +50,8 @@ struct Witness {
     witnesses: f64,
     /// How far a row of the picture reaches there, metres: what an edge across the view is blurred by.
     blur_m: f64,
+    /// How far inside the road an edge across the view is seen there, metres.
+    inset_m: f64,
     /// How far pitch, roll and scale of one move the true place.
     moves: [Vector2<f64>; 3],
 }
@@ -63,6 +65,13 @@ struct Square {
     /// Log-likelihoods far inside the road, and beside it.
     on_road: f64,
     beside: f64,
+}
+
+/// Angles that a row of the camera's picture spans, and one of what the road's detector looks at where that is a reduced picture, radians.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowAngles {
+    pub(super) picture_rad: f64,
+    pub(super) reduced_rad: f64,
 }
 
 /// What is seen of the ground, weighed.
@@ -89,7 +98,7 @@ impl Ground {
         &mut self,
         squares: impl Iterator<Item = &'a [GroundCell]>,
         viewpoint: Viewpoint,
-        row_rad: f64,
+        rows: RowAngles,
     ) {
         self.squares.clear();
         self.cells.clear();
@@ -103,10 +112,10 @@ impl Ground {
                 trust: count * mean(|cell| cell.trust),
                 seen_ahead_m: mean(|cell| cell.seen_ahead_m),
             };
-            self.cells.extend(cells.iter().map(|cell| Witness::new(cell, viewpoint, row_rad)));
+            self.cells.extend(cells.iter().map(|cell| Witness::new(cell, viewpoint, rows)));
             let of = |alike: f64| self.cells[start..].iter().map(|cell| cell.log_likelihood(alike)).sum();
             let (on_road, beside) = (of(1.0 - ROAD_UNLIKE), of(BESIDE_ALIKE));
-            let (whole, cells) = (Witness::new(&whole, viewpoint, row_rad), start..self.cells.len());
+            let (whole, cells) = (Witness::new(&whole, viewpoint, rows), start..self.cells.len());
             self.squares.push(Square { whole, cells, on_road, beside });
         }
     }
@@ -165,7 +174,8 @@ impl NearGround {
             let place = cell.at(unknowns);
             let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
             let normal = vehicle_from_feature.rotation * edge.by_place;
-            let (term, by_distance) = cell.term(edge.distance_m, softness_m(cell.blur_m * normal.x));
+            let shown_m = edge.distance_m + cell.inset_m * normal.x.abs();
+            let (term, by_distance) = cell.term(shown_m, softness_m(cell.blur_m * normal.x));
             by_stretch[edge.stretch] += term;
             let by_distance = self.shows[edge.stretch] * by_distance;
             if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
@@ -202,6 +212,9 @@ impl NearGround {
 
 /// Rows of the picture by which an edge of the road surface is off, one standard deviation.
 const BLURRED_ROWS: f64 = 0.5;
+/// Rows of a reduced picture by which an edge is seen too far inside the road, because ground beside it is surer than road, and
+/// log-odds are interpolated: with it the town's junctions are 0.14 m off in place of 0.27 m at 15 to 20 m, and those of two recorded streets less as well.
+const INSET_ROWS: f64 = 0.65;
 /// Share of stretches of arms that are hidden, or that the surface errs about as a whole: in shade, behind parked cars.
 const HIDDEN: f64 = 0.05;
 
@@ -313,20 +326,22 @@ impl Blocks {
 }
 
 impl Witness {
-    fn new(cell: &GroundCell, viewpoint: Viewpoint, row_rad: f64) -> Self {
+    fn new(cell: &GroundCell, viewpoint: Viewpoint, rows: RowAngles) -> Self {
         let odds = libm::exp(cell.log_odds);
         let Viewpoint { foot, height_m } = viewpoint;
         let from_foot = cell.place - foot;
         let (ahead_m, left_m) = (cell.seen_ahead_m, from_foot.y);
         let across = ahead_m * left_m / height_m;
+        let by_angle_m = (ahead_m * ahead_m + height_m * height_m) / height_m;
         // A camera that looks lower than it is believed to shows everything too far away (`ground_view/turn.rs`).
-        let pitch = -Vector2::new((ahead_m * ahead_m + height_m * height_m) / height_m, across);
+        let pitch = -Vector2::new(by_angle_m, across);
         let roll = Vector2::new(across, (left_m * left_m + height_m * height_m) / height_m);
         Self {
             place: cell.place,
             odds,
             log_anywhere: libm::log(ANYWHERE_ALIKE * odds + 1.0 - ANYWHERE_ALIKE),
-            blur_m: BLURRED_ROWS * row_rad * (ahead_m * ahead_m + height_m * height_m) / height_m,
+            blur_m: BLURRED_ROWS * rows.picture_rad * by_angle_m,
+            inset_m: INSET_ROWS * rows.reduced_rad * by_angle_m,
             witnesses: cell.trust * SPEAKS_FOR_M2 / WITNESS_M2,
             moves: [pitch, roll, from_foot],
         }
