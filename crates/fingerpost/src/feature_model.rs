@@ -56,6 +56,9 @@ const LEAVING_RAD: f64 = 0.436;
 /// Longest mouth believed, metres; beyond it nothing of an arm would be left in view.
 const MAX_MOUTH_M: f64 = 6.0;
 
+/// Length of a road that goes straight on, metres: farther than any view.
+const STRAIGHT_ROAD_M: f64 = 60.0;
+
 impl FeatureModel {
     /// The model of `feature` on the tangent plane `map`.
     ///
@@ -137,6 +140,33 @@ impl FeatureModel {
             |(approach, exit): (&ArmModel, &ArmModel)| wrap_angle(at_node(exit) - at_node(approach) - PI);
         self.kind == FeatureKind::Bend
             && self.approach().zip(self.exit()).is_some_and(|arms| corner_rad(arms).abs() <= LEAVING_RAD)
+    }
+
+    /// The road if the feature were not there: what stays on the line of the approach, which goes on straight where no arm does. Of a
+    /// bend the approach is straight too, because it is a part of the bend.
+    ///
+    /// # Errors
+    /// [`GeometryError`] as of [`Polyline::new`].
+    pub fn without_feature(&self) -> Result<Self, GeometryError> {
+        let straight = |x: f64| Polyline::new([Point2::origin(), Point2::new(x, 0.0)]);
+        let mut arms: Vec<ArmModel> =
+            self.arms.iter().filter(|arm| !arm.leaves_the_line()).cloned().collect();
+        if self.kind == FeatureKind::Bend {
+            for arm in arms.iter_mut().filter(|arm| arm.role == ArmRole::Approach) {
+                arm.course = straight(-STRAIGHT_ROAD_M)?;
+            }
+        }
+        if let (true, Some(approach)) = (arms.len() < 2, self.approach()) {
+            let straight_on = ArmModel {
+                role: ArmRole::Side,
+                label: "straight_on".into(),
+                course: straight(STRAIGHT_ROAD_M)?,
+                leaves_after_m: None,
+                ..approach.clone()
+            };
+            arms.push(straight_on);
+        }
+        Ok(Self { arms, ..self.clone() })
     }
 
     /// The pose of the feature for a vehicle on the approach, `before_m` metres before the node along its course,

@@ -80,8 +80,8 @@ const SURE: f64 = 0.9;
 const STILL_SURE: f64 = 0.5;
 /// A hypothesis less probable than this is given up: two features where it expects them would hardly bring it back.
 const GIVEN_UP: f64 = 1e-4;
-/// Share of the drives without a start that begin with their route, and how far along it they do, metres: guesses.
-const BEGINS_WITH_ROUTE: f64 = 0.2;
+/// Share of the drives without a start that begin with their route, as likely as not, and how far along it they do, metres: guesses.
+const BEGINS_WITH_ROUTE: f64 = 0.5;
 const BEGINNING_M: f64 = 5.0;
 
 impl BeliefTracker {

@@ -24,8 +24,10 @@ pub struct RouteStop {
     pub mask_curve: Option<MaskCurve>,
     pub(super) masks: MaskCache,
     pub(super) arms: Vec<ArmPieces>,
-    /// Outline of its road, and of the road if the feature were not there.
+    /// Outline of its road.
     pub(super) shape: JunctionShape,
+    /// The road if the feature were not there, and its outline.
+    pub(super) plain: FeatureModel,
     pub(super) plain_shape: JunctionShape,
 }
 
@@ -95,8 +97,9 @@ pub(super) fn route_stops(
         );
         let arms = ArmPieces::of(&setting.track.alignment, &model);
         let shape = JunctionShape::of(&model, reach_m);
-        let plain_shape = JunctionShape::without_feature(&model, reach_m);
-        stops.push(RouteStop { model, line, mask_curve, masks, arms, shape, plain_shape });
+        let plain = model.without_feature()?;
+        let plain_shape = JunctionShape::of(&plain, reach_m);
+        stops.push(RouteStop { model, line, mask_curve, masks, arms, shape, plain, plain_shape });
     }
     Ok((stops, Some(line_in_map)))
 }

@@ -66,6 +66,16 @@ pub(super) fn expected_at(
     })
 }
 
+/// Whether the ground says anything of where along the route a feature is.
+pub(super) fn is_placed(model: &FeatureModel, fit: &Fit, prior: &Expected) -> bool {
+    ground_precision(along(model, fit).1, prior) > ANYWHERE_SIGMA_M.powi(-2)
+}
+
+/// Precision of what the ground says by a fit with this variance, per square metre.
+fn ground_precision(variance: f64, prior: &Expected) -> f64 {
+    1.0 / variance - 1.0 / (prior.sigma_m * prior.sigma_m)
+}
+
 /// What the ground says of a place along the route, without what was expected of it.
 pub(super) struct SeenAlong {
     ahead_m: f64,
@@ -80,7 +90,7 @@ impl SeenAlong {
         let (ahead_m, variance) = along(model, fit);
         let before = prior.sigma_m * prior.sigma_m;
         // Where the ground adds nothing its own variance has no bound.
-        let precision = (1.0 / variance - 1.0 / before).max(1.0 / (ANYWHERE_SIGMA_M * ANYWHERE_SIGMA_M));
+        let precision = ground_precision(variance, prior).max(ANYWHERE_SIGMA_M.powi(-2));
         let seen_m = ahead_m + (ahead_m - prior.ahead_m) / (before * precision);
         let joint = 1.0 / precision + before;
         let off_m = seen_m - prior.ahead_m;

@@ -11,12 +11,13 @@
 use fingerpost_geometry::wrap_angle;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 
-use super::along_route::{Expected, SeenAlong, expected_at};
+use super::along_route::{Expected, SeenAlong, expected_at, is_placed};
 use super::fit::{Fit, Fitter, Prior, Start};
 use super::junction_shape::{
     CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
 };
 use super::likelihood::{Ground, log_sum, pose_of};
+use crate::feature_model::FeatureModel;
 use crate::progress::{FeatureOutcome, FeaturePlace, Progress};
 use crate::track::{PossiblePlace, RouteStop, TrackConfig};
 
@@ -203,14 +204,15 @@ impl FeatureBelief {
         for (index, start) in starts.iter().enumerate() {
             let before_m = stop.model.before_m(&pose_of(&start.unknowns));
             let expected = expected_at(seen, expected, before_m);
-            let prior = self.prior(seen, &expected, before_m);
+            let prior = self.prior(seen, &stop.model, &expected, before_m);
             let is_known = |unknowns: &Unknowns| {
                 index >= known && self.places.iter().any(|place| is_same(&place.fit.unknowns, unknowns))
             };
             let Some(fit) = fitter.fit(ground, &stop.shape, &prior, start, is_known) else { continue };
             let place = Place { fit, expected, log_share: f64::NEG_INFINITY, by_ground: 0.0, weight: 0.0 };
-            // Beyond the view nothing speaks against a place: there the feature is not seen, which is weighed as a whole.
-            if at(&place.fit.unknowns).x > seen.view_m[1] - EDGE_ROOM_M {
+            // Where nothing speaks for or against a place, as beyond the view, the feature is not seen, which is weighed as a whole.
+            let is_placed = self.carried.is_some() || is_placed(&stop.model, &place.fit, &place.expected);
+            if at(&place.fit.unknowns).x > seen.view_m[1] - EDGE_ROOM_M || !is_placed {
                 continue;
             }
             match self.places.iter_mut().find(|other| is_same(&other.fit.unknowns, &place.fit.unknowns)) {
@@ -239,12 +241,12 @@ impl FeatureBelief {
         before_m: f64,
     ) -> Option<Fit> {
         let Seen { stop, ground, .. } = seen;
-        let prior = self.prior(seen, &expected_at(seen, expected, before_m), before_m);
+        let prior = self.prior(seen, &stop.plain, &expected_at(seen, expected, before_m), before_m);
         let start = self.plain.map_or(Start::new(prior.mean), |mut start| {
             let pose = pose_of(&start.unknowns);
             let (left_m, heading_rad) =
-                (stop.model.left_of_approach_m(&pose), stop.model.heading_off_approach_rad(&pose));
-            let pose = stop.model.vehicle_from_feature(before_m, left_m, heading_rad);
+                (stop.plain.left_of_approach_m(&pose), stop.plain.heading_off_approach_rad(&pose));
+            let pose = stop.plain.vehicle_from_feature(before_m, left_m, heading_rad);
             (start.unknowns[FORWARD], start.unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
             start.unknowns[HEADING] = pose.rotation.angle();
             start
@@ -253,16 +255,16 @@ impl FeatureBelief {
     }
 
     /// What is known before of a feature whose node is `before_m` ahead along the approach.
-    fn prior(&self, seen: Seen<'_>, expected: &Expected, before_m: f64) -> Prior {
+    fn prior(&self, seen: Seen<'_>, model: &FeatureModel, expected: &Expected, before_m: f64) -> Prior {
         let config = seen.config;
         let (pose, sigmas) = self.carried.unwrap_or_else(|| {
-            let here = seen.stop.model.vehicle_from_feature(before_m, 0.0, 0.0);
+            let here = model.vehicle_from_feature(before_m, 0.0, 0.0);
             // As far off along the road as the place is from where it is expected.
-            let along = seen.stop.model.vehicle_from_feature(before_m - 1.0, 0.0, 0.0).translation.vector
+            let along = model.vehicle_from_feature(before_m - 1.0, 0.0, 0.0).translation.vector
                 - here.translation.vector;
             let mean = here.translation.vector - (expected.ahead_m - before_m) * along;
             // Where the road bends a vehicle is turned as one a little before or behind may be.
-            let heading = |m: f64| seen.stop.model.vehicle_from_feature(before_m + m, 0.0, 0.0).rotation;
+            let heading = |m: f64| model.vehicle_from_feature(before_m + m, 0.0, 0.0).rotation;
             let bends_rad = heading(TURNS_WITHIN_M).angle_to(&heading(-TURNS_WITHIN_M)).abs();
             let heading_sigma_rad = libm::hypot(HEADING_SIGMA_RAD, 0.5 * bends_rad);
             let sigmas = [expected.sigma_m, BESIDE_SIGMA_M, heading_sigma_rad];
@@ -283,7 +285,7 @@ impl FeatureBelief {
         Prior { mean, sigma }
     }
 
-    /// Adds the best places along the approach, the vehicle beside it as the plain road says; returns how many were tried.
+    /// Adds the best places along the approach; returns how many were tried.
     fn scan(
         &mut self,
         seen: Seen<'_>,
@@ -292,9 +294,10 @@ impl FeatureBelief {
         (starts, scores): (&mut Vec<Start>, &mut Vec<(Unknowns, f64)>),
     ) -> usize {
         let Seen { stop, ground, view_m, .. } = seen;
-        let plain_pose = pose_of(plain);
-        let left_m = stop.model.left_of_approach_m(&plain_pose);
-        let heading_rad = stop.model.heading_off_approach_rad(&plain_pose);
+        // The road of a known place says where beside it the vehicle is, or else the plain road, which of a bend is another one.
+        let (road, of_road) = self.best().map_or((&stop.plain, plain), |best| (&stop.model, best));
+        let pose = pose_of(of_road);
+        let (left_m, heading_rad) = (road.left_of_approach_m(&pose), road.heading_off_approach_rad(&pose));
         let plain_score = ground.score(&stop.plain_shape, plain, SCAN_SOFT_M, SCAN_EVERY);
         let [nearest_m, farthest_m] = [view_m[0] - EDGE_ROOM_M, view_m[1] - EDGE_ROOM_M];
         let steps = ((farthest_m - nearest_m) / SCAN_STEP_M).floor().max(0.0) as usize;
@@ -304,7 +307,7 @@ impl FeatureBelief {
             let before_m = nearest_m + SCAN_STEP_M * i as f64;
             let pose = stop.model.vehicle_from_feature(before_m, left_m, heading_rad);
             let expected = expected_at(seen, expected, before_m);
-            let mut unknowns = self.prior(seen, &expected, before_m).mean;
+            let mut unknowns = self.prior(seen, &stop.model, &expected, before_m).mean;
             (unknowns[FORWARD], unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
             unknowns[HEADING] = pose.rotation.angle();
             (unknowns[PITCH], unknowns[ROLL]) = (plain[PITCH], plain[ROLL]);

@@ -144,33 +144,8 @@ pub(in crate::track) struct EdgeDistance {
 impl JunctionShape {
     /// The outline of `model`, of whose route `reach_m` metres before and behind the node are its own.
     pub(in crate::track) fn of(model: &FeatureModel, reach_m: [f64; 2]) -> Self {
-        Self::of_arms(model.arms.iter().collect(), reach_m)
-    }
-
-    /// The outline of the arms that stay on the line of the approach, which is carried on straight where none leaves it so: a road without the feature.
-    pub(in crate::track) fn without_feature(model: &FeatureModel, reach_m: [f64; 2]) -> Self {
-        let stays = |arm: &&ArmModel| !arm.leaves_the_line();
-        let mut shape = Self::of_arms(model.arms.iter().filter(stays).collect(), reach_m);
-        if shape.arms.len() < 2
-            && let Some(approach) = model.approach()
-        {
-            let strip = Strip {
-                pieces: vec![Piece {
-                    start: Point2::origin(),
-                    along: Vector2::x(),
-                    length_m: 40.0,
-                    before_m: 0.0,
-                }],
-                half_width_m: 0.5 * approach.width_m,
-                reach_m: f64::INFINITY,
-                corner: None,
-            };
-            shape.arms.insert(0, strip);
-        }
-        shape
-    }
-
-    fn of_arms(mut arms: Vec<&ArmModel>, [before_m, behind_m]: [f64; 2]) -> Self {
+        let [before_m, behind_m] = reach_m;
+        let mut arms: Vec<&ArmModel> = model.arms.iter().collect();
         arms.truncate(MOST_ARMS);
         arms.sort_by(|a, b| a.direction_rad().rem_euclid(TAU).total_cmp(&b.direction_rad().rem_euclid(TAU)));
         let count = arms.len();
