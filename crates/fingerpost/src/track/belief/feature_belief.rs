@@ -9,6 +9,7 @@
 //! are fitted together with what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
 use fingerpost_geometry::wrap_angle;
+use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 
 use super::along_route::{Expected, SeenAlong, expected_at, is_placed};
@@ -294,8 +295,9 @@ impl FeatureBelief {
         (starts, scores): (&mut Vec<Start>, &mut Vec<(Unknowns, f64)>),
     ) -> usize {
         let Seen { stop, ground, view_m, .. } = seen;
-        // The road of a known place says where beside it the vehicle is, or else the plain road, which of a bend is another one.
-        let (road, of_road) = self.best().map_or((&stop.plain, plain), |best| (&stop.model, best));
+        // The plain road says where beside its road the vehicle is; a bend is another road, of which a known place says so.
+        let known = self.best().filter(|_| stop.model.kind == FeatureKind::Bend);
+        let (road, of_road) = known.map_or((&stop.plain, plain), |best| (&stop.model, best));
         let pose = pose_of(of_road);
         let (left_m, heading_rad) = (road.left_of_approach_m(&pose), road.heading_off_approach_rad(&pose));
         let plain_score = ground.score(&stop.plain_shape, plain, SCAN_SOFT_M, SCAN_EVERY);
