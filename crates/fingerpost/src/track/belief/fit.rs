@@ -172,7 +172,7 @@ mod tests {
     use super::super::ground_memory::{CELL_M, GroundCell};
     use super::super::junction_shape::tests::t_junction;
     use super::super::junction_shape::{OFFSETS, PITCH, ROLL, SCALE};
-    use super::super::likelihood::{RowAngles, pose_of};
+    use super::super::likelihood::{INSET_ROWS, RowAngles, pose_of};
     use super::*;
     use crate::ground_view::Viewpoint;
 
@@ -194,6 +194,11 @@ mod tests {
 
     /// The ground about a junction with these unknowns, as a detector sees it that is sure.
     fn ground(truth: &Unknowns) -> Ground {
+        ground_seen(truth, 0.0, 0.0)
+    }
+
+    /// The same by a detector whose reduced picture's rows span `row_rad`, which is believed to have rows of `believed_rad`.
+    fn ground_seen(truth: &Unknowns, row_rad: f64, believed_rad: f64) -> Ground {
         let (shape, feature_from_vehicle) = (t_junction(), pose_of(truth).inverse());
         let outline = shape.outline(truth);
         let cells: Vec<GroundCell> = (0..64)
@@ -205,13 +210,19 @@ mod tests {
             })
             .map(|place| {
                 let edge = outline.distance(feature_from_vehicle * place);
-                let is_road = edge.is_some_and(|edge| edge.distance_m < 0.0);
+                let ahead_m = place.x - VIEWPOINT.foot.x;
+                let inset_m =
+                    INSET_ROWS * row_rad * (ahead_m * ahead_m / VIEWPOINT.height_m + VIEWPOINT.height_m);
+                let is_road = edge.is_some_and(|edge| {
+                    let across = (pose_of(truth).rotation * edge.by_place).x.abs();
+                    edge.distance_m < -inset_m * across
+                });
                 let log_odds = if is_road { 2.0 } else { -2.5 };
                 GroundCell { place, log_odds, trust: 0.6, seen_ahead_m: place.x - VIEWPOINT.foot.x }
             })
             .collect();
         let mut ground = Ground::default();
-        ground.take(cells.chunks(2), VIEWPOINT, RowAngles { picture_rad: 0.0025, reduced_rad: 0.0 });
+        ground.take(cells.chunks(2), VIEWPOINT, RowAngles { picture_rad: 0.0025, reduced_rad: believed_rad });
         ground
     }
 
@@ -252,6 +263,20 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn edges_that_are_seen_inside_the_road_make_it_no_narrower() {
+        let (shape, truth) = (t_junction(), truth([12.0, 0.0, 0.0], [4.0; 3]));
+        // Of the arms by their direction, the first and the last lie across the view.
+        let widths = |believed_rad: f64| {
+            let fit = fit(&ground_seen(&truth, 0.0075, believed_rad), &shape, &prior(1.0));
+            [0, 1, 2].map(|arm| fit.unknowns[WIDTHS + arm])
+        };
+        let [side, approach, exit] = widths(0.0);
+        assert!(side < -0.05 && exit < -0.05 && approach.abs() < 0.05, "{side} {approach} {exit}");
+        let [side, approach, exit] = widths(0.0075);
+        assert!([side, approach, exit].iter().all(|width| width.abs() < 0.05), "{side} {approach} {exit}");
     }
 
     #[test]
