@@ -47,6 +47,8 @@ pub(crate) struct Hypothesis {
     pub(crate) state: State,
     /// Natural logarithm of its weight.
     pub(crate) log_weight: f64,
+    /// The last landmark that says where it is.
+    pub(crate) placed_by: Option<usize>,
 }
 
 impl Hypothesis {

@@ -1,10 +1,10 @@
 //! Landmarks: places of the map that the vehicle sees, such as a junction ahead.
 //!
 //! All sightings of one landmark share their errors: the map has it in a wrong place once, and who follows it adds up what it has seen
-//! itself. So a landmark counts once. While it is in sight the belief is kept as it is without it, and each fix is that belief
-//! conditioned afresh on the newest sighting (as a channel filter keeps apart what two estimators have in common: S. Grime and
-//! H. Durrant-Whyte, "Data fusion in decentralized sensor networks", Control Engineering Practice 1994). When it is out of sight the
-//! conditioning stays.
+//! itself. So a landmark moves a hypothesis once; seen again, it only says how well it fits. While it is in sight the belief is kept as
+//! it is without it, and each fix is that belief conditioned afresh on the newest sighting (as a channel filter keeps apart what two
+//! estimators have in common: S. Grime and H. Durrant-Whyte, "Data fusion in decentralized sensor networks", Control Engineering
+//! Practice 1994). When it is out of sight the conditioning stays.
 //!
 //! A sighting may be of something else. Every hypothesis then becomes two: the landmark is there and says where the vehicle is, or it
 //! says nothing.
@@ -104,30 +104,11 @@ pub(crate) struct Seen {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Landmarks {
     pub(crate) in_sight: Option<Seen>,
-    /// The last one that is out of sight.
-    counted: Option<usize>,
-}
-
-/// What becomes of a sighting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Taken {
-    /// It is the newest of the landmark in sight.
-    Newest,
-    /// The landmark has been out of sight and does not count again.
-    Counted,
-    /// A number of it is none.
-    Unsound,
-}
-
-impl SightingEvidence {
-    /// That of a landmark that does not count again.
-    pub(crate) fn counted(landmark: usize) -> Self {
-        Self { landmark, innovation: None, present: 0.0, verdict: Verdict::Counted }
-    }
 }
 
 impl Sighting {
-    fn is_sound(&self) -> bool {
+    /// Whether all its numbers are some.
+    pub(crate) fn is_sound(&self) -> bool {
         let poses = [&self.map_from_landmark, &self.vehicle_from_landmark];
         let finite = |pose: &Isometry2<f64>| {
             pose.translation.vector.iter().all(|number| number.is_finite())
@@ -176,22 +157,13 @@ impl Landmarks {
         if seen.unseen_m <= OUT_OF_SIGHT_M {
             return None;
         }
-        self.counted = Some(seen.landmark);
         self.in_sight.take()
     }
 
-    /// Takes in a sighting; gives the landmark that is out of sight because of it as well.
-    pub(crate) fn see(&mut self, sighting: &Sighting) -> (Taken, Option<Seen>) {
-        if !sighting.is_sound() {
-            return (Taken::Unsound, None);
-        }
-        if self.counted == Some(sighting.landmark) {
-            return (Taken::Counted, None);
-        }
+    /// Takes in a sound sighting; gives the landmark that is out of sight because of it.
+    pub(crate) fn see(&mut self, sighting: &Sighting) -> Option<Seen> {
         let before = self.in_sight.replace(sighting.seen());
-        let other = before.filter(|before| before.landmark != sighting.landmark);
-        self.counted = other.map_or(self.counted, |other| Some(other.landmark));
-        (Taken::Newest, other)
+        before.filter(|before| before.landmark != sighting.landmark)
     }
 }
 
@@ -222,8 +194,11 @@ impl Seen {
         }
         let mut seeing = hypothesis.clone();
         seeing.log_weight = log_weight;
-        seeing.state.take_pose(&innovation);
-        seeing.along_m += (seeing.state.place() - hypothesis.state.place()).dot(&hypothesis.ahead());
+        if seeing.placed_by != Some(self.landmark) {
+            seeing.placed_by = Some(self.landmark);
+            seeing.state.take_pose(&innovation);
+            seeing.along_m += (seeing.state.place() - hypothesis.state.place()).dot(&hypothesis.ahead());
+        }
         Some(seeing)
     }
 
@@ -268,6 +243,8 @@ struct Conditioned {
     log_total: f64,
     /// Probability that it is what it is taken for.
     present: f64,
+    /// That part of it in which it was seen before.
+    again: f64,
 }
 
 /// What was expected of a landmark by several hypotheses together.
@@ -304,11 +281,19 @@ impl Expected {
 
 impl Belief {
     fn seeing(&self, seen: &Seen) -> Conditioned {
-        let conditioned = self.hypotheses.iter().filter_map(|hypothesis| seen.condition(hypothesis));
-        let seeing: Vec<Box<Hypothesis>> = conditioned.map(Box::new).collect();
-        let there: f64 = seeing.iter().map(|hypothesis| libm::exp(hypothesis.log_weight)).sum();
-        let elsewhere = libm::exp(seen.log_elsewhere());
-        Conditioned { seeing, log_total: libm::log(there + elsewhere), present: there / (there + elsewhere) }
+        let (mut there, mut again) = (0.0, 0.0);
+        let mut seeing = Vec::new();
+        for hypothesis in &self.hypotheses {
+            let Some(conditioned) = seen.condition(hypothesis) else { continue };
+            let weight = libm::exp(conditioned.log_weight);
+            there += weight;
+            if hypothesis.placed_by == Some(seen.landmark) {
+                again += weight;
+            }
+            seeing.push(Box::new(conditioned));
+        }
+        let total = there + libm::exp(seen.log_elsewhere());
+        Conditioned { seeing, log_total: libm::log(total), present: there / total, again: again / total }
     }
 
     /// The estimate of what is believed once a landmark in sight is taken in.
@@ -331,7 +316,7 @@ impl Belief {
         estimate
     }
 
-    /// Takes in a landmark that will not be seen again.
+    /// Takes in a landmark that is out of sight.
     pub(crate) fn take_seen(&mut self, seen: &Seen) {
         let Conditioned { mut seeing, log_total, .. } = self.seeing(seen);
         let log_elsewhere = seen.log_elsewhere() - log_total;
@@ -344,7 +329,7 @@ impl Belief {
 
     /// What is made of a landmark in sight.
     pub(crate) fn evidence(&self, seen: &Seen) -> SightingEvidence {
-        let present = self.seeing(seen).present;
+        let Conditioned { present, again, .. } = self.seeing(seen);
         let mut expected = Expected::default();
         for hypothesis in &self.hypotheses {
             // Those that go the other way expect nothing of it.
@@ -352,12 +337,13 @@ impl Belief {
             let innovation = innovation.filter(|innovation| innovation.off.z.abs() < FRAC_PI_2);
             innovation.iter().for_each(|innovation| expected.add(hypothesis, innovation));
         }
-        let innovation = expected.innovation();
         let verdict = match () {
+            () if present > 0.5 && again > 0.5 * present => Verdict::Counted,
             () if present > 0.5 => Verdict::Accepted,
             () if seen.present <= 0.5 => Verdict::Unlikely,
             () => Verdict::Disagrees,
         };
+        let innovation = expected.innovation().filter(|_| verdict != Verdict::Counted);
         SightingEvidence { landmark: seen.landmark, innovation, present, verdict }
     }
 }

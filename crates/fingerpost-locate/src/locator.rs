@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::belief::{Belief, OFFSET_MODEL};
 use crate::fix::{Estimate, Fix, RISK, Rival, Status};
 use crate::gps::{GpsEvidence, Receiver};
-use crate::landmark::{Landmarks, Sighting, SightingEvidence, Taken};
+use crate::landmark::{Landmarks, Sighting, SightingEvidence};
 use crate::odometry::{Motion, MotionInterval, MotionSample, YAW_RATE_NOISE};
 use crate::roads::Traffic;
 use crate::speedometer::Speedometer;
@@ -181,16 +181,10 @@ impl Locator {
     /// made of it is given then; none in between, where there is no fix, and for numbers that are none.
     pub fn sight(&mut self, sighting: &Sighting) -> Option<SightingEvidence> {
         self.estimate.as_ref()?;
-        if self.pending.driven_m > 0.0 {
+        if self.pending.driven_m > 0.0 || !sighting.is_sound() {
             return None;
         }
-        let (taken, out_of_sight) = self.landmarks.see(sighting);
-        match taken {
-            Taken::Newest => {}
-            Taken::Counted => return Some(SightingEvidence::counted(sighting.landmark)),
-            Taken::Unsound => return None,
-        }
-        if let Some(other) = out_of_sight {
+        if let Some(other) = self.landmarks.see(sighting) {
             self.belief.take_seen(&other);
         }
         self.estimate_again();

@@ -24,7 +24,9 @@ pub(crate) fn merge_alike(hypotheses: &mut Vec<Box<Hypothesis>>) {
             .then(b.log_weight.total_cmp(&a.log_weight))
     });
     hypotheses.dedup_by(|next, kept| {
-        let same = course(next) == course(kept) && are_alike(&next.state, &kept.state);
+        let same = course(next) == course(kept)
+            && next.placed_by == kept.placed_by
+            && are_alike(&next.state, &kept.state);
         if same {
             merge(kept, next);
         }

@@ -99,6 +99,7 @@ impl Belief {
                 along_m,
                 state: start(sample, seeds.sigma_m, heading_sigma),
                 log_weight: seeds.log_weight,
+                placed_by: None,
             }));
         }
     }

@@ -63,13 +63,17 @@ fn roads() -> RoadGraph {
     .unwrap()
 }
 
+/// What comes of a drive, step by step: where the vehicle is, the fix, and what was made of the landmark.
+type Driven = Vec<(Point2<f64>, Fix, Option<SightingEvidence>)>;
+
 /// A drive to the east from 140 m on for 20 m, that is believed to begin `start_off_m` farther on. The landmark is seen `seen_off_m`
 /// farther ahead and to the left than the map has it, in every step.
-fn drive(
-    start_off_m: f64,
-    seen_off_m: [f64; 2],
-    present: f64,
-) -> Vec<(Point2<f64>, Fix, Option<SightingEvidence>)> {
+fn drive(start_off_m: f64, seen_off_m: [f64; 2], present: f64) -> Driven {
+    drive_seeing(start_off_m, |_| Some((seen_off_m, present)))
+}
+
+/// The same with a landmark that is not seen in every step, nor always there.
+fn drive_seeing(start_off_m: f64, seen_off: impl Fn(u32) -> Option<([f64; 2], f64)>) -> Driven {
     let graph = roads();
     let corner = graph.plane().map_from_wgs84(
         TangentPlane::new(LatLon { lat_deg: 47.0, lon_deg: 9.0 }).wgs84_from_map(Point2::new(200.0, 0.0)),
@@ -77,7 +81,7 @@ fn drive(
     let place = |east_m: f64| corner + Vector2::new(east_m - 200.0, 0.0);
     let start = Start { place_m: place(140.0 + start_off_m), sigma_m: 20.0, heading_rad: Some([0.0, 0.05]) };
     let mut locator = Locator::near(&graph, Traffic::Centre, 1, &start);
-    (1..=20)
+    (1..=20_u32)
         .map(|step| {
             let true_m = place(140.0 + f64::from(step));
             let motion = MotionInterval {
@@ -88,12 +92,13 @@ fn drive(
                 distance_variance_m2: 0.0,
             };
             locator.go_on(&motion);
-            let seen = Sighting {
-                map_from_landmark: Isometry2::new(corner.coords, 0.0),
-                present,
-                ..sighting(corner.x - true_m.x + seen_off_m[0], seen_off_m[1], 0.0)
-            };
-            let evidence = locator.sight(&seen);
+            let evidence = seen_off(step).and_then(|([farther_m, left_m], present)| {
+                locator.sight(&Sighting {
+                    map_from_landmark: Isometry2::new(corner.coords, 0.0),
+                    present,
+                    ..sighting(corner.x - true_m.x + farther_m, left_m, 0.0)
+                })
+            });
             (true_m, locator.now().unwrap(), evidence)
         })
         .collect()
@@ -140,19 +145,41 @@ fn what_is_seen_where_no_vehicle_can_be_counts_little() {
 }
 
 #[test]
-fn another_that_is_out_of_sight_does_not_count_again() {
+fn what_was_taken_for_a_landmark_before_it_does_not_keep_it_from_counting() {
+    // Something else is taken for the junction 25 m before it and counts; then it is seen itself.
+    let seen = |step| match step {
+        1..=4 => Some(([-25.0, 0.0], 0.9)),
+        12.. => Some(([0.0, 0.0], 0.99)),
+        _ => None,
+    };
+    let fixes = drive_seeing(0.0, seen);
+    let mut verdicts = fixes.iter().filter_map(|(.., evidence)| evidence.map(|evidence| evidence.verdict));
+    assert_eq!(verdicts.next(), Some(Verdict::Accepted));
+    assert_eq!(verdicts.next_back(), Some(Verdict::Accepted));
+    let (true_m, fix, _) = fixes.last().unwrap();
+    assert!((fix.place_m - true_m).norm() < 2.0, "{}", fix.place_m - true_m);
+}
+
+#[test]
+fn a_landmark_is_in_sight_until_another_is_or_the_vehicle_has_driven_on() {
     let mut landmarks = Landmarks::default();
     let (one, other) = (sighting(10.0, 0.0, 0.0), Sighting { landmark: 1, ..sighting(30.0, 0.0, 0.0) });
-    assert!(matches!(landmarks.see(&one), (Taken::Newest, None)));
-    assert!(matches!(landmarks.see(&one), (Taken::Newest, None)));
-    assert!(matches!(landmarks.see(&other), (Taken::Newest, Some(Seen { landmark: 0, .. }))));
-    assert!(matches!(landmarks.see(&one), (Taken::Counted, None)));
+    assert!(landmarks.see(&one).is_none() && landmarks.see(&one).is_none());
+    assert!(landmarks.see(&other).is_some_and(|seen| seen.landmark == 0));
     let mut motion = Motion::default();
     motion.go_on(8.0, 0.0, 1.0);
     assert!(landmarks.go(&motion).is_some_and(|seen| seen.landmark == 1));
-    assert!(matches!(landmarks.see(&other), (Taken::Counted, None)));
-    let broken = Sighting { present: f64::NAN, landmark: 2, ..one };
-    assert!(matches!(landmarks.see(&broken), (Taken::Unsound, None)));
+    assert!(landmarks.in_sight.is_none());
+    assert!(!Sighting { present: f64::NAN, ..one }.is_sound());
+}
+
+#[test]
+fn a_landmark_that_comes_into_sight_again_makes_nothing_surer() {
+    let seen = |step| (!(8..=14).contains(&step)).then_some(([0.0, 0.0], 0.99));
+    let fixes = drive_seeing(0.0, seen);
+    let (_, fix, evidence) = fixes.iter().rfind(|(.., evidence)| evidence.is_some()).unwrap();
+    assert_eq!(evidence.unwrap().verdict, Verdict::Counted);
+    assert!(fix.covariance_m2[(0, 0)].sqrt() > 0.9 * PLACE_SIGMA_M);
 }
 
 /// Starts, sightings and places beside the road drawn from what is believed of them: the squared error is what the covariance says.
