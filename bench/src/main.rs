@@ -1,7 +1,6 @@
-//! Fingerpost beside its peers: one command measures kernels, the whole loop, lanes, motion estimates, candidate poses and whole
+//! Fingerpost beside its peers: one command measures kernels, the whole loop, lanes, motion estimates and whole
 //! runs, interleaved in one run on the same frames, after it has checked that the results agree.
 
-mod candidates;
 mod footage;
 mod growth;
 mod height;
@@ -118,9 +117,6 @@ fn main() -> Result<()> {
     if wanted("network") {
         sections.push(network::network(effort, &footage, &sets)?);
         CodePath::limit(most);
-    }
-    if timed("candidates") {
-        sections.push(candidates::candidates(effort, &footage)?);
     }
     if let Some(program) = arguments.program.as_deref().filter(|_| timed("recording")) {
         sections.push(recording::recording(effort, &footage, program, most)?);

@@ -12,7 +12,6 @@ use fingerpost::ground_view::{GroundPicture, GroundView};
 use fingerpost::matching::Matcher;
 use fingerpost::motion::{Motion, MotionEstimator};
 use fingerpost::road_surface::{Perspective, RoadDetector, RoadInput, RoadSurface};
-use fingerpost::track::{CandidateSearch, PoseFilter, Reach};
 use fingerpost_geometry::{GroundPixel, Polyline};
 use fingerpost_map::{ArmRole, FeatureKind};
 use fingerpost_vision::picture::RgbImage;
@@ -112,7 +111,6 @@ pub struct Loop {
     motion: Box<dyn MotionEstimator>,
     moved: Option<Motion>,
     node: Isometry2<f64>,
-    candidates: CandidateSearch,
 }
 
 impl Loop {
@@ -135,7 +133,7 @@ impl Loop {
         let curve = MaskCurve::new(&config.feature_mask, &config.vehicle, &feature)?;
         let masks = MaskCache::new(
             &config.feature_mask,
-            config.track.alignment.kerb_radius_m,
+            config.track.kerb_radius_m,
             &config.vehicle,
             view.grid(),
             &feature,
@@ -151,7 +149,6 @@ impl Loop {
             node: Isometry2::new(p_in_vehicle.coords, 0.0),
             ground: view.black_picture(),
             surface: RoadSurface::default(),
-            candidates: CandidateSearch::default(),
             masks,
             view,
             config,
@@ -182,8 +179,8 @@ impl Loop {
         };
         self.detector.detect(input, &mut self.surface)?;
         lap(1);
-        let laid = self.matcher.laid_with(&self.surface, (&self.ground.grey, validity))?;
-        laid.score(&mut self.masks, &self.node, 0.0)?;
+        let laid = self.matcher.laid(&self.surface, self.surface.known())?;
+        laid.probability(&mut self.masks, &self.node)?;
         lap(2);
         self.moved = self
             .motion
@@ -192,35 +189,9 @@ impl Loop {
         let previous_from_current =
             self.moved.map_or_else(Isometry2::identity, |motion| motion.previous_from_current);
         lap(3);
-        laid.score(&mut self.masks, &(previous_from_current.inverse() * self.node), 0.0)?;
+        laid.probability(&mut self.masks, &(previous_from_current.inverse() * self.node))?;
         lap(4);
         Ok(laps_ms)
-    }
-}
-
-/// The search about the crossroads' place, on the road surface of the last frame.
-impl Loop {
-    /// Tries candidates about the place, on the method's own lattice or one of so many pixels; says how many.
-    pub fn search(&mut self, step_px: Option<f64>) -> Result<usize> {
-        let mut config = self.config.track.clone();
-        if let Some(step_px) = step_px {
-            // The search about a prediction halves the steps.
-            config.search_forward_step_m = 2.0 * step_px * self.view.grid().metres_per_pixel();
-            config.search_left_step_m = config.search_forward_step_m;
-        }
-        let laid = self.matcher.laid(&self.surface, self.surface.known())?;
-        let threshold = config.confirm_threshold;
-        let node = PoseFilter::new(self.node, [1.2, 0.8, 0.1]);
-        Ok(self
-            .candidates
-            .about(&config, &laid, &mut self.masks, threshold, (&node, Reach::of(&config)))?
-            .count)
-    }
-
-    /// Makes everything that is seen road.
-    pub fn set_all_road(&mut self) -> Result<()> {
-        self.surface.probability.as_mut_slice().fill(u8::MAX);
-        Ok(self.surface.sums.rebuild(self.surface.probability.view(), self.view.validity())?)
     }
 }
 

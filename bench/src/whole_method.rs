@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use fingerpost::height::HeightUse;
-use fingerpost::track::TrackMethod;
 use fingerpost::{Config, Pipeline, Sensors, Stage};
 use fingerpost_sim::{SimConfig, Simulator};
 use fingerpost_vision::picture::RgbImage;
@@ -34,7 +33,7 @@ struct Laps {
     stages_ms: BTreeMap<Stage, Vec<Vec<f64>>>,
 }
 
-/// Times the method with the belief, lanes and the ground's height.
+/// Times the method with lanes and the ground's height.
 pub fn whole_method() -> Result<Section> {
     let (graph, route) = town()?;
     let camera = dashcam(SIZE_PX.0, SIZE_PX.1)?;
@@ -43,7 +42,6 @@ pub fn whole_method() -> Result<Section> {
     let frames: Vec<RgbImage> =
         (0..FRAMES.min(simulator.frames())).map(|index| simulator.frame(index).picture).collect();
     let mut config = Config::default();
-    config.track.method = TrackMethod::Belief;
     config.height.used = HeightUse::Surface;
     let mut laps = Laps { whole_ms: vec![Vec::new(); frames.len()], stages_ms: BTreeMap::new() };
     for _ in 0..DRIVES {
@@ -68,8 +66,8 @@ fn section(laps: Laps, frames: usize) -> Section {
     let mut section = Section::new(
         "Whole method",
         &format!(
-            "one thread, without decoding; {frames} frames of the demo's drive at {} x {}, with lanes, the ground's height in \
-             the surface and the belief; a frame's time is the median of {DRIVES} drives",
+            "one thread, without decoding; {frames} frames of the demo's drive at {} x {}, with lanes and the ground's height in \
+             the surface; a frame's time is the median of {DRIVES} drives",
             SIZE_PX.0, SIZE_PX.1
         ),
     );

@@ -123,7 +123,7 @@ def test_a_drive_whose_worker_dies_is_tried_again(cluster, tmp_path):
         fleet.run(drives, tmp_path / "always", program=always, retries=1)
     assert pyarrow.parquet.read_table(tmp_path / "always/results.parquet")["program"].to_pylist() == [None]
     with pytest.raises(fleet.FleetError, match="says nothing of the settings"):
-        fleet.tune(drives, tmp_path / "tuned", keys={"track.detect_threshold": (0.4, 0.9)}, population=2, trials=2, program=always, retries=0)
+        fleet.tune(drives, tmp_path / "tuned", keys={"track.detect_present": (0.6, 0.9)}, population=2, trials=2, program=always, retries=0)
 
 
 def test_recorded_drives_give_what_run_gives(cluster, tmp_path):
@@ -149,7 +149,7 @@ def test_recorded_drives_give_what_run_gives(cluster, tmp_path):
 
 def test_a_search_gives_the_same_front_again(cluster, tmp_path):
     drives = fleet.campaign_drives(2, **SMALL)
-    search = {"keys": {"track.detect_threshold": (0.4, 0.9), "track.detect_frames": (1, 6)}, "trials": 4, "population": 3, "program": PROGRAM}
+    search = {"keys": {"track.detect_present": (0.6, 0.9), "road_surface.bank.frames": (1, 6)}, "trials": 4, "population": 3, "program": PROGRAM}
     found = fleet.tune(drives, tmp_path / "tuned", held_out=fleet.campaign_drives(1, seed=9, **SMALL), **search)
     rows = found.to_pylist()
     assert [row["trial"] for row in rows] == list(range(4))
@@ -158,8 +158,8 @@ def test_a_search_gives_the_same_front_again(cluster, tmp_path):
     features, detected = (sum(row[name] for row in campaign) for name in ("features_total", "features_detected"))
     assert rows[0]["missed"] == 1 - detected / features
     defaults = fingerpost.config_schema()["properties"]["track"]["properties"]
-    assert rows[0]["track.detect_threshold"] == defaults["detect_threshold"]["default"]
-    assert isinstance(rows[1]["track.detect_frames"], int)
+    assert rows[0]["track.detect_present"] == defaults["detect_present"]["default"]
+    assert isinstance(rows[1]["road_surface.bank.frames"], int)
     # No trial of the front is beaten by another, and each has its configuration and what came of the drives held out.
     scores = [tuple(row[name] if row[name] is not None else float("inf") for name in ("missed", "false", "error_p95_m")) for row in rows]
     for row, score in zip(rows, scores, strict=True):
@@ -193,9 +193,9 @@ def test_mistakes_say_what_to_do(cluster, tmp_path):
     with pytest.raises(fingerpost.ConfigError, match=r"track\.nothing: there is no number.*config_schema"):
         fleet.tune(drives, tmp_path / "out", keys={"track.nothing": (0.1, 0.2)}, program=PROGRAM)
     with pytest.raises(fingerpost.ConfigError, match="reaches beyond"):
-        fleet.tune(drives, tmp_path / "out", keys={"track.detect_threshold": (0.5, 1.5)}, program=PROGRAM)
+        fleet.tune(drives, tmp_path / "out", keys={"track.detect_present": (0.5, 1.5)}, program=PROGRAM)
     with pytest.raises(fingerpost.ConfigError, match="the lesser first"):
-        fleet.tune(drives, tmp_path / "out", keys={"track.detect_threshold": (0.9, 0.5)}, program=PROGRAM)
+        fleet.tune(drives, tmp_path / "out", keys={"track.detect_present": (0.9, 0.5)}, program=PROGRAM)
     assert issubclass(fleet.FleetError, fingerpost.FingerpostError)
 
 

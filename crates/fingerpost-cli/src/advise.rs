@@ -59,7 +59,7 @@ const USUAL_DT_S: f64 = 0.1;
 
 /// Answers frame after frame.
 pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
-    let config = inputs::config(args.config.as_deref())?;
+    let config = inputs::config_of_drive(args.config.as_deref())?;
     let camera = inputs::camera(&args.camera)?;
     let route = inputs::route(&args.route)?;
     let setting = RunSetting {

@@ -7,7 +7,7 @@ use fingerpost::advice::Advice;
 use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
 use fingerpost::road_surface::SurfaceFile;
-use fingerpost::track::{State, TrackConfig, TrackMethod};
+use fingerpost::track::State;
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
 use fingerpost_eval::FeatureIdentity;
 use fingerpost_format::FrameRecord;
@@ -43,11 +43,10 @@ pub(crate) struct RunSetting<'a> {
 impl RunSetting<'_> {
     /// The method before its first frame.
     pub(crate) fn pipeline(&self) -> Result<Pipeline> {
-        let Config { road_surface, track, motion, lanes, advice, .. } = self.config;
+        let Config { road_surface, motion, lanes, advice, .. } = self.config;
         log::debug!(
-            "road detector {}, tracker {:?}, motion {:?}, lanes {:?}, controller {}",
+            "road detector {}, motion {:?}, lanes {:?}, controller {}",
             road_surface.detector.name(),
-            track.method,
             motion.estimator,
             lanes.finder,
             advice.controller.name()
@@ -87,8 +86,6 @@ pub(crate) struct Seen {
     pub(crate) key_frame: Option<DrawnFrame>,
     /// All panels in one picture, where that is wanted.
     pub(crate) annotated: Option<RgbImage>,
-    /// What P(F) was held against, where it was.
-    pub(crate) needed_p: Option<f64>,
     /// Its messages, where the run is recorded.
     pub(crate) recorded: Option<RecordedFrame>,
 }
@@ -161,7 +158,10 @@ impl Driver {
         Ok(Subject {
             config_toml: format!("{WRITTEN_BY}{}", setting.config.to_toml()?),
             rules: self.pipeline.advice_rules().map(str::to_owned).collect(),
-            thresholds: thresholds(&setting.config.track),
+            thresholds: Thresholds {
+                detect: setting.config.track.detect_present,
+                lost: setting.config.track.lost_present,
+            },
             route: setting.route.cloned(),
             roads: None,
             features: self.features.clone(),
@@ -241,7 +241,6 @@ impl Driver {
         let FrameTime { frame, t_s } = time;
         let scene = Scene { setting: &self.drawing, frame, t_s, picture, output, evidence: &evidence };
         at_once(&scene);
-        let needed_p = evidence.track.needed_p;
         let stage_ms = clock.stage_ms;
         let mut record = frame_record(time, output, &evidence, &self.features, stage_ms);
         if let Some(scaling) = &self.scaling {
@@ -255,7 +254,7 @@ impl Driver {
         clock.finished("drawing");
         let recorded = self.frame_recorder.as_mut().map(|recorder| recorder.record(&scene));
         clock.finished("recording");
-        let seen = Seen { record, key_frame, annotated, needed_p, recorded };
+        let seen = Seen { record, key_frame, annotated, recorded };
         Ok(FrameResult { time, outcome: Ok(seen), stage_ms: clock.stage_ms })
     }
 
@@ -294,16 +293,6 @@ impl Driver {
             picture.width(),
             picture.height()
         )
-    }
-}
-
-/// What a feature must reach to be tracked, and to be tracked on.
-fn thresholds(config: &TrackConfig) -> Thresholds {
-    match config.method {
-        TrackMethod::Rules => Thresholds::OfFrames,
-        TrackMethod::Belief => {
-            Thresholds::OfPresence { detect: config.belief.detect_present, lost: config.belief.lost_present }
-        }
     }
 }
 

@@ -62,7 +62,7 @@ pub(crate) fn of_route(route: &Route) -> String {
     format!("route of {length} with {features}{kinds}")
 }
 
-/// Settings that are not the default, each with the default: `track.detect_frames = 4 (default 3)`.
+/// Settings that are not the default, each with the default: `track.detect_present = 0.9 (default 0.8)`.
 pub(crate) fn of_settings(config: &Config) -> Vec<String> {
     // What cannot be written has no keys.
     let table = |config: &Config| -> Table {
@@ -98,14 +98,14 @@ mod tests {
     fn settings_are_named_where_they_differ_and_nowhere_else() {
         let mut config = Config::default();
         assert!(of_settings(&config).is_empty());
-        let usual = config.track.detect_frames;
-        config.track.detect_frames = usual + 1;
+        let usual = config.track.detect_sigma_m;
+        config.track.detect_sigma_m = usual + 1.0;
         config.can.speed = Some("WHEELS.SPEED".to_owned());
         assert_eq!(
             of_settings(&config),
             [
                 "can.speed = \"WHEELS.SPEED\" (default none)".to_owned(),
-                format!("track.detect_frames = {} (default {usual})", usual + 1)
+                format!("track.detect_sigma_m = {} (default {usual})", usual + 1.0)
             ]
         );
     }

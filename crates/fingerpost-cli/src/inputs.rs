@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use fingerpost::Config;
+use fingerpost::advice::{AdviceConfig, ControllerName};
 use fingerpost_format::{ReadCamera, TruthRecord};
 use fingerpost_geometry::Camera;
 use fingerpost_io::{
@@ -119,6 +120,19 @@ pub(crate) fn route(path: &Path) -> Result<Route> {
     route.polyline().with_context(|| path.display().to_string())?;
     log::info!("{}: {}", path.display(), facts::of_route(&route));
     Ok(route)
+}
+
+/// The same for a drive, which one controller steers: what it leaves unused is said.
+pub(crate) fn config_of_drive(path: Option<&Path>) -> Result<Config> {
+    let config = config(path)?;
+    let AdviceConfig { controller, rules, .. } = &config.advice;
+    if rules.is_some() && *controller != ControllerName::Fuzzy {
+        output::message(&format!(
+            "advice.rules are the fuzzy controller's, and {} steers: set advice.controller = \"fuzzy\", or take them out",
+            controller.name()
+        ));
+    }
+    Ok(config)
 }
 
 /// The configuration of a file, or the default one.

@@ -248,8 +248,8 @@ impl Recorder {
 
     fn add_seen(&mut self, time: FrameTime, seen: Seen) -> Result<()> {
         let mut clock = FrameClock::start();
-        let Seen { record, key_frame, annotated, needed_p, recorded } = seen;
-        self.keep(record, needed_p)?;
+        let Seen { record, key_frame, annotated, recorded } = seen;
+        self.keep(record)?;
         self.send_to_viewers(recorded)?;
         if let Some(key_frame) = key_frame {
             self.key_frames.add(key_frame)?;
@@ -273,7 +273,7 @@ impl Recorder {
         self.broken_frames += 1;
         let at_first = if self.subject.route.is_some() { TrackState::Searching } else { TrackState::NoRoute };
         let record = broken_record(time, self.last.as_ref(), at_first, error);
-        self.keep(record, None)?;
+        self.keep(record)?;
         self.send_to_viewers(None)
     }
 
@@ -296,15 +296,14 @@ impl Recorder {
         Ok(())
     }
 
-    /// Keeps a record, and what P(F) was held against in its frame.
-    fn keep(&mut self, record: FrameRecord, needed_p: Option<f64>) -> Result<()> {
+    /// Keeps a record.
+    fn keep(&mut self, record: FrameRecord) -> Result<()> {
         self.folder.append(&record)?;
         self.times.add(&record.stage_ms);
         log::debug!("frame {}: {:?}: {}", record.frame, record.state, record.why);
         self.frames += 1;
         self.lost_frames += u64::from(record.state == TrackState::Lost);
         self.timeline.add(&record, None);
-        self.timeline.decided_by(record.t_s, needed_p);
         self.totals.add(&record);
         self.outcomes.add(&record);
         let camera = record.camera.map(|camera| camera.state);
@@ -389,7 +388,7 @@ impl Recorder {
         let records = records.with_context(|| path.display().to_string())?;
         let ids: Vec<i64> = self.subject.features.iter().map(|feature| feature.id).collect();
         let evaluation = evaluate_junctions(&records, truth, &ids)?;
-        let timeline = Timeline::of(&records, Some(truth)).with_bounds_of(&self.timeline);
+        let timeline = Timeline::of(&records, Some(truth));
         Ok((evaluation.summary, timeline))
     }
 }

@@ -75,7 +75,7 @@ pub(crate) struct Ros2Args {
 /// Runs the node.
 pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
     check_outputs(args)?;
-    let mut config = inputs::config(args.config.as_deref())?;
+    let mut config = inputs::config_of_drive(args.config.as_deref())?;
     let known = args.mount.known()?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     let roads = args.map.as_deref().map(|map| inputs::road_graph(map, args.limit)).transpose()?;

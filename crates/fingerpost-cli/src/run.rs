@@ -194,7 +194,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<()> {
     check_outputs(args)?;
     let preparation = Preparation::listen()?;
     limit_instruction_set(args.instruction_set)?;
-    let mut config = inputs::config(args.config.as_deref())?;
+    let mut config = inputs::config_of_drive(args.config.as_deref())?;
     let camera = inputs::camera(&args.camera)?;
     let route = args.route.as_deref().map(inputs::route).transpose()?;
     let gps = args.gps.as_deref().map(|name| GpsFeed::open(name, args.limit)).transpose()?;

@@ -40,7 +40,7 @@ use crate::{inputs, output, output_path};
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "tune --campaign 16 --trials 60 --out tuning",
-    "tune --drives drive_a drive_b drive_c --start-m 12 --keys track.detect_threshold=0.6..0.9 --out tuning"
+    "tune --drives drive_a drive_b drive_c --start-m 12 --keys track.detect_present=0.6..0.9 --out tuning"
 ))]
 pub(crate) struct TuneArgs {
     /// Drive folders with truth, as `simulate` writes them. Every one of them has the same --start-m.

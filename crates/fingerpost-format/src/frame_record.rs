@@ -139,7 +139,7 @@ pub struct FeatureRecord {
     /// How sure it is, 0 to 1: P(F) times the probability that the arms which tell it end at a verge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
-    /// Probability that it is there, 0 to 1; none by the tracker's rules, which know none.
+    /// Probability that it is there, 0 to 1; none in records of programs that knew none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub present: Option<f64>,
     /// Distance ahead, metres.
@@ -168,7 +168,7 @@ pub struct RivalRecord {
     pub present: f64,
 }
 
-/// The best match of a feature that is searched for, good enough or not, in the vehicle frame.
+/// The likeliest place of a feature that is searched for, and the match there, in the vehicle frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SoughtRecord {
     /// OpenStreetMap node.
@@ -180,10 +180,10 @@ pub struct SoughtRecord {
     /// How much more its arms are road there than what lies just outside their edges.
     #[serde(default)]
     pub contrast: ContrastRecord,
-    /// Probability that it is anywhere in view, 0 to 1; none by the tracker's rules.
+    /// Probability that it is anywhere in view, 0 to 1; none in records of programs that knew none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub present: Option<f64>,
-    /// Distance ahead of the place that matched best, metres.
+    /// Distance ahead of its likeliest place, metres.
     pub forward_m: f64,
     /// Distance of that place to the left, metres.
     pub left_m: f64,

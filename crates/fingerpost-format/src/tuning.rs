@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::CampaignGroup;
 
-/// Values of settings by their keys, table and all, as in `track.detect_threshold`.
+/// Values of settings by their keys, table and all, as in `track.detect_present`.
 pub type TriedSettings = BTreeMap<String, Value>;
 
 /// What is to be small.

@@ -241,7 +241,7 @@ fn feature_record(
         sub: sub_probabilities(&followed.matched),
         contrast: contrast_record(&followed.matched),
         confidence: followed.matched.confidence().map(|p| rounded(p, DIGITS)),
-        present: followed.present.map(|p| rounded(p, DIGITS)),
+        present: Some(rounded(followed.present, DIGITS)),
         forward_m: rounded(pose.translation.x, DIGITS),
         left_m: rounded(pose.translation.y, DIGITS),
         heading_rad: rounded(pose.rotation.angle(), ANGLE_DIGITS),
@@ -268,7 +268,7 @@ fn sought_record(sought: &Sought, places: &[PossiblePlace], identity: &FeatureId
         p: sought.matched.p.map(|p| rounded(p, DIGITS)),
         sub: sub_probabilities(&sought.matched),
         contrast: contrast_record(&sought.matched),
-        present: (!places.is_empty()).then(|| rounded(places.iter().map(|place| place.weight).sum(), DIGITS)),
+        present: Some(rounded(places.iter().map(|place| place.weight).sum(), DIGITS)),
         forward_m: rounded(place.x, DIGITS),
         left_m: rounded(place.y, DIGITS),
     }

@@ -39,10 +39,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             truth: Some(&run.truth),
             route: Some(&run.route),
             roads: None,
-            thresholds: Thresholds::OfFrames,
+            thresholds: Thresholds { detect: 0.8, lost: 0.5 },
             made_from: &[("command", "cargo run --example preview".to_owned())],
             rules: &[],
-            config_toml: "[track]\ndetect_threshold = 0.75\n",
+            config_toml: "[track]\ndetect_present = 0.8\n",
             key_frames: &run.key_frames,
         };
         std::fs::write(folder.join(format!("{name}.html")), report_html(&input))?;

@@ -21,18 +21,13 @@ pub(crate) use self::tables::{facts, metres};
 use crate::key_frames::KeyFrames;
 use crate::timeline::Timeline;
 
-/// What decides whether a feature is seen.
+/// Probabilities that a feature is there, by which it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Thresholds {
-    /// P(F), by a bound that each frame chooses: [`Timeline::decided_by`].
-    OfFrames,
-    /// The probability that it is there.
-    OfPresence {
-        /// From which it is tracked.
-        detect: f64,
-        /// Below which it is lost.
-        lost: f64,
-    },
+pub struct Thresholds {
+    /// From which it is tracked.
+    pub detect: f64,
+    /// Below which it is lost.
+    pub lost: f64,
 }
 
 /// What a report is made of.

@@ -30,8 +30,6 @@ pub struct Timeline {
     pub(crate) weakest_seen: BTreeSet<String>,
     pub(crate) match_p: Series,
     pub(crate) present: Series,
-    /// The bound that P(F) was held against.
-    pub(crate) needed_p: Series,
     pub(crate) distance_m: Compared,
     pub(crate) error_m: Series,
     pub(crate) speed_mps: Compared,
@@ -112,17 +110,6 @@ impl Timeline {
         let mut timeline = Self::default();
         records.into_iter().for_each(|record| timeline.add(record, truth_of(record.frame)));
         timeline
-    }
-
-    /// Says what P(F) was held against in the frame at this time, seconds; none where it was not.
-    pub fn decided_by(&mut self, t_s: f64, needed_p: Option<f64>) {
-        self.needed_p.push(t_s, needed_p);
-    }
-
-    /// This timeline with the bounds of another one of the same run: records do not hold them.
-    #[must_use]
-    pub fn with_bounds_of(self, other: &Self) -> Self {
-        Self { needed_p: other.needed_p.clone(), ..self }
     }
 
     /// Goes on with the next frame and its truth, where there is one.

@@ -90,14 +90,8 @@ impl Config {
     pub fn check(&self) -> Result<(), ConfigError> {
         declared::check(&SCHEMA, "", self)?;
         let Self { track, lanes, centreline, .. } = self;
-        let threshold = ("track.detect_threshold", track.detect_threshold);
         for (lesser, greater) in [
-            (("track.detect_threshold_at_verge", track.detect_threshold_at_verge), threshold),
-            (("track.confirm_threshold", track.confirm_threshold), threshold),
-            (
-                ("track.belief.lost_present", track.belief.lost_present),
-                ("track.belief.detect_present", track.belief.detect_present),
-            ),
+            (("track.lost_present", track.lost_present), ("track.detect_present", track.detect_present)),
             (("lanes.least_range_m", lanes.least_range_m), ("lanes.most_range_m", lanes.most_range_m)),
             (("lanes.min_width_m", lanes.min_width_m), ("lanes.max_width_m", lanes.max_width_m)),
             (("centreline.edge_low", centreline.edge_low), ("centreline.edge_high", centreline.edge_high)),
@@ -126,8 +120,8 @@ mod tests {
     fn defaults_are_in_range_and_a_wrong_number_is_named() {
         assert_eq!(Config::default().check(), Ok(()));
         for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            let error = refused(|config| config.track.detect_threshold = wrong);
-            assert_eq!(error.key, "track.detect_threshold");
+            let error = refused(|config| config.track.lost_present = wrong);
+            assert_eq!(error.key, "track.lost_present");
             assert!(error.to_string().ends_with("= NaN or infinity cannot be used: give 0 to 1"), "{error}");
         }
         let error = refused(|config| config.vehicle.width_m = -1.0);
@@ -144,9 +138,7 @@ mod tests {
     #[test]
     fn a_lesser_number_above_its_greater_is_named_with_it() {
         for (error, words) in [
-            (refused(|c| c.track.confirm_threshold = 0.8), "no more than track.detect_threshold = 0.75"),
-            (refused(|c| c.track.detect_threshold_at_verge = 0.8), "track.detect_threshold_at_verge = 0.8"),
-            (refused(|c| c.track.belief.lost_present = 0.9), "track.belief.detect_present = 0.8"),
+            (refused(|c| c.track.lost_present = 0.9), "no more than track.detect_present = 0.8"),
             (refused(|c| c.lanes.least_range_m = 40.0), "no more than lanes.most_range_m = 35"),
             (refused(|c| (c.lanes.min_width_m, c.lanes.max_width_m) = (3.0, 2.9)), "lanes.max_width_m = 2.9"),
             (refused(|c| c.centreline.edge_high = 50.0), "centreline.edge_high = 50"),

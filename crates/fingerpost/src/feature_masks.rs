@@ -211,11 +211,6 @@ impl MaskCache {
         Ok(&self.drawn_verges[&key])
     }
 
-    /// The strips nearest to `heading_rad`, if they have been drawn.
-    pub fn drawn_verges(&self, heading_rad: f64) -> Option<&[VergeStrips<SpanMask>]> {
-        self.drawn_verges.get(&self.key(heading_rad)).map(Vec::as_slice)
-    }
-
     /// Draws all that a vehicle asks for while its heading stays within `reach_rad` of `heading_rad`, so that no frame in
     /// which it does has to.
     ///

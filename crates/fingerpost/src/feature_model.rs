@@ -4,7 +4,6 @@
 //! approach there, so that a vehicle that drives straight towards the feature sees it at heading zero (paper 2,
 //! section 4: the mask is rotated so that the approach is upright).
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use fingerpost_geometry::{GeometryError, Polyline, heading_of, wrap_angle};
@@ -130,16 +129,6 @@ impl FeatureModel {
     /// The arm by which the vehicle leaves.
     pub fn exit(&self) -> Option<&ArmModel> {
         self.arms.iter().find(|arm| arm.role == ArmRole::Exit)
-    }
-
-    /// Whether it is a bend without a corner at its node. It looks much the same from a place farther along, so that its
-    /// distance is never known as well as a junction's.
-    pub fn is_curve(&self) -> bool {
-        let at_node = |arm: &ArmModel| heading_of(arm.course.at(0.0).1);
-        let corner_rad =
-            |(approach, exit): (&ArmModel, &ArmModel)| wrap_angle(at_node(exit) - at_node(approach) - PI);
-        self.kind == FeatureKind::Bend
-            && self.approach().zip(self.exit()).is_some_and(|arms| corner_rad(arms).abs() <= LEAVING_RAD)
     }
 
     /// The road if the feature were not there: what stays on the line of the approach, which goes on straight where no arm does. Of a

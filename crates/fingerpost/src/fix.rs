@@ -25,9 +25,6 @@ const UNSEEN_TURN_RPS: f64 = 0.3;
 /// Standard deviation of how a driver changes the speed where nothing shows it, m/s2: comfortable braking and starting in towns are
 /// 1.5 to 2.
 const UNSEEN_ACCELERATION_MPS2: f64 = 1.5;
-/// Probability that a feature which the rules follow is the one it is taken for: on recorded streets they claimed one in 6 % of the
-/// drives that had none there and found 9 of 10 that were there; of a route's features one in ten is taken to be no longer there.
-const PRESENT_BY_RULES: f64 = 0.99;
 
 /// A place that the vehicle starts near.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,7 +163,7 @@ impl FixStage {
             map_from_landmark: *self.map_from_feature.get(followed.index)?,
             vehicle_from_landmark: followed.vehicle_from_feature,
             covariance: followed.covariance,
-            present: followed.present.unwrap_or(PRESENT_BY_RULES),
+            present: followed.present_by_sight,
         })
     }
 

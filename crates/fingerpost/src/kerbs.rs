@@ -11,42 +11,19 @@ use crate::feature_model::{ArmModel, FeatureModel};
 const STRAIGHT_RAD: f64 = 2.618;
 /// Sharper forks are taken as this sharp, radians (25 degrees): their kerbs never end in view.
 const SHARPEST_RAD: f64 = 0.436;
-/// Share of a kerb's radius, from its end, over which its course is followed: there it stands back by a third of it.
-const FLARED_SHARE: f64 = 0.75;
-/// The kerbs at an arm's mouth, which widen its road to either side where they curve into the neighbouring arms.
-pub(crate) struct Kerbs {
-    radius_m: f64,
-    /// Distances from the node at which they end, for the left and the right edge, metres.
-    end_m: [f64; 2],
-}
 
-impl Kerbs {
-    /// The kerbs of `arm` among the arms of `feature`, arcs of the given radius.
-    pub(crate) fn of(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> Self {
-        let direction = arm.direction_rad();
-        let others = || feature.arms.iter().filter(|other| other.label != arm.label);
-        // The neighbour on a side is the arm at the smallest angle that way.
-        let end_m = [1.0, -1.0].map(|side| {
-            others()
-                .map(|other| ((side * (other.direction_rad() - direction)).rem_euclid(TAU), other.width_m))
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map_or(0.0, |(angle, width_m)| kerb_end_m(angle, arm.width_m, width_m, radius_m))
-        });
-        Self { radius_m, end_m }
-    }
-
-    /// Distance from the node at which the kerb on a side ends, metres.
-    pub(crate) fn end_m(&self, side: usize) -> f64 {
-        self.end_m[side]
-    }
-
-    /// How far the kerb stands back from the edge at a distance from the node, metres; none where the edge is rather
-    /// the other road's.
-    pub(crate) fn flare_m(&self, side: usize, along_m: f64) -> Option<f64> {
-        let before_end_m = (self.end_m[side] - along_m).max(0.0);
-        (before_end_m <= FLARED_SHARE * self.radius_m)
-            .then(|| self.radius_m - (self.radius_m.powi(2) - before_end_m.powi(2)).sqrt())
-    }
+/// Distances from the node at which the kerbs at an arm's mouth end, for its left and its right edge, metres: arcs of the given
+/// radius into the neighbouring arms of `feature`.
+pub(crate) fn kerb_ends_m(feature: &FeatureModel, arm: &ArmModel, radius_m: f64) -> [f64; 2] {
+    let direction = arm.direction_rad();
+    let others = || feature.arms.iter().filter(|other| other.label != arm.label);
+    // The neighbour on a side is the arm at the smallest angle that way.
+    [1.0, -1.0].map(|side| {
+        others()
+            .map(|other| ((side * (other.direction_rad() - direction)).rem_euclid(TAU), other.width_m))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(0.0, |(angle, width_m)| kerb_end_m(angle, arm.width_m, width_m, radius_m))
+    })
 }
 
 /// Where the kerb between two arms ends on the first, metres from the node: their edges cross at

@@ -54,7 +54,6 @@ pub mod pipeline;
 pub mod progress;
 pub mod road_surface;
 mod rolling_grid;
-pub mod route_progress;
 pub mod track;
 pub mod vehicle_signals;
 mod why;

@@ -7,7 +7,6 @@
 //! the crossing roads, and would be road whether the arm exists or not. What lies beside the arms is weighed too (`matching/verge.rs`).
 
 mod laying;
-mod pose_run;
 mod verge;
 
 use std::sync::Arc;
@@ -24,7 +23,6 @@ use crate::feature_masks::{FeatureMasks, MaskCache, SubMask, SubMaskKind, VergeS
 use crate::road_surface::RoadSurface;
 
 pub use laying::FeatureMatcher;
-pub(crate) use pose_run::PoseRun;
 pub use verge::Verge;
 
 /// Settings of the match.
@@ -156,7 +154,6 @@ pub struct Matcher {
     grid: GroundGrid,
     binary: Plane<u8>,
     binary_sums: RowSums,
-    grey_sums: RowSums,
 }
 
 impl Matcher {
@@ -167,7 +164,6 @@ impl Matcher {
             grid: *grid,
             binary: Plane::default(),
             binary_sums: RowSums::default(),
-            grey_sums: RowSums::default(),
         }
     }
 
@@ -181,30 +177,11 @@ impl Matcher {
         validity: &ValidityMask,
     ) -> Result<LaidSurface<'a>, PictureError> {
         self.threshold(surface, validity)?;
-        Ok(self.laid_over(surface, None))
-    }
-
-    /// The same, over all that is known of the surface, with the ground view's grey values where `seen` says that there are
-    /// any.
-    ///
-    /// # Errors
-    /// [`PictureError`] when surface and ground view differ in size.
-    pub fn laid_with<'a>(
-        &'a mut self,
-        surface: &'a RoadSurface,
-        (grey, seen): (&Plane<u8>, &ValidityMask),
-    ) -> Result<LaidSurface<'a>, PictureError> {
-        self.threshold(surface, surface.known())?;
-        self.grey_sums.rebuild(grey.view(), seen)?;
-        Ok(self.laid_over(surface, Some(&self.grey_sums)))
-    }
-
-    fn laid_over<'a>(&'a self, surface: &'a RoadSurface, grey: Option<&'a RowSums>) -> LaidSurface<'a> {
         let sums = match self.config.surface {
             MatchedSurface::Probability => &surface.sums,
             MatchedSurface::Binary => &self.binary_sums,
         };
-        LaidSurface { config: &self.config, grid: &self.grid, sums, grey }
+        Ok(LaidSurface { config: &self.config, grid: &self.grid, sums })
     }
 
     /// Makes the road mask, where one is wanted.
@@ -229,7 +206,6 @@ pub struct LaidSurface<'a> {
     config: &'a MatchConfig,
     grid: &'a GroundGrid,
     sums: &'a RowSums,
-    grey: Option<&'a RowSums>,
 }
 
 impl LaidSurface<'_> {
@@ -241,11 +217,6 @@ impl LaidSurface<'_> {
     /// The prefix sums of the surface.
     pub const fn sums(&self) -> &RowSums {
         self.sums
-    }
-
-    /// The prefix sums of the ground view's grey values, 255 as 1; none where they were not given.
-    pub const fn grey(&self) -> Option<&RowSums> {
-        self.grey
     }
 
     /// The match of a feature at one pose with every sub-mask's part in it and what lies beside the arms, into `matched`, whose memory is reused.
@@ -284,29 +255,6 @@ impl LaidSurface<'_> {
         Ok(())
     }
 
-    /// The contrast alone of [`LaidSurface::explain`].
-    ///
-    /// # Errors
-    /// [`SpanError`] when an arm cannot be drawn.
-    pub fn contrast(
-        &self,
-        masks: &mut MaskCache,
-        vehicle_from_feature: &Isometry2<f64>,
-    ) -> Result<Option<f64>, SpanError> {
-        let (heading_rad, node) =
-            (vehicle_from_feature.rotation.angle(), node_pixel(self.grid, vehicle_from_feature));
-        masks.at(heading_rad)?;
-        masks.verges_at(heading_rad)?;
-        let (Some(drawn), Some(strips)) = (masks.drawn(heading_rad), masks.drawn_verges(heading_rad)) else {
-            return Ok(None);
-        };
-        let telling = drawn.subs.iter().zip(strips).filter(|(sub, _)| {
-            let cover = || self.sums.cover(&sub.spans, node.0, node.1);
-            sub.leaves_the_line && self.participation(sub, &cover()) == Participation::TakesPart
-        });
-        Ok(mean(telling.filter_map(|(_, strips)| verge::contrast(&self.verges(strips, node)))))
-    }
-
     /// What lies beside an arm with the feature's node at a pixel.
     fn verges(&self, strips: &VergeStrips<SpanMask>, node: (i32, i32)) -> [Option<Verge>; 2] {
         [&strips[0], &strips[1]]
@@ -325,35 +273,6 @@ impl LaidSurface<'_> {
         let parts = self.parts(masks.at(vehicle_from_feature.rotation.angle())?, vehicle_from_feature);
         let taking_part = parts.filter(|(.., participation)| *participation == Participation::TakesPart);
         Ok(taking_part.filter_map(|(_, cover, _)| cover.probability()).min_by(f64::total_cmp))
-    }
-
-    /// P(F) at one pose, or none as soon as a sub-mask falls below `at_least`, or when no arm takes part that would
-    /// tell the feature from a plain road.
-    ///
-    /// # Errors
-    /// [`SpanError`] when an arm cannot be drawn.
-    pub fn score(
-        &self,
-        masks: &mut MaskCache,
-        vehicle_from_feature: &Isometry2<f64>,
-        at_least: f64,
-    ) -> Result<Option<f64>, SpanError> {
-        let (column, row) = node_pixel(self.grid, vehicle_from_feature);
-        let masks = masks.at(vehicle_from_feature.rotation.angle())?;
-        let mut least = f64::INFINITY;
-        let mut told = false;
-        for sub in &masks.subs {
-            let cover = self.sums.cover(&sub.spans, column, row);
-            if self.participation(sub, &cover) != Participation::TakesPart {
-                continue;
-            }
-            told |= sub.leaves_the_line;
-            least = least.min(cover.probability().unwrap_or(0.0));
-            if least < at_least {
-                return Ok(None);
-            }
-        }
-        Ok((told && least.is_finite()).then_some(least))
     }
 
     /// What each sub-mask covers at a pose, and whether it takes part.

@@ -1,14 +1,13 @@
 //! Ego-motion: how the vehicle moved since the frame before, from the ground view.
 //!
 //! Paper 1, section VI: the mean flow of the road ahead moves the followed feature. A [`MotionEstimator`] sees one
-//! ground view a frame. [`DirectMotion`] aligns the road itself; [`SteadyMotion`] is bracketing in its place (paper 2, section
-//! 7.2). The papers' own way, a fit to Farneback's flow, is in `fingerpost-papers`.
+//! ground view a frame. [`DirectMotion`] aligns the road itself. The papers' own way, a fit to Farneback's flow, is in
+//! `fingerpost-papers`.
 
 mod camera_turn;
 mod direct;
 mod farneback;
 mod seen_travel;
-mod steady;
 
 use std::fmt::{self, Display, Formatter};
 
@@ -23,7 +22,6 @@ use camera_turn::TurnFilter;
 pub use direct::{DirectMotion, DirectMotionConfig};
 pub use farneback::{FarnebackMotionConfig, FlowModel};
 pub use seen_travel::SeenTravel;
-pub use steady::SteadyMotion;
 
 use crate::attitude::AttitudeObservation;
 use crate::ground_view::{CameraTurn, GroundPicture, GroundView};
@@ -49,8 +47,6 @@ pub enum MotionMethod {
     Direct,
     /// Dense flow, the papers' own (`fingerpost_papers::FarnebackMotion`).
     Farneback,
-    /// Not at all: the vehicle goes on as the features that are found again show it ([`SteadyMotion`]; paper 2, 7.2).
-    Bracketing,
 }
 
 impl MotionConfig {
@@ -62,7 +58,6 @@ impl MotionConfig {
         Ok(match self.estimator {
             MotionMethod::Direct => Box::new(DirectMotion::new(&self.direct)),
             MotionMethod::Farneback => return Err(MotionError::NotGiven),
-            MotionMethod::Bracketing => Box::new(SteadyMotion::default()),
         })
     }
 }
@@ -92,15 +87,6 @@ impl Motion {
         let covariance = Matrix3::from_diagonal(&sigma.component_mul(&sigma));
         Self { previous_from_current: Isometry2::identity(), covariance, quality: 0.0 }
     }
-}
-
-/// How the vehicle moved since the frame before by a feature that was seen in both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeatureStep {
-    /// The vehicle's new pose in its old frame: metres forward and left, radians to the left.
-    pub previous_from_current: Isometry2<f64>,
-    /// Variances of the way forward (m2) and of the turn (rad2).
-    pub variances: [f64; 2],
 }
 
 /// What an estimator says of a frame.
@@ -253,9 +239,6 @@ pub trait MotionEstimator: Send {
         picture: &GroundPicture,
         attitude: &AttitudeObservation,
     ) -> Result<Option<(MotionOutput, &MotionEvidence)>, MotionError>;
-
-    /// Takes in how the vehicle moved to the frame given last by a feature that is followed; one that measures passes it by.
-    fn learn(&mut self, _step: &FeatureStep) {}
 
     /// Forgets the last frame, as at the start of a drive.
     fn reset(&mut self);

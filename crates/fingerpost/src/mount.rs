@@ -16,6 +16,9 @@ mod filter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::ground_view::CameraTurn;
+use crate::motion::CameraAttitude;
+
 pub use filter::MountFilter;
 
 /// Whether an estimate of the mount can be used.
@@ -82,6 +85,18 @@ pub struct MountEstimate {
     pub fault: Option<MountFault>,
     /// The angle in which the calibration cannot be true, where there is one and the state is [`MountState::Valid`].
     pub contradiction: Option<MountContradiction>,
+}
+
+impl MountEstimate {
+    /// How the camera is turned in this frame: for a motion estimator that does not see it itself.
+    pub(crate) fn attitude(&self) -> CameraAttitude {
+        let [pitch, _, roll, suspension] = self.sigma_rad;
+        let pitch_rad = self.pitch_rad + self.suspension_pitch_rad;
+        CameraAttitude {
+            turn: CameraTurn { pitch_rad, roll_rad: self.roll_rad, yaw_rad: 0.0 },
+            sigma_rad: [libm::hypot(pitch, suspension), roll],
+        }
+    }
 }
 
 /// Settings of the mount's estimate while driving.

@@ -34,7 +34,7 @@ use crate::road_surface::{
     Joining, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
 };
 use crate::track::{
-    FeatureTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
+    BeliefTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
 };
 use crate::vehicle_signals::{SignalsEvidence, VehicleSamples, VehicleState};
 use crate::why::Why;
@@ -198,7 +198,7 @@ pub struct Pipeline {
     camera: Camera,
     ego: Ego,
     matcher: Box<dyn FeatureMatcher>,
-    tracker: Box<dyn FeatureTracker>,
+    tracker: BeliefTracker,
     lanes: LaneWatch,
     advice: AdviceStage,
     map: Option<TangentPlane>,
@@ -250,7 +250,7 @@ impl Pipeline {
             viewpoint: view.viewpoint(),
             row_rad: view.row_rad(),
         };
-        let tracker = config.track.tracker(setting, route, start_m)?;
+        let tracker = BeliefTracker::new(setting, route, start_m)?;
         let state = if tracker.stops().is_empty() { State::NoRoute } else { State::Searching };
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
@@ -310,9 +310,6 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
-        if let Some(step) = &self.output.track.step {
-            self.ego.learn(step);
-        }
         let Self {
             config, view, ground, surface, height, joining, tracker, fix, track_evidence, output, ..
         } = self;
@@ -338,7 +335,7 @@ impl Pipeline {
         }
         finished(Stage::Road);
 
-        let summed = self.matcher.lay(surface, (&ground.grey, validity))?;
+        let summed = self.matcher.lay(surface)?;
         let gps_in_map = self.map.as_ref().zip(gps).map(|(map, gps)| map.map_from_wgs84(gps));
         let moved = Moved { motion, camera: ego.camera, dt_s: ego.dt_s, speed_mps: ego.vehicle.speed_mps };
         let shown = ShownSurface { surface, seen: validity, laid: summed };
@@ -366,14 +363,13 @@ impl Pipeline {
 
         let input =
             LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
-        let lanes = self.lanes.step(config, &self.camera, &input, &**tracker, output)?;
+        let lanes = self.lanes.step(config, &self.camera, &input, tracker, output)?;
         Why {
             camera: &output.camera,
             motion_doubt: output.motion_doubt,
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
-            config: &config.track,
             mount: output.mount.as_ref(),
             signals: signals.is_some().then_some(&ego.signals_evidence),
             lane: output.lane.as_ref().zip(lanes.evidence),
@@ -424,8 +420,8 @@ impl Pipeline {
     }
 
     /// The tracker with the features of the route.
-    pub fn tracker(&self) -> &dyn FeatureTracker {
-        &*self.tracker
+    pub const fn tracker(&self) -> &BeliefTracker {
+        &self.tracker
     }
 
     /// The texts of the rules that the advice goes by, in their order; none of controllers without rules.

@@ -11,16 +11,16 @@
 //!
 //! Memory is bounded, no call allocates, and the same calls give the same numbers.
 
-pub(crate) mod component;
+mod component;
 mod config;
 mod elsewhere;
 mod feature;
 mod gps;
 mod mixture;
-pub(crate) mod noise;
+mod noise;
 #[cfg(test)]
 mod tests;
-pub(crate) mod travel;
+mod travel;
 
 use self::component::Component;
 pub use self::config::RouteProgressConfig;

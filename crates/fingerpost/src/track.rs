@@ -1,49 +1,28 @@
 //! Track: which feature of the route is followed, and where it is.
 //!
-//! Paper 1, section VI. A feature is searched for from the route distance; once its masks match in a few frames in a
-//! row it is tracked: ego-motion moves it, the masks are redrawn there and matched again. A feature that is not
-//! confirmed is bracketed about its prediction, and lost only when that fails for a while. When the driving line's
-//! start reaches the bottom of the view the vehicle has arrived, and the next feature of the route is searched for
-//! while the one at hand is carried along until it is passed.
+//! Paper 1, section VI: a feature is searched for where the route has it, tracked with ego-motion while the road confirms it,
+//! and arrived at when the start of the driving path curve reaches the bottom of the view; then the next feature of the route is
+//! searched for while the one at hand is carried along until it is passed. Here all of that is read off one belief: how
+//! probable it is that the feature is there, and where ([`BeliefTracker`]).
 
-mod alignment;
 mod belief;
-mod candidates;
 mod config;
 mod decision;
-mod directions;
-mod expectation;
-mod pitch_doubt;
-mod pose_filter;
-mod reach;
 mod route_stop;
 mod shown;
-mod tracker;
 
-use fingerpost_geometry::GroundGrid;
-use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::ValidityMask;
-use fingerpost_vision::span::SpanError;
 use nalgebra::{Isometry2, Matrix3, Point2};
 
-use crate::feature_masks::{PlacedMasks, node_pixel};
-use crate::feature_model::ArmModel;
 use crate::matching::{LaidSurface, Match};
-use crate::motion::{CameraAttitude, FeatureStep, Motion};
+use crate::motion::{CameraAttitude, Motion};
 use crate::progress::{GpsUse, Travel};
 use crate::road_surface::RoadSurface;
 
-pub use alignment::{AlignmentConfig, CrossSection, CrossSectionUse};
 pub use belief::BeliefTracker;
-pub use candidates::{CandidateSearch, Tried};
-pub use config::{BeliefConfig, TrackConfig, TrackMethod};
-pub use decision::{Decision, Lack, Missing};
-pub use directions::Directions;
-pub use expectation::{Expectation, ExpectedAhead};
-pub use pose_filter::PoseFilter;
-pub use reach::Reach;
+pub use config::TrackConfig;
+pub use decision::{Decision, Lack};
 pub use route_stop::{RouteStop, TrackerSetting};
-pub use tracker::Tracker;
 
 /// Where the search stands after a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -72,8 +51,10 @@ pub struct Followed {
     pub vehicle_from_feature: Isometry2<f64>,
     /// Covariance of its forward (m), left (m) and heading (rad).
     pub covariance: Matrix3<f64>,
-    /// Probability that it is there; none by the rules, which know none.
-    pub present: Option<f64>,
+    /// Probability that it is there.
+    pub present: f64,
+    /// The same by what is seen of it alone, where it was as likely there as not: for who knows by other means where the vehicle may be.
+    pub present_by_sight: f64,
     /// The match there; its pose is where the ground view shows the feature, which is made for the configured mount.
     pub matched: Match,
 }
@@ -107,25 +88,23 @@ pub struct TrackOutput {
     pub candidate: Option<CandidatePlace>,
     /// Index of a feature that was given up in this frame because it lies behind by all that is known and was never seen.
     pub skipped: Option<usize>,
-    /// How the vehicle moved by the feature at hand, where edges of it were seen; none by the belief.
-    pub step: Option<FeatureStep>,
 }
 
 impl TrackOutput {
     /// Forgets what is of the last frame alone.
     pub(crate) const fn begin_frame(&mut self) {
-        (self.candidate, self.skipped, self.step) = (None, None, None);
+        (self.candidate, self.skipped) = (None, None);
     }
 }
 
-/// The best match of a feature that was searched for and is not followed.
+/// The match of a feature that was searched for and is not followed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sought {
     /// Index of the feature in the route.
     pub index: usize,
-    /// The best of the poses that were tried.
+    /// Its likeliest place.
     pub vehicle_from_feature: Isometry2<f64>,
-    /// The match there, good enough or not; its pose is where the ground view shows it.
+    /// The match there; its pose is where the ground view shows it.
     pub matched: Match,
 }
 
@@ -138,7 +117,7 @@ pub struct CandidatePlace {
     pub vehicle_from_feature: Isometry2<f64>,
     /// Covariance of its forward (m), left (m) and heading (rad).
     pub covariance: Matrix3<f64>,
-    /// Probability that it is there; by the rules P(F), which is of its masks alone.
+    /// Probability that it is there.
     pub present: f64,
 }
 
@@ -158,19 +137,11 @@ pub struct PossiblePlace {
 pub struct TrackEvidence {
     /// What decided the frame.
     pub decision: Decision,
-    /// Where ego-motion put the followed feature, before any match, as the ground view shows it.
-    pub predicted: Option<Isometry2<f64>>,
-    /// P(F) there.
-    pub predicted_p: Option<f64>,
-    /// The bound that P(F) was held against, in a search, a confirmation or bracketing; none where it was not.
-    pub needed_p: Option<f64>,
-    /// Poses that were tried in a search or bracketing.
+    /// Places that were tried.
     pub tried: usize,
-    /// The best match in a search, where the feature is not followed.
+    /// The match at the likeliest place in a search, where the feature is not followed.
     pub sought: Option<Sought>,
-    /// The cross-sections of the arms that made the place precise.
-    pub sections: Vec<CrossSection>,
-    /// Where the feature that is followed or searched for may be, the likeliest first; none by the rules.
+    /// Where the feature that is followed or searched for may be, the likeliest first.
     pub places: Vec<PossiblePlace>,
     /// Edges of the road at the likeliest of them, vehicle frame, metres: both ends of every piece.
     pub edges: Vec<[Point2<f64>; 2]>,
@@ -181,9 +152,8 @@ pub struct TrackEvidence {
 impl TrackEvidence {
     /// Makes it that of a frame of which nothing is known yet, keeping its memory.
     fn clear(&mut self) {
-        let Self { sections, places, edges, .. } = std::mem::take(self);
-        *self = Self { sections, places, edges, ..Self::default() };
-        self.sections.clear();
+        let Self { places, edges, .. } = std::mem::take(self);
+        *self = Self { places, edges, ..Self::default() };
         self.places.clear();
         self.edges.clear();
     }
@@ -240,49 +210,4 @@ pub struct ShownSurface<'a> {
     pub seen: &'a ValidityMask,
     /// The same, ready for masks.
     pub laid: LaidSurface<'a>,
-}
-
-/// Finds and follows the features of a route, one after the other.
-pub trait FeatureTracker: std::fmt::Debug + Send {
-    /// The features of the route with their driving lines.
-    fn stops(&self) -> &[RouteStop];
-
-    /// Takes one frame in: how the vehicle moved, what it shows, and a GPS position in the map frame. Output and evidence take
-    /// the place of the last frame's, whose memory is reused.
-    ///
-    /// # Errors
-    /// [`SpanError`] when an arm cannot be drawn.
-    fn step(
-        &mut self,
-        moved: Moved<'_>,
-        shown: ShownSurface<'_>,
-        gps_in_map: Option<Point2<f64>>,
-        output: &mut TrackOutput,
-        evidence: &mut TrackEvidence,
-    ) -> Result<(), SpanError>;
-
-    /// Whether the vehicle is on its way through a junction at which the route turns: lanes end there, and lines cross its way.
-    fn turns_through(&self, output: &TrackOutput) -> bool {
-        let followed = output.followed.as_ref().filter(|_| output.state == State::Arrived);
-        let model = followed.and_then(|followed| self.stops().get(followed.index)).map(|stop| &stop.model);
-        model.is_some_and(|model| {
-            model.kind == FeatureKind::Junction && model.exit().is_some_and(ArmModel::leaves_the_line)
-        })
-    }
-
-    /// The masks of the followed feature, or else of the one searched for, where they matched.
-    fn placed_masks(
-        &self,
-        output: &TrackOutput,
-        evidence: &TrackEvidence,
-        grid: &GroundGrid,
-    ) -> Option<PlacedMasks<'_>> {
-        let followed = output.followed.as_ref().map(|followed| (followed.index, &followed.matched));
-        let sought = evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
-        let (index, matched) = followed.or(sought)?;
-        let pose = &matched.vehicle_from_feature;
-        let masks = self.stops().get(index)?.masks.drawn(pose.rotation.angle())?;
-        let (column, row) = node_pixel(grid, pose);
-        Some(PlacedMasks { masks, column, row })
-    }
 }

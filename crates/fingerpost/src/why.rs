@@ -6,9 +6,8 @@ mod words;
 use std::fmt::{self, Display, Formatter, Write};
 
 use self::words::{
-    Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, Frames, Hundredths, LackWords,
-    LaneWords, MatchWords, MissingWords, MountContradictionWords, MountFaultWords, RoadWords, SignalsWords,
-    SoughtWords, Threshold, TooTightWords, WaysWords,
+    Along, CameraWords, DepartureWords, FeatureName, FixWords, FollowedWords, LackWords, LaneWords,
+    MountContradictionWords, MountFaultWords, RoadWords, SignalsWords, SoughtWords, TooTightWords, WaysWords,
 };
 use crate::camera_state::CameraEvidence;
 use crate::centreline::CentrelineEvidence;
@@ -18,7 +17,7 @@ use crate::lanes::departure::DepartureOutput;
 use crate::lanes::{Lane, LaneEvidence, Side};
 use crate::motion::MotionDoubt;
 use crate::mount::MountEstimate;
-use crate::track::{Decision, Followed, RouteStop, State, TrackConfig, TrackEvidence, TrackOutput};
+use crate::track::{Decision, Followed, RouteStop, State, TrackEvidence, TrackOutput};
 use crate::vehicle_signals::SignalsEvidence;
 
 /// What was decided in a frame and what decided it, as one sentence.
@@ -34,8 +33,6 @@ pub(crate) struct Why<'a> {
     pub(crate) evidence: &'a TrackEvidence,
     /// The features of the route.
     pub(crate) stops: &'a [RouteStop],
-    /// The thresholds.
-    pub(crate) config: &'a TrackConfig,
     /// The camera's mount, where it is estimated.
     pub(crate) mount: Option<&'a MountEstimate>,
     /// How the vehicle's signals were judged, where it has a bus.
@@ -99,9 +96,8 @@ impl Display for Why<'_> {
 
 impl Why<'_> {
     fn write_feature(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { track, evidence, stops, config, .. } = *self;
+        let Self { track, evidence, stops, .. } = *self;
         let name = |index: &usize| FeatureName(stops.get(*index));
-        let needed_p = evidence.needed_p;
         match (&evidence.decision, &track.followed) {
             (Decision::NoRoute, _) => {
                 f.write_str("no route: nothing is looked for but the road, its lanes and the motion")
@@ -111,29 +107,13 @@ impl Why<'_> {
             (Decision::NotInReach { index, ahead_m }, _) => {
                 write!(f, "{} is believed {}, out of the view's reach", name(index), Along(*ahead_m))
             }
-            (Decision::NotFound { index }, _) if evidence.tried == 0 => {
-                write!(f, "{} is not in reach of the view", name(index))
+            (Decision::NotFound { index, places }, _) => {
+                write!(
+                    f,
+                    "{} not seen: at none of {places} places in view does the ground look like it",
+                    name(index)
+                )
             }
-            (Decision::NotFound { index }, _) => {
-                write!(f, "{} not seen: ", name(index))?;
-                match &evidence.sought {
-                    Some(sought) => write!(f, "at the best place {}", MatchWords(&sought.matched, needed_p))?,
-                    None => f.write_str("no arm that would tell it is in view")?,
-                }
-                write!(f, ", {} places tried", evidence.tried)
-            }
-            (
-                refusal @ (Decision::Candidate { .. }
-                | Decision::Dropped { .. }
-                | Decision::NoVergeInView { .. }
-                | Decision::NotExpected { .. }
-                | Decision::OffApproach { .. }
-                | Decision::Unbounded { .. }
-                | Decision::NoVerge { .. }
-                | Decision::EdgesDisagree { .. }
-                | Decision::EdgesElsewhere { .. }),
-                _,
-            ) => self.write_refusal(f, refusal),
             (Decision::NotSure { index, lack }, _) => {
                 write!(
                     f,
@@ -146,13 +126,6 @@ impl Why<'_> {
             (Decision::NoLongerSure { index, lack }, _) => {
                 write!(f, "{} lost: {}", name(index), LackWords(lack))
             }
-            (Decision::Lost { index }, _) => write!(
-                f,
-                "{} lost: not confirmed in {}, bracketing found nothing better{}",
-                name(index),
-                Frames(config.lost_frames),
-                Threshold(needed_p)
-            ),
             (Decision::NextUnknown { likeliest, rival }, _) => write!(
                 f,
                 "no start was given and it is not sure yet where on the route the vehicle is: the first to come was {} ({:.2}), {} \
@@ -176,15 +149,9 @@ impl Why<'_> {
     fn write_followed(&self, f: &mut Formatter<'_>, decision: &Decision, followed: &Followed) -> fmt::Result {
         let forward_m = followed.vehicle_from_feature.translation.x;
         write!(f, "{} {:.1}", FeatureName(self.stops.get(followed.index)), Along(forward_m))?;
-        let words = FollowedWords(followed, self.evidence.needed_p);
+        let words = FollowedWords(followed);
         match decision {
             Decision::Detected => write!(f, ", detected: {words}"),
-            Decision::FoundByBracketing => write!(f, ", found again by bracketing: {words}"),
-            Decision::NotConfirmed { frames } => write!(
-                f,
-                " by dead reckoning, not confirmed for {frames} of {}: {words}",
-                Frames(self.config.lost_frames)
-            ),
             Decision::Arrived => {
                 f.write_str(": the start of the curve through it reached the bottom of the view")
             }
@@ -197,73 +164,6 @@ impl Why<'_> {
                 write!(f, "; {}", TooTightWords { tightest_radius_m, turning_radius_m })
             }
             None => Ok(()),
-        }
-    }
-
-    /// What a feature that matched lacks, or what speaks against taking it there.
-    fn write_refusal(&self, f: &mut Formatter<'_>, refusal: &Decision) -> fmt::Result {
-        let Self { stops, config, .. } = *self;
-        let name = |index: &usize| FeatureName(stops.get(*index));
-        match refusal {
-            Decision::Candidate { index, frames, p, missing } => write!(
-                f,
-                "{} may be ahead: P(F) {p:.2} in {}, {}",
-                name(index),
-                Frames(*frames),
-                MissingWords(missing)
-            ),
-            Decision::Dropped { index, frames, most_frames } => write!(
-                f,
-                "{} given up as a candidate: {} without a sure place, at most {most_frames} are waited for",
-                name(index),
-                Frames(*frames)
-            ),
-            Decision::NoVergeInView { index, p, needed_p } => write!(
-                f,
-                "{} not taken: P(F) {p:.2}, {needed_p:.2} is needed where no verge is in view",
-                name(index)
-            ),
-            Decision::NotExpected { index, p, surprise, most } => write!(
-                f,
-                "{} not taken: P(F) {p:.2}, but it is expected elsewhere by a loss of {surprise:.2}, less than {most:.2} is needed \
-                 where no verge is in view",
-                name(index)
-            ),
-            Decision::OffApproach { index, p, beside_m, most_m } => write!(
-                f,
-                "{} not taken: P(F) {p:.2} at the best place, but the vehicle would be {beside_m:.1} m beside its approach, at most \
-                 {most_m:.1} m are possible",
-                name(index)
-            ),
-            Decision::Unbounded { index, p } => write!(
-                f,
-                "{} not taken: P(F) {p:.2}, but no arm that tells it shows an edge of its road or a verge",
-                name(index)
-            ),
-            Decision::NoVerge { index, p, contrast, surprise } => write!(
-                f,
-                "{} not taken: P(F) {p:.2}, but its contrast with the verge is {}, {:.2} is needed: {}",
-                name(index),
-                Hundredths(*contrast),
-                0.5 * config.detect_contrast + surprise,
-                if *contrast > 0.5 * config.detect_contrast {
-                    "it is expected elsewhere"
-                } else {
-                    "a paved area would look alike"
-                }
-            ),
-            Decision::EdgesDisagree { index, p, aligned_p, needed_p } => write!(
-                f,
-                "{} not taken: P(F) {p:.2} at the best place, but {aligned_p:.2} where the edges of its arms put it, {needed_p:.2} \
-                 is needed",
-                name(index)
-            ),
-            Decision::EdgesElsewhere { index, p, gated } => write!(
-                f,
-                "{} not taken: P(F) {p:.2} at the best place, but {gated} edges of its arms lie too far from there",
-                name(index)
-            ),
-            _ => Ok(()),
         }
     }
 }

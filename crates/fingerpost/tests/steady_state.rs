@@ -8,21 +8,13 @@
 mod steady;
 
 use allocation_counter::measure;
-use fingerpost::Config;
 use fingerpost::height::HeightUse;
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::{Onnx, RoadDetector, RoadError, RoadMethod, UserNetwork};
-use fingerpost::track::{State, TrackMethod};
+use fingerpost::track::State;
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::picture::{Plane, RgbImage};
 use steady::{EAST, Junction, NORTH, SOUTH, Scene, WEST, WIDTH_M, coarse};
-
-/// The same by the belief.
-fn coarse_belief() -> Config {
-    let mut config = coarse();
-    config.track.method = TrackMethod::Belief;
-    config
-}
 
 /// In place of a network, whose own memory is not the method's.
 struct AllIsRoad;
@@ -66,29 +58,24 @@ fn the_ground_s_height_allocates_nothing() {
 fn searching_allocates_nothing() {
     let kind = FeatureKind::Junction;
     let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
-    for mut config in [coarse(), coarse_belief()] {
-        // A place so sure that the junction, which is not there, is looked for far ahead alone.
-        config.route_progress.gps_sigma_m = 1.0;
-        Scene::new(&config, &[SOUTH, NORTH], Some(&junction)).check(State::Searching, 18.0);
-    }
+    let mut config = coarse();
+    // A place so sure that the junction, which is not there, is looked for far ahead alone.
+    config.route_progress.gps_sigma_m = 1.0;
+    Scene::new(&config, &[SOUTH, NORTH], Some(&junction)).check(State::Searching, 18.0);
 }
 
 #[test]
 fn tracking_allocates_nothing() {
-    for config in [coarse(), coarse_belief()] {
-        let mut scene = Scene::t_junction(&config);
-        let before_m = scene.drive_until(State::Tracking);
-        scene.check(State::Tracking, before_m);
-    }
+    let mut scene = Scene::t_junction(&coarse());
+    let before_m = scene.drive_until(State::Tracking);
+    scene.check(State::Tracking, before_m);
 }
 
 #[test]
 fn arriving_allocates_nothing() {
-    for config in [coarse(), coarse_belief()] {
-        let mut scene = Scene::t_junction(&config);
-        let before_m = scene.drive_until(State::Arrived);
-        scene.check(State::Arrived, before_m);
-    }
+    let mut scene = Scene::t_junction(&coarse());
+    let before_m = scene.drive_until(State::Arrived);
+    scene.check(State::Arrived, before_m);
 }
 
 #[test]

@@ -34,7 +34,7 @@ def tune(
 ) -> pyarrow.Table:
     """Searches the settings that no others beat in everything, by NSGA-II; every drive of every trial is a task of Ray.
 
-    ``keys`` are numbers of the configuration with their ranges, as in ``{"track.detect_threshold": (0.6, 0.9)}``. The first trial is today's
+    ``keys`` are numbers of the configuration with their ranges, as in ``{"track.detect_present": (0.6, 0.9)}``. The first trial is today's
     settings, ``config`` or the defaults; ``population`` trials are done at a time. The drives need truth, and no controller.
 
     Gives a row for each trial: its settings; ``missed``, the share of features; ``false``, false detections a drive; ``error_p95_m``, the mean

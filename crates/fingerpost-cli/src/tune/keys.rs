@@ -10,13 +10,14 @@ use serde::Serialize;
 use serde_json::Value;
 use thiserror::Error;
 
-/// Keys that are searched where none are named: what a feature must show to be believed, and how sure its place is said to be.
+/// Keys that are searched where none are named: how probable a feature and how sure its
+/// place must be to be followed, and how roads may differ from the map.
 pub(super) const DEFAULT_KEYS: [&str; 5] = [
-    "track.detect_threshold",
-    "track.detect_threshold_at_verge",
-    "track.detect_contrast",
-    "track.detect_frames",
-    "track.alignment.sigma_m",
+    "track.detect_present",
+    "track.lost_present",
+    "track.detect_sigma_m",
+    "track.width_sigma_share",
+    "track.kerb_radius_m",
 ];
 /// Keys that are named for one that does not exist.
 const NEAR_KEYS: usize = 3;
@@ -76,7 +77,7 @@ impl FromStr for WantedKey {
     fn from_str(text: &str) -> Result<Self, String> {
         let form = || {
             format!(
-                "{text:?} is no key to search; give KEY or KEY=LEAST..MOST, as in track.detect_threshold=0.6..0.9"
+                "{text:?} is no key to search; give KEY or KEY=LEAST..MOST, as in track.detect_present=0.6..0.9"
             )
         };
         let Some((name, range)) = text.split_once('=') else {
@@ -95,7 +96,7 @@ impl FromStr for WantedKey {
 /// A setting that is searched.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Key {
-    /// With its tables, as in `track.detect_threshold`.
+    /// With its tables, as in `track.detect_present`.
     pub(crate) name: String,
     kind: Kind,
     /// What the search begins with.
@@ -281,35 +282,35 @@ mod tests {
     #[test]
     fn numbers_choices_and_switches_are_set_by_name() {
         let settings =
-            searched(&["track.detect_frames", "track.method", "track.detect_contrast=0.05..0.2"]).unwrap();
-        assert_eq!(settings.start(), [3.0, 0.0, 0.12]);
-        let named = settings.named(&[5.0, 1.0, 0.07]);
+            searched(&["road_surface.bank.frames", "match.surface", "track.detect_sigma_m=1..4"]).unwrap();
+        assert_eq!(settings.start(), [5.0, 0.0, 2.5]);
+        let named = settings.named(&[7.0, 1.0, 3.5]);
         let config = settings.config(&named).unwrap();
-        assert_eq!(config.track.detect_frames, 5);
-        assert_eq!(config.track.method, fingerpost::track::TrackMethod::Belief);
-        assert!((config.track.detect_contrast - 0.07).abs() < 1e-12);
+        assert_eq!(config.road_surface.bank.frames, 7);
+        assert_eq!(config.matching.surface, fingerpost::matching::MatchedSurface::Binary);
+        assert!((config.track.detect_sigma_m - 3.5).abs() < 1e-12);
         assert_eq!(settings.config(&settings.named(&settings.start())), Some(Config::default()));
         // From a third of it to three times as much.
         let limits: Vec<f64> = [0.0, 1.0].iter().map(|&gene| settings.keys[0].variable.value(gene)).collect();
-        assert_eq!(limits, [1.0, 9.0]);
+        assert_eq!(limits, [2.0, 15.0]);
     }
 
     #[test]
     fn settings_that_contradict_each_other_are_none() {
-        let settings = searched(&["track.confirm_threshold"]).unwrap();
+        let settings = searched(&["track.lost_present"]).unwrap();
         assert!(settings.config(&settings.named(&[0.9])).is_none());
     }
 
     #[test]
     fn what_cannot_be_searched_is_refused_with_the_next_action() {
         for (keys, words) in [
-            (&["track.detect_treshold"][..], &["track.detect_threshold", "fingerpost schema"][..]),
-            (&["detect_contrast"], &["track.detect_contrast"]),
+            (&["track.detect_presnt"][..], &["track.detect_present", "fingerpost schema"][..]),
+            (&["detect_sigma_m"], &["track.detect_sigma_m"]),
             (&["track"], &["track is a table"]),
-            (&["track.detect_threshold=0.5..1.5"], &["0.5..1.5", "0 to 1", "within"]),
-            (&["track.method=1..2"], &["choice of 2"]),
-            (&["track.lost_frames", "track.lost_frames"], &["twice"]),
-            (&["track.detect_contrast=0.3..0.2"], &["the lesser first"]),
+            (&["track.detect_present=0.5..1.5"], &["0.5..1.5", "0.5 to 1", "within"]),
+            (&["match.surface=1..2"], &["choice of 2"]),
+            (&["track.lost_present", "track.lost_present"], &["twice"]),
+            (&["track.detect_sigma_m=3..2"], &["the lesser first"]),
         ] {
             let error = searched(keys).unwrap_err().to_string();
             assert!(words.iter().all(|word| error.contains(word)), "{error}");

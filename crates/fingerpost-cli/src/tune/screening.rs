@@ -9,21 +9,14 @@ use super::drives::TuneDrive;
 use super::trials::{Bench, WantedTrial};
 use crate::output;
 
-/// Numbers that are screened: of tracker, match, road surface, motion, mount and progress those by which something is believed or
+/// Numbers that are screened: of tracker, road surface, motion, mount and progress those by which something is believed or
 /// not. Steps, reaches and sizes are left out: they cost time or are geometry.
-pub(super) const CANDIDATES: [&str; 17] = [
-    "track.detect_threshold",
-    "track.detect_threshold_at_verge",
-    "track.detect_contrast",
-    "track.confirm_threshold",
-    "track.detect_frames",
-    "track.lost_frames",
-    "track.alignment.min_edge_step",
-    "track.alignment.sigma_m",
-    "track.alignment.width_sigma_share",
-    "track.alignment.kerb_radius_m",
-    "match.min_seen_share",
-    "match.min_seen_length_m",
+pub(super) const CANDIDATES: [&str; 10] = [
+    "track.detect_present",
+    "track.lost_present",
+    "track.detect_sigma_m",
+    "track.width_sigma_share",
+    "track.kerb_radius_m",
     "road_surface.memory.doubt",
     "road_surface.online.half_step",
     "motion.direct.width_m",

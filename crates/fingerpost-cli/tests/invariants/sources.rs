@@ -55,7 +55,7 @@ fn read(folder: &Path, found: &mut BTreeMap<PathBuf, String>) {
     }
 }
 
-/// `track/tracker.rs` and `track/tracker/mod.rs` hold the module `track::tracker`, `lib.rs` and `main.rs` the root.
+/// `track/belief.rs` and `track/belief/mod.rs` hold the module `track::belief`, `lib.rs` and `main.rs` the root.
 fn module_of(path: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         path.with_extension("").iter().map(|name| name.to_str().unwrap().to_owned()).collect();

@@ -188,6 +188,12 @@ fn an_empty_input_ends_well_and_wrong_rules_are_refused() {
     let (rest, code, messages) = Advisor::start(&["--config", &config]).end();
     assert_eq!((rest.len(), code), (0, Some(1)));
     assert!(messages.contains("advice.rules: line 1 of the fuzzy rules"), "{messages}");
+    // Rules that nobody goes by are no error, and are not passed over in silence.
+    let path = folder.path().join("unused.toml");
+    fs::write(&path, format!("[advice]\nrules = '''\n{OWN_RULES}'''\n")).unwrap();
+    let (_, code, messages) = Advisor::start(&["--config", &path.display().to_string()]).end();
+    assert_eq!(code, Some(0));
+    assert!(messages.contains("and pure_pursuit steers: set advice.controller = \"fuzzy\""), "{messages}");
 }
 
 fn write_config(folder: &Path, rules: &str) -> String {
@@ -212,6 +218,8 @@ fn rules_of_ones_own_fire_in_the_report() {
     let folder = TempDir::new().unwrap();
     let drive = Drive::get();
     let config = write_config(folder.path(), OWN_RULES);
+    let of_shipped = folder.path().join("shipped.toml");
+    fs::write(&of_shipped, "[advice]\ncontroller = \"fuzzy\"\n").unwrap();
     let report = |name: &str, config: &str| {
         let out = folder.path().join(name);
         let line = format!(
@@ -229,7 +237,7 @@ fn rules_of_ones_own_fire_in_the_report() {
             .collect();
         (fs::read_to_string(out.join("report.html")).unwrap(), fired)
     };
-    let (shipped_page, shipped) = report("shipped", "");
+    let (shipped_page, shipped) = report("shipped", &format!("--config {}", of_shipped.display()));
     let (own_page, own) = report("own", &format!("--config {config}"));
     assert!(shipped.iter().any(|rule| *rule > 2), "the shipped rules are many");
     assert!(!own.is_empty() && own.iter().all(|rule| [1, 2].contains(rule)));

@@ -165,9 +165,9 @@ fn four_points_whose_horizon_is_in_the_ground_view() {
 #[test]
 fn configurations_that_cannot_be_used() {
     for (contents, words) in [
-        ("[track]\ndetect_treshold = 0.8\n", ["detect_treshold", "fingerpost schema"]),
+        ("[track]\ndetect_presnt = 0.8\n", ["detect_presnt", "fingerpost schema"]),
         ("[tracking]\n", ["tracking", "fingerpost schema"]),
-        ("[track]\ndetect_threshold = 1.5\n", ["track.detect_threshold", "1.5"]),
+        ("[track]\ndetect_present = 1.5\n", ["track.detect_present", "1.5"]),
         ("[ground_view]\nnear_m = nan\n", ["near_m", "NaN"]),
         ("[track\n", ["line 1", "fingerpost schema"]),
     ] {

@@ -106,13 +106,13 @@ fn without_a_route_there_is_motion_and_nothing_to_follow() {
 fn the_effective_configuration_is_saved_and_can_be_used_again() {
     let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
     let config = folder.path().join("mine.toml");
-    fs::write(&config, "[track]\ndetect_frames = 7\n").unwrap();
+    fs::write(&config, "[track]\ndetect_present = 0.9\n").unwrap();
     let (first, second) = (folder.path().join("first"), folder.path().join("second"));
     let line = drive.run_line(&drive.path(), &first);
     call_line(&format!("{line} --frames 3 --config {}", config.display())).done();
     let saved = first.join("config.toml");
     let text = fs::read_to_string(&saved).unwrap();
-    assert!(text.contains("detect_frames = 7") && text.contains("[ground_view]"), "{text}");
+    assert!(text.contains("detect_present = 0.9") && text.contains("[ground_view]"), "{text}");
     let line = drive.run_line(&drive.path(), &second);
     call_line(&format!("{line} --frames 3 --config {}", saved.display())).done();
     assert_eq!(fs::read_to_string(second.join("config.toml")).unwrap(), text);

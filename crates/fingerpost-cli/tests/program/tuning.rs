@@ -15,7 +15,7 @@ use crate::program::{call_line, command};
 /// Three trials on the small drive and on its first half, which is held back.
 fn line(half: &Path, out: &Path) -> String {
     format!(
-        "tune --drives {} {} --start-m 5 --held-out 0.5 --keys track.detect_frames,track.detect_threshold=0.6..0.9 --trials 3 \
+        "tune --drives {} {} --start-m 5 --held-out 0.5 --keys road_surface.bank.frames,track.detect_present=0.6..0.9 --trials 3 \
          --population 2 --threads 1 --out {}",
         Drive::get().path().display(),
         half.display(),
@@ -47,7 +47,7 @@ fn a_search_that_was_killed_ends_with_the_same_front() {
     assert_eq!(front, serde_json::from_str(&read(whole.path())).unwrap());
     assert_eq!((front.trials, front.drives, front.defaults.trial), (3, [1, 1], 0));
     assert!(front.front.iter().all(|point| point.tuned.is_some() && point.held_back.is_some()));
-    assert_eq!(front.defaults.settings["track.detect_frames"], 3);
+    assert_eq!(front.defaults.settings["road_surface.bank.frames"], 5);
     assert!(fs::read_to_string(whole.path().join("report.html")).unwrap().contains("<svg"));
 
     let mut child = command()
@@ -86,14 +86,15 @@ fn a_search_that_was_killed_ends_with_the_same_front() {
 fn what_cannot_be_searched_is_refused_before_any_work() {
     let (half, folder) = (half(), TempDir::new().unwrap());
     let out = folder.path().join("out");
-    let with = |keys: &str| line(half.path(), &out).replace("track.detect_frames", keys);
-    call_line(&with("track.detect_frame"))
-        .refused(1, &["track.detect_frame;", "track.detect_frames", "schema"]);
-    call_line(&with("track.lost_frames=0..5")).refused(1, &["track.lost_frames", "0..5", "1 to 1000"]);
+    let with = |keys: &str| line(half.path(), &out).replace("road_surface.bank.frames", keys);
+    call_line(&with("track.detect_presen"))
+        .refused(1, &["track.detect_presen;", "track.detect_present", "schema"]);
+    call_line(&with("road_surface.bank.frames=0..5"))
+        .refused(1, &["road_surface.bank.frames", "0..5", "1 to 1000"]);
     call_line(&with("vehicle.width_m")).refused(1, &["vehicle.width_m", "each drive"]);
-    call_line(&with("track.detect_frames").replace("--population 2", "--population 4"))
+    call_line(&with("road_surface.bank.frames").replace("--population 2", "--population 4"))
         .refused(1, &["--population 4", "--trials 3"]);
-    call_line(&format!("{} --objectives false", with("track.detect_frames"))).refused(1, &["missed"]);
+    call_line(&format!("{} --objectives false", with("road_surface.bank.frames"))).refused(1, &["missed"]);
     call_line(&line(&Drive::get().path(), &out)).refused(1, &["twice", "held back"]);
     fs::remove_file(half.path().join("truth.jsonl")).unwrap();
     call_line(&line(half.path(), &out)).refused(1, &["truth.jsonl", "simulate"]);

@@ -94,11 +94,11 @@ fn verbose_says_besides_what_was_read_and_chosen_and_how_long_it_took() {
 fn settings_that_are_not_the_default_are_named() {
     let (drive, folder) = (Drive::get(), TempDir::new().unwrap());
     let config = folder.path().join("own.toml");
-    fs::write(&config, "[track]\ndetect_frames = 9\n").unwrap();
+    fs::write(&config, "[track]\ndetect_present = 0.9\n").unwrap();
     let line = drive.run_line(&drive.path(), &folder.path().join("run"));
     let line = format!("{line} --verbose --frames 1 --config {}", config.display());
     let called = Called::from(command().args(line.split_whitespace()).output().unwrap()).done();
-    for fact in ["own.toml: settings that are not the default: 1", "track.detect_frames = 9 (default "] {
+    for fact in ["own.toml: settings that are not the default: 1", "track.detect_present = 0.9 (default "] {
         assert!(called.stderr.contains(fact), "{}", called.stderr);
     }
 }

@@ -69,7 +69,7 @@ impl MaskReading {
     /// [`GeometryError`] when the route or a feature has no shape.
     pub fn new(config: &Config, route: &Route, pipeline: &Pipeline) -> Result<Self, GeometryError> {
         let grid = *pipeline.view().grid();
-        let kerb_radius_m = config.track.alignment.kerb_radius_m;
+        let kerb_radius_m = config.track.kerb_radius_m;
         let shape = |model: &FeatureModel| -> Result<Shape, GeometryError> {
             let (mask, vehicle) = (&config.feature_mask, &config.vehicle);
             let curve = MaskCurve::new(mask, vehicle, model)?;

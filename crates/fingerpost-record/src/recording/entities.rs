@@ -39,7 +39,6 @@ pub fn feature_entities(timestamp: Timestamp, followed: Option<(&Followed, &Feat
         strip(along.map(|along_m| course.at(along_m).0), sub_mask_colour(&arm.label), arm.width_m, 0.35)
     });
     let at = pose.translation.vector;
-    let present = followed.present.map_or_else(String::new, |present| format!(", present {present:.2}"));
     let sigma = |axis: usize| 2.0 * followed.covariance[(axis, axis)].max(0.0).sqrt();
     // As wide as two standard deviations on either side.
     let node = SpherePrimitive {
@@ -53,7 +52,7 @@ pub fn feature_entities(timestamp: Timestamp, followed: Option<(&Followed, &Feat
         font_size: 14.0,
         scale_invariant: true,
         color: Some(colour(FEATURE, 1.0)),
-        text: format!("{} {:.1} m{present}", model.id, at.x),
+        text: format!("{} {:.1} m, present {:.2}", model.id, at.x, followed.present),
     };
     let drawn = SceneEntity {
         lines: lines.collect(),

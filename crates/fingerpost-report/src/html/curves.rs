@@ -1,4 +1,4 @@
-//! P(F), distance and position error of a run over time.
+//! Probability that the feature is there, P(F), distance and position error of a run over time.
 
 use std::ops::RangeInclusive;
 
@@ -41,7 +41,7 @@ pub(crate) fn curves(input: &ReportInput<'_>) -> Markup {
             (p.figure())
             (legend("weakest", weakest))
         } @else {
-            p { "No feature of the route came into view, so there is no P(F) to show." }
+            p { "No feature of the route came into view, so there is no probability to show." }
             (p.figure())
         }
         @for chart in others.iter().filter(|chart| chart.has_values()) { (chart.figure()) }
@@ -63,19 +63,10 @@ pub(crate) fn legend(about: &str, entries: impl Iterator<Item = (String, palette
 fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
     let timeline = input.timeline;
     let seconds = timeline.seconds.clone().unwrap_or(0.0..=0.0);
+    let title = "Probability that the feature followed or searched for is there, and P(F) of its masks; below, its weakest arm";
+    let there = Curve { label: "there", class: "two", values: &timeline.present };
     let by_match = Curve { label: "P(F)", class: "one", values: &timeline.match_p };
-    let by_belief = Curve { label: "there", class: "two", values: &timeline.present };
-    let (title, axis, curves) = if timeline.present.is_empty() {
-        let needed = Curve { label: "needed in that frame", class: "needed", values: &timeline.needed_p };
-        (
-            "P(F) of the feature followed or searched for; below, its weakest arm",
-            "P(F)",
-            vec![by_match, needed],
-        )
-    } else {
-        let title = "Probability that the feature followed or searched for is there, and P(F) of its masks; below, its weakest arm";
-        (title, "probability", vec![by_belief, by_match])
-    };
+    let Thresholds { detect, lost } = input.thresholds;
     Chart {
         bands: bands(&seconds, &timeline.states, |&state| {
             let (name, rgb) = palette::state(state);
@@ -85,14 +76,9 @@ fn probability<'a>(input: &ReportInput<'a>) -> Chart<'a> {
             let label = label.as_ref()?;
             Some((format!("weakest: {label}"), palette::css(palette::sub_mask(label))))
         }),
-        lines: match input.thresholds {
-            Thresholds::OfFrames => Vec::new(),
-            Thresholds::OfPresence { detect, lost } => {
-                vec![(detect, format!("tracked from {detect:.2}")), (lost, format!("lost below {lost:.2}"))]
-            }
-        },
-        curves,
-        ..Chart::over(seconds, title, axis, 0.0..=1.0)
+        lines: vec![(detect, format!("tracked from {detect:.2}")), (lost, format!("lost below {lost:.2}"))],
+        curves: vec![there, by_match],
+        ..Chart::over(seconds, title, "probability", 0.0..=1.0)
     }
 }
 

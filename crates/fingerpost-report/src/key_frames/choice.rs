@@ -67,7 +67,7 @@ impl KeyFrameChoice {
                 self.once(KeyReason::Detection { feature: followed.index })
             }
             (Decision::Arrived, Some(followed)) => self.once(KeyReason::Arrival { feature: followed.index }),
-            (Decision::Lost { index } | Decision::NoLongerSure { index, .. }, _) => self.loss(*index),
+            (Decision::NoLongerSure { index, .. }, _) => self.loss(*index),
             _ => None,
         };
         // What is detected is also the first match to be weaker than.
@@ -111,7 +111,7 @@ impl KeyFrameChoice {
 #[cfg(test)]
 mod tests {
     use fingerpost::matching::Match;
-    use fingerpost::track::{Followed, TrackOutput};
+    use fingerpost::track::{Followed, Lack, TrackOutput};
     use nalgebra::{Isometry2, Matrix3};
 
     use super::super::{KeyFrame, KeyFrames, KeyPicture, MAX_PICTURE_BYTES};
@@ -124,7 +124,8 @@ mod tests {
             index,
             vehicle_from_feature: pose,
             covariance: Matrix3::identity(),
-            present: None,
+            present: 0.9,
+            present_by_sight: 0.9,
             matched: matched(p),
         });
         FrameOutput {
@@ -178,7 +179,7 @@ mod tests {
     #[test]
     fn a_feature_is_kept_when_detected_when_weakest_and_on_arrival() {
         let mut frames = Chosen::of(None);
-        let not_found = || Decision::NotFound { index: 2 };
+        let not_found = || Decision::NotFound { index: 2, places: 33 };
         assert_eq!(frames.see(0, not_found(), State::Searching, None), Some(KeyReason::FirstFrame));
         let tracking = [
             (Decision::Detected, 0.90, Some(KeyReason::Detection { feature: 2 })),
@@ -199,7 +200,7 @@ mod tests {
     fn a_run_without_detections_keeps_an_even_spread() {
         let mut frames = Chosen::of(None);
         for frame in 0..30_000 {
-            frames.see(frame, Decision::NotFound { index: 0 }, State::Searching, None);
+            frames.see(frame, Decision::NotFound { index: 0, places: 33 }, State::Searching, None);
         }
         let kept = frames.kept();
         assert!((MAX_SPREAD / 2..=MAX_SPREAD + 1).contains(&kept.len()), "{kept:?}");
@@ -210,8 +211,10 @@ mod tests {
     #[test]
     fn losses_are_kept_up_to_a_limit() {
         let mut frames = Chosen::of(None);
+        let lack = Lack::Presence { present: 0.3, needed: 0.5 };
+        let lost = Decision::NoLongerSure { index: 1, lack };
         let wanted = (0..20)
-            .map(|frame| frames.see(frame, Decision::Lost { index: 1 }, State::Lost, None))
+            .map(|frame| frames.see(frame, lost.clone(), State::Lost, None))
             .filter(|reason| *reason == Some(KeyReason::Loss { feature: 1 }))
             .count();
         assert_eq!(wanted, MAX_LOSSES);
@@ -222,7 +225,9 @@ mod tests {
         let mut frames = Chosen::of(Some(30_000));
         let drawn = (0..30_000)
             .filter(|&frame| {
-                frames.see(frame, Decision::NotFound { index: 0 }, State::Searching, None).is_some()
+                frames
+                    .see(frame, Decision::NotFound { index: 0, places: 33 }, State::Searching, None)
+                    .is_some()
             })
             .count();
         assert_eq!(drawn, frames.kept().len());

@@ -2,7 +2,7 @@
 //!
 //! Above: state, feature, frame and time. In the middle: the camera's picture with the numbers of the frame, and the
 //! four ground pictures, without a route the lane's steps in place of the masks; cameras wider than two to one lie across, others at the left. Below: every sub-mask's
-//! P(F_sub) against the threshold, and the sentence that says what was decided.
+//! P(F_sub), and the sentence that says what was decided.
 
 use fingerpost::matching::{Match, Participation, SubMatch};
 use fingerpost_vision::picture::{Rect, RgbImage};
@@ -174,7 +174,7 @@ fn footer(canvas: &mut Canvas, scene: &Scene<'_>) {
     let bar = Rect { x: 0, y: top, width: COMPOSED_WIDTH_PX, height: FOOTER_PX };
     canvas.fill(bar, Paint::solid(palette::PANEL));
     if let Some(matched) = scene.matched() {
-        chips(canvas, scene, matched, top + 8);
+        chips(canvas, matched, top + 8);
     } else {
         let text = "no feature is followed: no masks to match";
         canvas.text([12.0, (top + 8) as f64], TextSize::Small, palette::TEXT_DIM, text);
@@ -187,16 +187,16 @@ fn footer(canvas: &mut Canvas, scene: &Scene<'_>) {
 }
 
 /// Every sub-mask with a bar of its P(F_sub), the bound that decided as a tick, and the weakest underlined.
-fn chips(canvas: &mut Canvas, scene: &Scene<'_>, matched: &Match, top: usize) {
+fn chips(canvas: &mut Canvas, matched: &Match, top: usize) {
     let width = (COMPOSED_WIDTH_PX - 24) / CHIPS_A_LINE;
     for (i, sub) in matched.subs.iter().enumerate().take(2 * CHIPS_A_LINE) {
         let (x, y) = (12 + (i % CHIPS_A_LINE) * width, top + (i / CHIPS_A_LINE) * CHIP_LINE_PX);
         let weakest = if matched.weakest == Some(i) { TextSize::SmallBold } else { TextSize::Small };
-        chip(canvas, scene, sub, weakest, [x, y]);
+        chip(canvas, sub, weakest, [x, y]);
     }
 }
 
-fn chip(canvas: &mut Canvas, scene: &Scene<'_>, sub: &SubMatch, size: TextSize, [x, y]: [usize; 2]) {
+fn chip(canvas: &mut Canvas, sub: &SubMatch, size: TextSize, [x, y]: [usize; 2]) {
     let colour = palette::sub_mask(&sub.label);
     let takes_part = sub.participation == Participation::TakesPart;
     let opacity = if takes_part { 1.0 } else { 0.35 };
@@ -219,16 +219,7 @@ fn chip(canvas: &mut Canvas, scene: &Scene<'_>, sub: &SubMatch, size: TextSize, 
     canvas.fill(bar, Paint::glaze(palette::GRID_LINE, 0.12));
     let filled = (p * BAR_PX as f64).round() as usize;
     canvas.fill(Rect { width: filled, ..bar }, Paint::solid(colour));
-    // The bound that decided this frame, where one did.
-    let needed_p = scene.evidence.track.needed_p;
-    if let Some(needed_p) = needed_p {
-        let tick = bar_x as f64 + needed_p * BAR_PX as f64;
-        let tick_rect = Rect { x: tick.round() as usize, y: y + 2, width: 2, height: 13 };
-        canvas.fill(tick_rect, Paint::solid(palette::TEXT));
-    }
-    let is_short = needed_p.is_some_and(|needed_p| p < needed_p);
-    let value_colour = if is_short { palette::REJECTED } else { palette::TEXT };
-    canvas.text([value_x, y as f64], size, value_colour, &format!("{p:.2}"));
+    canvas.text([value_x, y as f64], size, palette::TEXT, &format!("{p:.2}"));
     if size == TextSize::SmallBold {
         let text_x = value_x + 5.0 * TextSize::Small.letter_px() as f64;
         canvas.text([text_x, y as f64], TextSize::Small, palette::TEXT_DIM, "weakest");

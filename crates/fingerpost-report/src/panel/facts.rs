@@ -6,7 +6,7 @@ use fingerpost::matching::Match;
 use fingerpost::motion::FlowStart;
 use fingerpost::progress::GpsUse;
 use fingerpost::road_surface::SampleUse;
-use fingerpost::track::{CrossSectionUse, PossiblePlace};
+use fingerpost::track::PossiblePlace;
 use nalgebra::Isometry2;
 
 use super::flow::REJECTED_WEIGHT;
@@ -39,32 +39,17 @@ pub(crate) fn facts(scene: &Scene<'_>) -> Vec<Fact> {
     if let Some(places) = places_words(&evidence.track.places) {
         facts.push(("places", places));
     }
-    if let Some(predicted) = &evidence.track.predicted {
-        let p = evidence.track.predicted_p.map_or_else(String::new, |p| format!("; P(F) {p:.2} there"));
-        facts.push(("predicted", format!("{}{p}", words(predicted))));
-    }
     if evidence.track.tried > 0 {
         let best = evidence
             .track
             .sought
             .as_ref()
             .and_then(|sought| sought.matched.p)
-            .map_or_else(String::new, |p| format!(", best P(F) {p:.2}"));
+            .map_or_else(String::new, |p| format!(", P(F) {p:.2} at the likeliest"));
         facts.push(("search", format!("{} places tried{best}", evidence.track.tried)));
     }
     if let Some(verge) = scene.matched().and_then(verge_words) {
         facts.push(("verge", verge));
-    }
-    let sections = &evidence.track.sections;
-    if !sections.is_empty() {
-        let count = |of: fn(&CrossSectionUse) -> bool| sections.iter().filter(|s| of(&s.section_use)).count();
-        let used = count(|s| matches!(s, CrossSectionUse::Accepted));
-        let other_width = count(|s| matches!(s, CrossSectionUse::WidthDisagrees { .. }));
-        let too_far = count(|s| matches!(s, CrossSectionUse::Gated { .. }));
-        let without = sections.len() - used - other_width - too_far;
-        let words =
-            format!("{used} used, {without} not used, {other_width} of another width, {too_far} too far off");
-        facts.push(("sections", words));
     }
     let tightest = output.driving_line_curvature_per_m.iter().fold(0.0_f64, |most, k| most.max(k.abs()));
     if tightest * STRAIGHT_FROM_M >= 1.0 {

@@ -1,17 +1,16 @@
-//! The ground view with the feature's place: predicted by ego-motion, measured across the arms, updated.
+//! The ground view with the places where the feature may be, and the edges of its road.
 
-use fingerpost::track::{CrossSection, CrossSectionUse, Followed, PossiblePlace};
+use fingerpost::track::{Followed, PossiblePlace};
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::ground_plot::GroundPlot;
-use crate::draw::{Canvas, Paint, TextSize};
+use crate::draw::{Canvas, Paint};
 use crate::palette::{self, Rgb};
 use crate::scene::Scene;
 
-pub(crate) const LEGEND: &str = "The road from above. White cross: where ego-motion expected the feature; yellow \
-    circle: where it is believed now, with its two-sigma ellipse. Bars: cross-sections of the arms, out to the \
-    edges found; cyan moved the feature, red were rejected, grey measured nothing. Or, by the belief: white ellipses about every place \
-    where the feature may be, the fainter the less probable, and in cyan the edges of the road at the likeliest. Green: driving line. Orange: the road's middle by the edges of its surface, \
+pub(crate) const LEGEND: &str = "The road from above. Yellow circle: where the followed feature is believed to be, with its \
+    two-sigma ellipse. White ellipses: every place where the feature may be, the fainter the less probable; in cyan the edges of the road \
+    at the likeliest. Green: driving line. Orange: the road's middle by the edges of its surface, \
     which are drawn thin. Tinted, where the ground's height is looked at: green lies on the road's plane, red is raised. Hatched: not seen.";
 
 /// Corners of the ellipse of uncertainty.
@@ -53,9 +52,6 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
             scene.output.driving_line.iter().map(|p| plot.at(shown_from_road * p)).collect();
         canvas.polyline(&line, 2.5, Paint::glaze(palette::sub_mask("driving_line"), 0.9));
         centreline(canvas, plot, scene);
-        for section in &scene.evidence.track.sections {
-            cross_section(canvas, plot, section);
-        }
         for ends in &scene.evidence.track.edges {
             let ends = ends.map(|end| plot.at(shown_from_road * end));
             canvas.polyline(&ends, 1.5, Paint::glaze(palette::ACCEPTED, 0.9));
@@ -63,9 +59,6 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>
         for PossiblePlace { vehicle_from_feature, covariance, weight } in &scene.evidence.track.places {
             let paint = Paint::glaze(palette::TEXT, FAINTEST + (1.0 - FAINTEST) * weight);
             ellipse(canvas, plot, &(shown_from_road * vehicle_from_feature), covariance, paint);
-        }
-        if let Some(predicted) = &scene.evidence.track.predicted {
-            cross(canvas, plot.at(predicted.translation.vector.into()));
         }
         if let Some(followed) = &scene.output.track.followed {
             // The view is made for the configured mount: what it shows is where the masks lie in it.
@@ -123,31 +116,4 @@ fn heading(canvas: &mut Canvas, plot: &GroundPlot<'_>, vehicle_from_feature: &Is
     let behind = plot.at(vehicle_from_feature * Point2::new(-1.5, 0.0));
     canvas.arrow(behind, node, 2.0, Paint::solid(palette::UPDATED));
     canvas.ring(node, 6.0, 2.0, Paint::solid(palette::UPDATED));
-}
-
-fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
-    for (width, paint) in [(4.5, Paint::glaze(palette::SHADE, 0.5)), (2.0, Paint::solid(palette::PREDICTED))]
-    {
-        canvas.polyline(&[[x - 7.0, y - 7.0], [x + 7.0, y + 7.0]], width, paint);
-        canvas.polyline(&[[x - 7.0, y + 7.0], [x + 7.0, y - 7.0]], width, paint);
-    }
-}
-
-fn cross_section(canvas: &mut Canvas, plot: &GroundPlot<'_>, section: &CrossSection) {
-    let colour = match section.section_use {
-        CrossSectionUse::Accepted => palette::ACCEPTED,
-        CrossSectionUse::WidthDisagrees { .. } | CrossSectionUse::Gated { .. } => palette::REJECTED,
-        _ => palette::TEXT_DIM,
-    };
-    let middle = plot.at(section.p_in_vehicle);
-    canvas.disc(middle, 2.5, Paint::solid(colour));
-    for edge_m in section.edges_m.iter().flatten() {
-        let edge = plot.at(section.p_in_vehicle + section.left * *edge_m);
-        canvas.polyline(&[middle, edge], 1.5, Paint::solid(colour));
-        canvas.disc(edge, 3.5, Paint::solid(colour));
-    }
-    if let CrossSectionUse::WidthDisagrees { width_m, map_width_m } = section.section_use {
-        let text = format!("{width_m:.1} m, map {map_width_m:.1}");
-        canvas.label([middle[0] + 4.0, middle[1] + 2.0], TextSize::Small, colour, &text);
-    }
 }

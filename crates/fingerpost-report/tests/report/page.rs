@@ -8,7 +8,7 @@ use fingerpost_format::{
 };
 use fingerpost_report::{KeyFrames, KeyReason, ReportInput, Thresholds, Timeline, report_html};
 
-const THRESHOLDS: Thresholds = Thresholds::OfFrames;
+const THRESHOLDS: Thresholds = Thresholds { detect: 0.9, lost: 0.3 };
 
 /// Every inline SVG of a page, parsed.
 pub(crate) fn svgs(page: &str) -> usize {
@@ -53,13 +53,13 @@ fn the_page_of_a_drive_holds_everything() {
         roads: None,
         thresholds: THRESHOLDS,
         rules: &[],
-        config_toml: "[track]\nlost_frames = 10 # <10>\n",
+        config_toml: "[track]\nlost_present = 0.5 # <0.5>\n",
         key_frames: &run.key_frames,
     });
     // Map, P(F), distance, error, speed, stage times.
     assert_eq!(svgs(&page), 6);
     assert!(page.contains(&escaped(name)) && !page.contains("<Orchard>"));
-    assert!(page.contains("a &lt;painted&gt; drive") && page.contains("lost_frames = 10 # &lt;10&gt;"));
+    assert!(page.contains("a &lt;painted&gt; drive") && page.contains("lost_present = 0.5 # &lt;0.5&gt;"));
     for key in run.key_frames.frames() {
         assert!(page.contains(&escaped(&key.why)), "{}", key.why);
         let has_lanes = key.pictures.iter().any(|picture| picture.stage == "lane steps");
@@ -106,18 +106,10 @@ fn record(frame: u64, state: TrackState, why: String) -> FrameRecord {
     }
 }
 
-/// What decided is drawn: the bound of each frame, and the belief's own where presence decides.
 #[test]
-fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_feature() {
+fn the_chart_shows_the_bounds_that_decide_and_the_page_what_became_of_each_feature() {
     let records: Vec<FrameRecord> =
         (0..30).map(|frame| record(frame, TrackState::Searching, String::new())).collect();
-    let mut timeline = Timeline::of(&records, None);
-    for record in &records {
-        timeline.decided_by(
-            record.t_s,
-            (record.frame >= 10).then_some(if record.frame < 20 { 0.5 } else { 0.75 }),
-        );
-    }
     let feature = |id, outcome| FeatureSummary {
         id,
         kind: "bend".to_owned(),
@@ -142,31 +134,23 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
         features: (1..).zip(outcomes).map(|(id, outcome)| feature(id, outcome)).collect(),
         ..Summary::default()
     };
-    let page = |timeline: &Timeline, thresholds| {
-        report_html(&ReportInput {
-            title: "bounds",
-            made_from: &[
-                ("command", "fingerpost run 'a & b'".to_owned()),
-                ("camera", "c.toml: 640 x 480".to_owned()),
-            ],
-            timeline,
-            summary: &summary,
-            truth: None,
-            route: None,
-            roads: None,
-            thresholds,
-            rules: &[],
-            config_toml: "",
-            key_frames: &KeyFrames::default(),
-        })
-    };
-    let by_frames = page(&timeline, THRESHOLDS);
-    assert_eq!(by_frames.matches("<polyline class=\"needed\"").count(), 1);
-    assert!(!by_frames.contains("class=\"threshold\""), "no bound that did not decide");
-    let rebuilt = page(&Timeline::of(&records, None).with_bounds_of(&timeline), THRESHOLDS);
-    assert_eq!(rebuilt, by_frames);
-    let by_presence = page(&Timeline::of(&records, None), Thresholds::OfPresence { detect: 0.9, lost: 0.3 });
-    assert!(by_presence.contains("tracked from 0.90") && by_presence.contains("lost below 0.30"));
+    let page = report_html(&ReportInput {
+        title: "bounds",
+        made_from: &[
+            ("command", "fingerpost run 'a & b'".to_owned()),
+            ("camera", "c.toml: 640 x 480".to_owned()),
+        ],
+        timeline: &Timeline::of(&records, None),
+        summary: &summary,
+        truth: None,
+        route: None,
+        roads: None,
+        thresholds: THRESHOLDS,
+        rules: &[],
+        config_toml: "",
+        key_frames: &KeyFrames::default(),
+    });
+    assert!(page.contains("tracked from 0.90") && page.contains("lost below 0.30"));
     for words in [
         "<dd>59.0 m, without 0.12 s in which it was not measured</dd>",
         "<dd>9.8 m/s</dd>",
@@ -180,11 +164,11 @@ fn the_chart_shows_the_bound_that_decided_and_the_page_what_became_of_each_featu
         "fingerpost run 'a &amp; b'",
         "c.toml: 640 x 480",
     ] {
-        assert!(by_frames.contains(words), "{words}");
+        assert!(page.contains(words), "{words}");
     }
-    assert!(!by_frames.contains("frames with a lane"), "none was looked for");
-    assert_eq!(by_frames.matches("<tr class=\"missed\">").count(), 1, "what was not reached was not missed");
-    closed_tags(&by_frames);
+    assert!(!page.contains("frames with a lane"), "none was looked for");
+    assert_eq!(page.matches("<tr class=\"missed\">").count(), 1, "what was not reached was not missed");
+    closed_tags(&page);
 }
 
 #[test]

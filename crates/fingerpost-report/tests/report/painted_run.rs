@@ -107,7 +107,7 @@ fn record(frame: u64, t_s: f64, output: &FrameOutput) -> FrameRecord {
         sub: followed.matched.subs.iter().filter_map(|sub| Some((sub.label.to_string(), sub.p?))).collect(),
         contrast: Default::default(),
         confidence: None,
-        present: None,
+        present: Some(followed.present),
         rivals: Vec::new(),
         forward_m: followed.vehicle_from_feature.translation.x,
         left_m: followed.vehicle_from_feature.translation.y,

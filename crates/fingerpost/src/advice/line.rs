@@ -297,11 +297,10 @@ impl<'a> Through<'a> {
     fn at_hand(input: &AdviceInput<'a>) -> Option<Self> {
         if let Some(followed) = &input.track.followed {
             let stop = input.stops.get(followed.index)?;
-            let there = followed.present.or_else(|| followed.matched.confidence());
-            let Followed { vehicle_from_feature, covariance, .. } = *followed;
+            let Followed { vehicle_from_feature, covariance, present, .. } = *followed;
             let tracked = FeaturePlace { vehicle_from_feature, covariance };
             // Where the route keeps to its road, that goes on whether the feature is there or not.
-            let present = there.filter(|_| turns(stop)).unwrap_or(1.0);
+            let present = if turns(stop) { present } else { 1.0 };
             return Some(Self { index: followed.index, stop, tracked, present });
         }
         let CandidatePlace { index, vehicle_from_feature, covariance, present } = input.track.candidate?;

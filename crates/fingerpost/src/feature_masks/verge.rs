@@ -11,7 +11,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::FeatureMaskConfig;
 use crate::feature_model::{ArmModel, FeatureModel};
-use crate::kerbs::Kerbs;
+use crate::kerbs::kerb_ends_m;
 
 /// Farthest along an arm that its verge is looked for, metres: beyond it arms bend away from the map.
 const MAX_ALONG_M: f64 = 16.0;
@@ -57,12 +57,12 @@ pub(super) fn courses(
     feature: &FeatureModel,
     arm: &ArmModel,
 ) -> VergeStrips<Polyline> {
-    let kerbs = Kerbs::of(feature, arm, kerb_radius_m);
+    let kerb_ends_m = kerb_ends_m(feature, arm, kerb_radius_m);
     [0, 1].map(|side| {
         let beyond_m = beyond_m(config, arm.width_m);
         let outwards = if side == 0 { 1.0 } else { -1.0 };
         let span_m = [beyond_m.first()?, beyond_m.last()?].map(|m| outwards * m);
-        let stretch = stretch(feature, arm, kerbs.end_m(side).max(arm.mouth_m), span_m)?;
+        let stretch = stretch(feature, arm, kerb_ends_m[side].max(arm.mouth_m), span_m)?;
         let arm_course = arm.course.part(stretch.start, stretch.end).ok()?;
         let band = |m: &f64| arm_course.offset(outwards * m);
         let bands = beyond_m.iter().map(band).collect::<Result<Vec<_>, GeometryError>>().ok()?;

@@ -170,7 +170,8 @@ fn a_feature_that_is_followed_corrects_a_start_that_is_off() {
                 index: 0,
                 vehicle_from_feature: Isometry2::translation(90.0 - at_m, 1.0),
                 covariance: Matrix3::from_diagonal(&Vector3::new(0.09, 0.09, 0.01)),
-                present: None,
+                present: 0.5,
+                present_by_sight: 0.99,
                 matched: Match::default(),
             };
             let followed = Some(&seen).filter(|_| at_m > 75.0);

@@ -2,7 +2,6 @@
 
 use fingerpost_geometry::GroundGrid;
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{Plane, ValidityMask};
 use fingerpost_vision::span::RowSums;
 
 use super::{LaidSurface, MatchConfig, Matcher};
@@ -12,37 +11,23 @@ use crate::road_surface::RoadSurface;
 ///
 /// [`Matcher`] lays them over the probabilities, or over road and no road by a threshold. Another may weigh the pixels first.
 pub trait FeatureMatcher: Send {
-    /// The surface of one frame, ready for any number of masks, with the ground view's grey values where the second of
-    /// `ground` says that the frame shows any.
+    /// The surface of one frame, ready for any number of masks.
     ///
     /// # Errors
-    /// [`PictureError`] when surface and ground view differ in size.
-    fn lay<'a>(
-        &'a mut self,
-        surface: &'a RoadSurface,
-        ground: (&Plane<u8>, &ValidityMask),
-    ) -> Result<LaidSurface<'a>, PictureError>;
+    /// [`PictureError`] when what is known of the surface has another size than the surface.
+    fn lay<'a>(&'a mut self, surface: &'a RoadSurface) -> Result<LaidSurface<'a>, PictureError>;
 }
 
 impl FeatureMatcher for Matcher {
-    fn lay<'a>(
-        &'a mut self,
-        surface: &'a RoadSurface,
-        ground: (&Plane<u8>, &ValidityMask),
-    ) -> Result<LaidSurface<'a>, PictureError> {
-        self.laid_with(surface, ground)
+    fn lay<'a>(&'a mut self, surface: &'a RoadSurface) -> Result<LaidSurface<'a>, PictureError> {
+        self.laid(surface, surface.known())
     }
 }
 
 impl<'a> LaidSurface<'a> {
-    /// Sums of any values from 0 to 255 as what masks are superimposed on on the raster `grid`; `grey` are those of the ground view's
-    /// grey values, where there are any. Sums and raster must have the same size.
-    pub const fn over(
-        config: &'a MatchConfig,
-        grid: &'a GroundGrid,
-        sums: &'a RowSums,
-        grey: Option<&'a RowSums>,
-    ) -> Self {
-        Self { config, grid, sums, grey }
+    /// Sums of any values from 0 to 255 as what masks are superimposed on on the raster `grid`. Sums and raster must have the same
+    /// size.
+    pub const fn over(config: &'a MatchConfig, grid: &'a GroundGrid, sums: &'a RowSums) -> Self {
+        Self { config, grid, sums }
     }
 }

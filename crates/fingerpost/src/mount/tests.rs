@@ -35,6 +35,23 @@ fn drive(filter: &mut MountFilter, frames: usize, truth_deg: [f64; 3]) -> MountE
 }
 
 #[test]
+fn the_camera_is_turned_by_the_mount_and_the_suspension_together() {
+    let mount = MountEstimate {
+        pitch_rad: 0.01,
+        roll_rad: -0.02,
+        suspension_pitch_rad: 0.005,
+        sigma_rad: [0.003, 0.5, 0.02, 0.004],
+        ..MountEstimate::default()
+    };
+    let CameraAttitude { turn, sigma_rad } = mount.attitude();
+    let is = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-12, "{value}, not {expected}");
+    is(turn.pitch_rad, 0.015);
+    is(turn.roll_rad, -0.02);
+    is(sigma_rad[0], 0.005);
+    is(sigma_rad[1], 0.02);
+}
+
+#[test]
 fn the_mount_is_found_and_becomes_valid() {
     let mut filter = MountFilter::new(&MountConfig::default(), AHEAD_M);
     assert_eq!(drive(&mut filter, 5, [0.8, -0.3, 0.2]).state, MountState::NotYetValid);

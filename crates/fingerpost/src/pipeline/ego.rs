@@ -7,7 +7,7 @@ use super::{PipelineError, Sensors, Stage};
 use crate::attitude::{AttitudeWatch, ObservedAngle};
 use crate::config::Config;
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::motion::{CameraAttitude, FeatureStep, Motion, MotionDoubt, MotionEstimator, MotionEvidence};
+use crate::motion::{CameraAttitude, Motion, MotionDoubt, MotionEstimator, MotionEvidence};
 use crate::mount::{MountEstimate, MountFilter};
 use crate::vehicle_signals::{SignalsEvidence, SignalsInput, VehicleSignals, VehicleState};
 
@@ -59,11 +59,6 @@ impl Ego {
         }
     }
 
-    /// Takes in how the vehicle moved to the last frame by a feature that is followed.
-    pub(super) fn learn(&mut self, step: &FeatureStep) {
-        self.motion.learn(step);
-    }
-
     /// Takes one frame in.
     ///
     /// # Errors
@@ -96,12 +91,13 @@ impl Ego {
         let (vehicle, signals_evidence) =
             self.signals.step(SignalsInput { samples: signals, motion: of_frame, dt_s });
         finished(Stage::Motion);
+        let mount = self.mount.estimate();
         Ok(EgoFrame {
             motion,
             motion_doubt,
-            camera: seen.and_then(|seen| seen.camera),
+            camera: seen.map(|seen| seen.camera.unwrap_or_else(|| mount.attitude())),
             vehicle,
-            mount: self.mount.estimate(),
+            mount,
             pitch_change: attitude.pitch_change,
             dt_s: since_shown_s,
             motion_evidence,

@@ -6,7 +6,7 @@ use super::FrameOutput;
 use crate::config::Config;
 use crate::lanes::departure::{DepartureEvidence, DepartureWarning};
 use crate::lanes::{Lane, LaneDetector, LaneError, LaneEvidence, LaneInput};
-use crate::track::FeatureTracker;
+use crate::track::BeliefTracker;
 
 /// The lane finder, where lanes are looked for, and the departure warning behind it.
 pub(super) struct LaneWatch {
@@ -37,7 +37,7 @@ impl LaneWatch {
         config: &Config,
         camera: &Camera,
         input: &LaneInput<'_>,
-        tracker: &dyn FeatureTracker,
+        tracker: &BeliefTracker,
         output: &mut FrameOutput,
     ) -> Result<LaneFrame<'_>, LaneError> {
         output.departure = None;

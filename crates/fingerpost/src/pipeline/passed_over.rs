@@ -17,7 +17,7 @@ impl Pipeline {
         camera: CameraEvidence,
         sensors: Sensors,
     ) -> (&FrameOutput, FrameEvidence<'_>) {
-        let Self { config, view, ground, surface, tracker, fix, track_evidence, output, .. } = self;
+        let Self { view, ground, surface, tracker, fix, track_evidence, output, .. } = self;
         let Sensors { signals, gps, dt_s } = sensors;
         let (vehicle, signals_evidence) = self.ego.pass_over(sensors);
         let fix_evidence = fix.as_mut().map(|stage| {
@@ -51,7 +51,6 @@ impl Pipeline {
             track: &output.track,
             evidence: track_evidence,
             stops: tracker.stops(),
-            config: &config.track,
             mount: output.mount.as_ref(),
             signals: signals.is_some().then_some(&signals_evidence),
             lane: None,

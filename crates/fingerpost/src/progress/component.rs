@@ -78,14 +78,6 @@ impl Component {
         self.forget_gps_error(step.dt_s, noise);
     }
 
-    /// Moves on by a distance whose error goes on in the direction of the error that there is, with this standard deviation, metres.
-    pub(crate) fn move_by(&mut self, forward_m: f64, drift_m: f64) {
-        let wider = 1.0 + drift_m / self.sigma_m().max(f64::MIN_POSITIVE);
-        let transition = Matrix3::from_diagonal(&Vector3::new(wider, 1.0, 1.0));
-        self.mean.x += forward_m;
-        self.covariance = transition * self.covariance * transition;
-    }
-
     /// So many seconds went by, and the slow error of GPS becomes another one (first-order Gauss-Markov process).
     pub(crate) fn forget_gps_error(&mut self, dt_s: f64, noise: &Noise) {
         let kept = noise.gps_kept(dt_s);

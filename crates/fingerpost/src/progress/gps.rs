@@ -176,12 +176,6 @@ impl Component {
         Taken::Jump { per_m }
     }
 
-    /// Whether a fix may be that of a receiver that has not jumped.
-    pub(crate) fn expects_fix(&self, fix_m: f64, noise: &Noise) -> bool {
-        let (expected_m, gate_m) = self.fix_within_m(noise);
-        (fix_m - expected_m).abs() <= gate_m
-    }
-
     /// Where along the route a fix is expected, and how far from there it may be, metres.
     fn fix_within_m(&self, noise: &Noise) -> (f64, f64) {
         let (expected_m, before) = self.predicted(&GPS);

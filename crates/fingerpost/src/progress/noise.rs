@@ -36,13 +36,6 @@ impl Noise {
         }
     }
 
-    /// The same of a receiver of which nothing is known: its error may keep or change from fix to fix, and either part may be all of it.
-    pub(crate) fn of_any_receiver(config: &RouteProgressConfig) -> Self {
-        let noise = Self::new(config);
-        let gps_m = libm::hypot(noise.gps_slow_m, noise.gps_white_m);
-        Self { gps_slow_m: gps_m, gps_white_m: gps_m, ..noise }
-    }
-
     /// Share of the scale error that is left after this distance.
     pub(super) fn scale_kept(&self, forward_m: f64) -> f64 {
         libm::exp(-forward_m.abs() / SCALE_LENGTH_M)

@@ -23,8 +23,8 @@ pub(super) mod junction_shape;
 mod likelihood;
 mod route_belief;
 
-use fingerpost_geometry::{GeometryError, Polyline};
-use fingerpost_map::Route;
+use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
+use fingerpost_map::{FeatureKind, Route};
 use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 
@@ -36,9 +36,11 @@ use self::route_belief::{FeatureInView, Stage, View};
 use super::route_stop::{RouteStop, TrackerSetting, route_stops};
 use super::shown::ShownRoad;
 use super::{
-    CandidatePlace, Decision, FeatureTracker, Followed, Lack, Moved, ShownSurface, Sought, State,
-    TrackConfig, TrackEvidence, TrackOutput,
+    CandidatePlace, Decision, Followed, Lack, Moved, ShownSurface, Sought, State, TrackConfig, TrackEvidence,
+    TrackOutput,
 };
+use crate::feature_masks::{PlacedMasks, node_pixel};
+use crate::feature_model::ArmModel;
 use crate::ground_view::{CameraTurn, Viewpoint};
 use crate::matching::{LaidSurface, Match};
 use crate::motion::CameraAttitude;
@@ -236,21 +238,32 @@ impl BeliefTracker {
         let mut matched = self.spare.pop().unwrap_or_default();
         laid.explain(&mut stop.masks, &self.shown.shown_from_road(&vehicle_from_feature), &mut matched)?;
         if is_followed {
-            output.followed =
-                Some(Followed { index, vehicle_from_feature, covariance, present: Some(present), matched });
+            let present_by_sight = belief.present_by_sight();
+            output.followed = Some(Followed {
+                index,
+                vehicle_from_feature,
+                covariance,
+                present,
+                present_by_sight,
+                matched,
+            });
         } else {
             evidence.sought = Some(Sought { index, vehicle_from_feature, matched });
         }
         Ok(())
     }
-}
 
-impl FeatureTracker for BeliefTracker {
-    fn stops(&self) -> &[RouteStop] {
+    /// The features of the route with their driving lines.
+    pub fn stops(&self) -> &[RouteStop] {
         &self.stops
     }
 
-    fn step(
+    /// Takes one frame in: how the vehicle moved, what it shows, and a GPS position in the map frame. Output and evidence take
+    /// the place of the last frame's, whose memory is reused.
+    ///
+    /// # Errors
+    /// [`SpanError`] when an arm cannot be drawn.
+    pub fn step(
         &mut self,
         moved: Moved<'_>,
         shown: ShownSurface<'_>,
@@ -297,6 +310,31 @@ impl FeatureTracker for BeliefTracker {
         };
         (output.route_m, output.route_sigma_m) = beside.or_else(likeliest).unzip();
         Ok(())
+    }
+
+    /// Whether the vehicle is on its way through a junction at which the route turns: lanes end there, and lines cross its way.
+    pub fn turns_through(&self, output: &TrackOutput) -> bool {
+        let followed = output.followed.as_ref().filter(|_| output.state == State::Arrived);
+        let model = followed.and_then(|followed| self.stops.get(followed.index)).map(|stop| &stop.model);
+        model.is_some_and(|model| {
+            model.kind == FeatureKind::Junction && model.exit().is_some_and(ArmModel::leaves_the_line)
+        })
+    }
+
+    /// The masks of the followed feature, or else of the one searched for, where they matched.
+    pub fn placed_masks(
+        &self,
+        output: &TrackOutput,
+        evidence: &TrackEvidence,
+        grid: &GroundGrid,
+    ) -> Option<PlacedMasks<'_>> {
+        let followed = output.followed.as_ref().map(|followed| (followed.index, &followed.matched));
+        let sought = evidence.sought.as_ref().map(|sought| (sought.index, &sought.matched));
+        let (index, matched) = followed.or(sought)?;
+        let pose = &matched.vehicle_from_feature;
+        let masks = self.stops.get(index)?.masks.drawn(pose.rotation.angle())?;
+        let (column, row) = node_pixel(grid, pose);
+        Some(PlacedMasks { masks, column, row })
     }
 }
 

@@ -1,29 +1,5 @@
 //! What decided a frame, and the numbers that it was decided by.
 
-/// What a candidate lacks to be detected: the first of the tests that it does not pass.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Missing {
-    /// Frames in a row.
-    Frames {
-        /// How many are needed.
-        needed: usize,
-    },
-    /// Contrast with the verge, summed over the frames beyond half of the one that is needed.
-    Contrast {
-        /// The sum.
-        sum: f64,
-        /// The sum that is needed.
-        needed: f64,
-    },
-    /// A sure distance.
-    Distance {
-        /// Its standard deviation, metres.
-        sigma_m: f64,
-        /// The largest with which a feature is taken, metres.
-        most_m: f64,
-    },
-}
-
 /// What decided a frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Decision {
@@ -39,117 +15,17 @@ pub enum Decision {
         /// Believed distance to it, metres.
         ahead_m: f64,
     },
-    /// The next feature was searched for and nothing matched well enough.
+    /// The next feature was searched for, and the ground looks like it nowhere.
     NotFound {
         /// Index of the feature.
         index: usize,
+        /// Places that the last search tried.
+        places: usize,
     },
-    /// The next feature matched, but something is still missing.
-    Candidate {
-        /// Index of the feature.
-        index: usize,
-        /// Frames in a row so far.
-        frames: usize,
-        /// P(F).
-        p: f64,
-        /// What is missing.
-        missing: Missing,
-    },
-    /// It matched for many frames without ever being sure enough, and is looked for anew.
-    Dropped {
-        /// Index of the feature.
-        index: usize,
-        /// Frames in a row.
-        frames: usize,
-        /// Frames after which a candidate is given up.
-        most_frames: usize,
-    },
-    /// It matched, but no verge is in view, and without one it does not match well enough.
-    NoVergeInView {
-        /// Index of the feature.
-        index: usize,
-        /// P(F).
-        p: f64,
-        /// P(F) that is needed without a verge.
-        needed_p: f64,
-    },
-    /// It matched without a verge in view, but where it is not expected.
-    NotExpected {
-        /// Index of the feature.
-        index: usize,
-        /// P(F).
-        p: f64,
-        /// Loss in rank for the place, 0 where it is expected.
-        surprise: f64,
-        /// The loss from which on it is not taken.
-        most: f64,
-    },
-    /// It matched where the vehicle would not be on the feature's approach.
-    OffApproach {
-        /// Index of the feature.
-        index: usize,
-        /// P(F) at the best place.
-        p: f64,
-        /// How far beside the approach's axis the vehicle would be, metres.
-        beside_m: f64,
-        /// How far it may be, metres.
-        most_m: f64,
-    },
-    /// It matched, but none of the arms that tell it showed an edge of its road or a verge.
-    Unbounded {
-        /// Index of the feature.
-        index: usize,
-        /// P(F).
-        p: f64,
-    },
-    /// It matched, but what lies beside the arms that tell it is road as well, or not verge enough so far from where the
-    /// feature is expected.
-    NoVerge {
-        /// Index of the feature.
-        index: usize,
-        /// P(F).
-        p: f64,
-        /// How much more the arms are road than what lies beside them.
-        contrast: f64,
-        /// What more is needed because the feature is not expected there.
-        surprise: f64,
-    },
-    /// It matched, but not where the edges of its arms say that it would have to be.
-    EdgesDisagree {
-        /// Index of the feature.
-        index: usize,
-        /// P(F) at the best place.
-        p: f64,
-        /// P(F) at the place that the edges say.
-        aligned_p: f64,
-        /// P(F) that is needed there.
-        needed_p: f64,
-    },
-    /// It matched, but more edges of the arms that tell it lie too far from there than near it.
-    EdgesElsewhere {
-        /// Index of the feature.
-        index: usize,
-        /// P(F) at the best place.
-        p: f64,
-        /// How many edges lie too far off.
-        gated: usize,
-    },
-    /// The feature matched in enough frames: it is tracked from now on.
+    /// The feature is there, and its place is sure enough: it is tracked from now on.
     Detected,
-    /// The masks at the predicted place confirmed it.
+    /// It still is, and still sure enough.
     Confirmed,
-    /// They did not, but bracketing found it nearby.
-    FoundByBracketing,
-    /// Neither did; its place is dead reckoning.
-    NotConfirmed {
-        /// Frames in a row so far.
-        frames: usize,
-    },
-    /// It was not confirmed for too long.
-    Lost {
-        /// Index of the feature.
-        index: usize,
-    },
     /// The start of the papers' curve reached the bottom of the view.
     Arrived,
     /// The vehicle is on its way through.
@@ -194,7 +70,7 @@ impl Decision {
     }
 }
 
-/// What a feature lacks to be tracked by the belief: the first of the tests that it does not pass.
+/// What a feature lacks to be tracked: the first of the tests that it does not pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lack {
     /// Evidence that it is there.

@@ -4,7 +4,6 @@ use fingerpost_geometry::{GeometryError, GroundGrid, Polyline};
 use fingerpost_map::{Route, RouteFeature, TangentPlane};
 
 use super::TrackConfig;
-use super::alignment::ArmPieces;
 use super::belief::junction_shape::JunctionShape;
 use crate::driving_line::{DrivingLine, DrivingLineConfig, driving_lines};
 use crate::feature_masks::{FeatureMaskConfig, MaskCache, MaskCurve};
@@ -23,7 +22,6 @@ pub struct RouteStop {
     /// The papers' curve through it, by which it is found and arrived at; none without approach and exit.
     pub mask_curve: Option<MaskCurve>,
     pub(super) masks: MaskCache,
-    pub(super) arms: Vec<ArmPieces>,
     /// Outline of its road.
     pub(super) shape: JunctionShape,
     /// The road if the feature were not there, and its outline.
@@ -75,7 +73,7 @@ pub(super) fn route_stops(
     let models: Result<Vec<_>, _> =
         route.features.iter().map(|feature| FeatureModel::new(feature, &map)).collect();
     let models = models?;
-    let kerb_radius_m = setting.track.alignment.kerb_radius_m;
+    let kerb_radius_m = setting.track.kerb_radius_m;
     let lines = driving_lines(setting.driving_line, setting.vehicle, kerb_radius_m, &models)?;
     let mut stops = Vec::new();
     for (i, (model, line)) in models.into_iter().zip(lines).enumerate() {
@@ -95,11 +93,10 @@ pub(super) fn route_stops(
             &model,
             mask_curve.as_ref(),
         );
-        let arms = ArmPieces::of(&setting.track.alignment, &model);
         let shape = JunctionShape::of(&model, reach_m);
         let plain = model.without_feature()?;
         let plain_shape = JunctionShape::of(&plain, reach_m);
-        stops.push(RouteStop { model, line, mask_curve, masks, arms, shape, plain, plain_shape });
+        stops.push(RouteStop { model, line, mask_curve, masks, shape, plain, plain_shape });
     }
     Ok((stops, Some(line_in_map)))
 }

@@ -1,29 +1,22 @@
 //! Where the ground view shows the road's features while the camera is turned.
 //!
 //! The ground view is made for the configured mount. A camera that looks half a degree lower shows a junction 12 m ahead
-//! almost a metre too far away. So the tracker works where things are *shown*, as masks and edges do, and goes through the
-//! road itself wherever the vehicle moves or a place is given out.
+//! almost a metre too far away. So what lies on the road is looked for where it is *shown*.
 
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
-use super::Sought;
 use crate::ground_view::{CameraTurn, Viewpoint};
-use crate::matching::Match;
 
-/// The places of the road and those at which the ground view shows them.
+/// Where the ground view shows the places of the road.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShownRoad {
     shown_from_road: Matrix3<f64>,
-    road_from_shown: Matrix3<f64>,
 }
 
 impl ShownRoad {
     /// For a camera that is turned by `turn` against its mount.
     pub(super) fn new(turn: &CameraTurn, viewpoint: Viewpoint) -> Self {
-        Self {
-            shown_from_road: turn.shown_from_road(viewpoint),
-            road_from_shown: turn.road_from_shown(viewpoint),
-        }
+        Self { shown_from_road: turn.shown_from_road(viewpoint) }
     }
 
     /// The projective map from places on the road to those at which the view shows them, metres.
@@ -34,21 +27,6 @@ impl ShownRoad {
     /// Where a feature with this pose on the road is shown.
     pub(super) fn shown_from_road(&self, pose: &Isometry2<f64>) -> Isometry2<f64> {
         moved(&self.shown_from_road, pose)
-    }
-
-    /// Where a feature that is shown with this pose is on the road.
-    pub(super) fn road_from_shown(&self, pose: &Isometry2<f64>) -> Isometry2<f64> {
-        moved(&self.road_from_shown, pose)
-    }
-
-    /// A match that was sought, with its place on the road.
-    pub(super) fn sought(&self, index: usize, matched: Match) -> Sought {
-        Sought { index, vehicle_from_feature: self.road_from_shown(&matched.vehicle_from_feature), matched }
-    }
-
-    /// How far ahead the road is shown that is so far ahead, metres.
-    pub(super) fn shown_ahead_m(&self, road_m: f64) -> f64 {
-        place(&self.shown_from_road, Point2::new(road_m, 0.0)).x
     }
 }
 
@@ -80,10 +58,6 @@ mod tests {
         let shown = road.shown_from_road(&pose);
         // p (X^2 + h^2) / h to first order, with X counted from below the camera; the second order adds a tenth.
         assert!((shown.translation.x - 13.0 - 1.2).abs() < 0.03, "{shown}");
-        assert!((road.shown_ahead_m(13.0) - 14.2).abs() < 0.03);
-        let back = road.road_from_shown(&shown);
-        assert!((back.translation.vector - pose.translation.vector).norm() < 1e-9);
-        assert!((back.rotation.angle() - 0.1).abs() < 1e-9);
         // What lies ahead along the feature is shown along it.
         let ahead = shown.inverse() * place(&road.shown_from_road, pose * Point2::new(3.0, 0.0));
         assert!(ahead.x > 0.0 && ahead.y.abs() < 1e-9, "{ahead}");

@@ -2,7 +2,7 @@ use super::*;
 use crate::centreline::{WayKind, Ways};
 use crate::lanes::departure::Silence;
 use crate::mount::{MountAngle, MountContradiction};
-use crate::track::Missing;
+use crate::track::Lack;
 use crate::vehicle_signals::Disagreement;
 
 #[test]
@@ -83,7 +83,7 @@ fn a_driving_line_that_is_too_tight_is_said_with_both_radii() {
 }
 
 fn feature_words(decision: Decision) -> String {
-    let (track, config) = (TrackOutput::default(), TrackConfig::default());
+    let track = TrackOutput::default();
     let evidence = TrackEvidence { decision, ..TrackEvidence::default() };
     let why = Why {
         motion_doubt: None,
@@ -91,7 +91,6 @@ fn feature_words(decision: Decision) -> String {
         track: &track,
         evidence: &evidence,
         stops: &[],
-        config: &config,
         mount: None,
         signals: None,
         lane: None,
@@ -108,39 +107,23 @@ fn feature_words(decision: Decision) -> String {
 const NUMBERS: [f64; 9] = [0.0, 1e-9, 0.004, 0.25, 0.5, 0.999, 1.0, 37.25, 3_523_697.8];
 
 #[test]
-fn every_refusal_says_its_value_and_the_bound_that_it_missed() {
-    let (index, p) = (0, 0.875);
+fn what_a_feature_lacks_is_said_with_its_value_and_the_bound_that_it_missed() {
+    let (index, present) = (0, 0.875);
     for value in NUMBERS {
         for bound in NUMBERS {
-            let two = |number: f64| format!("{number:.2}");
-            let one = |number: f64| format!("{number:.1} m");
-            let (shown, needed) = (two(value), format!("{} is needed", two(bound)));
-            let edges = Decision::EdgesDisagree { index, p, aligned_p: value, needed_p: bound };
-            let verge = Decision::NoVergeInView { index, p: value, needed_p: bound };
-            let elsewhere = Decision::NotExpected { index, p, surprise: value, most: bound };
-            let beside = Decision::OffApproach { index, p, beside_m: value, most_m: bound };
-            let sum = Missing::Contrast { sum: value, needed: bound };
-            let distance = Missing::Distance { sigma_m: value, most_m: bound };
-            let candidate = |missing| Decision::Candidate { index, frames: 1, p, missing };
-            for (decision, words) in [
-                (edges, [shown.clone(), needed.clone()]),
-                (verge, [shown.clone(), needed.clone()]),
-                (elsewhere, [shown.clone(), format!("less than {}", two(bound))]),
-                (beside, [one(value), format!("at most {}", one(bound))]),
-                (candidate(sum), [shown.clone(), needed.clone()]),
-                (candidate(distance), [shown.clone(), format!("{} m is needed", two(bound))]),
+            let presence = Lack::Presence { present: value, needed: bound };
+            let place = Lack::Place { present, sigma_m: value, most_m: bound };
+            for (lack, words) in [
+                (presence, [format!("probability {value:.2}"), format!("{bound:.2} is needed")]),
+                (place, [format!("known to {value:.2} m"), format!("{bound:.2} m is needed")]),
             ] {
-                let text = feature_words(decision);
-                assert!(words.iter().all(|words| text.contains(words)), "{words:?} in {text}");
-                assert!(!text.contains('-'), "{text}");
+                for decision in [Decision::NotSure { index, lack }, Decision::NoLongerSure { index, lack }] {
+                    let text = feature_words(decision);
+                    assert!(words.iter().all(|words| text.contains(words)), "{words:?} in {text}");
+                    assert!(!text.contains('-'), "{text}");
+                }
             }
         }
-    }
-    for frames in [1, 2, 31] {
-        let dropped = feature_words(Decision::Dropped { index, frames, most_frames: 30 });
-        let count =
-            if frames == 1 { "1 frame without".to_owned() } else { format!("{frames} frames without") };
-        assert!(dropped.contains(&count) && dropped.contains("at most 30"), "{dropped}");
     }
 }
 
@@ -152,19 +135,6 @@ fn what_lies_behind_is_not_said_to_be_ahead() {
         assert!(text.contains(&format!("{:.0} m {side}", ahead_m.abs())), "{text}");
         assert!(!text.contains('-'), "{text}");
     }
-}
-
-#[test]
-fn a_feature_that_is_not_taken_says_what_speaks_against_it() {
-    let half = 0.5 * TrackConfig::default().detect_contrast;
-    let paved = Decision::NoVerge { index: 0, p: 0.9, contrast: half - 0.02, surprise: 0.0 };
-    assert!(feature_words(paved).contains("a paved area would look alike"));
-    let elsewhere = Decision::NoVerge { index: 0, p: 0.9, contrast: half + 0.05, surprise: 0.2 };
-    let words = feature_words(elsewhere);
-    assert!(words.contains(&format!("{:.2} is needed", half + 0.2)), "{words}");
-    assert!(words.contains("it is expected elsewhere"), "{words}");
-    let words = feature_words(Decision::EdgesElsewhere { index: 0, p: 0.9, gated: 3 });
-    assert!(words.contains("P(F) 0.90 at the best place, but 3 edges of its arms"), "{words}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ use crate::lanes::Side;
 use crate::lanes::departure::{DepartureOutput, Silence};
 use crate::matching::{Match, Participation};
 use crate::mount::{MountAngle, MountContradiction, MountFault};
-use crate::track::{Followed, Lack, Missing, RouteStop, Sought};
+use crate::track::{Followed, Lack, RouteStop, Sought};
 use crate::vehicle_signals::{Disagreement, SignalsEvidence};
 
 /// Name of a kind of feature as a sentence has it.
@@ -145,7 +145,7 @@ impl Display for Along {
 }
 
 /// A number that may be negative, to hundredths; what rounds to zero has no sign.
-pub(super) struct Hundredths(pub(super) f64);
+struct Hundredths(f64);
 
 impl Display for Hundredths {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -156,7 +156,7 @@ impl Display for Hundredths {
 }
 
 /// A number of frames.
-pub(super) struct Frames(pub(super) usize);
+struct Frames(usize);
 
 impl Display for Frames {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -167,33 +167,7 @@ impl Display for Frames {
     }
 }
 
-/// The bound that P(F) was held against, where it was.
-pub(super) struct Threshold(pub(super) Option<f64>);
-
-impl Display for Threshold {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        self.0.map_or(Ok(()), |needed_p| write!(f, ", threshold {needed_p:.2}"))
-    }
-}
-
-/// What a candidate lacks.
-pub(super) struct MissingWords<'a>(pub(super) &'a Missing);
-
-impl Display for MissingWords<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Missing::Frames { needed } => write!(f, "{needed} are needed"),
-            Missing::Contrast { sum, needed } => {
-                write!(f, "a contrast with the verge that sums up to {sum:.2}, {needed:.2} is needed")
-            }
-            Missing::Distance { sigma_m, most_m } => {
-                write!(f, "a distance known to {sigma_m:.2} m, {most_m:.2} m is needed")
-            }
-        }
-    }
-}
-
-/// What a feature lacks to be tracked by the belief.
+/// What a feature lacks to be tracked.
 pub(super) struct LackWords<'a>(pub(super) &'a Lack);
 
 impl Display for LackWords<'_> {
@@ -221,17 +195,14 @@ impl Display for SoughtWords<'_> {
     }
 }
 
-/// How probable a followed feature is, where that is known, and what its masks match.
-pub(super) struct FollowedWords<'a>(pub(super) &'a Followed, pub(super) Option<f64>);
+/// How probable a followed feature is, how well its place is known, and what its masks match.
+pub(super) struct FollowedWords<'a>(pub(super) &'a Followed);
 
 impl Display for FollowedWords<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(followed, needed_p) = self;
-        if let Some(present) = followed.present {
-            let sigma_m = followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
-            write!(f, "there with probability {present:.2}, known to {sigma_m:.2} m; ")?;
-        }
-        write!(f, "{}", MatchWords(&followed.matched, *needed_p))
+        let Followed { present, covariance, matched, .. } = self.0;
+        let sigma_m = covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
+        write!(f, "there with probability {present:.2}, known to {sigma_m:.2} m; {}", MatchWords(matched))
     }
 }
 
@@ -251,17 +222,17 @@ impl Display for TooTightWords {
     }
 }
 
-/// The weakest sub-mask against the threshold, and those that took no part.
-pub(super) struct MatchWords<'a>(pub(super) &'a Match, pub(super) Option<f64>);
+/// The weakest sub-mask, and those that took no part.
+struct MatchWords<'a>(&'a Match);
 
 impl Display for MatchWords<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self(matched, needed_p) = self;
+        let Self(matched) = self;
         match matched.weakest.and_then(|i| matched.subs.get(i)) {
             Some(sub) => {
                 let what = if sub.kind == SubMaskKind::DrivingLine { "weakest" } else { "weakest arm" };
                 let p = sub.p.unwrap_or(0.0);
-                write!(f, "{what} {} {p:.2}{}", sub.label, Threshold(*needed_p))?;
+                write!(f, "{what} {} {p:.2}", sub.label)?;
             }
             None => f.write_str("no arm is seen")?,
         }

@@ -22,7 +22,7 @@ const WEST: &[Place] = &[(0.0, 0.0), (-60.0, 0.0)];
 fn config(controller: ControllerName) -> Config {
     let mut config = crate::painted::config();
     // The painted roads meet at sharp corners.
-    config.track.alignment.kerb_radius_m = 0.0;
+    config.track.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     config.advice.controller = controller;
     config

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a failed expectation is a failed test")]
 
 use crate::painted::{Junction, Place, World, camera, route};
-use fingerpost::track::{Decision, Lack, State, TrackMethod};
+use fingerpost::track::{Decision, Lack, State};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -26,15 +26,9 @@ struct Seen {
     before_m: f64,
 }
 
-fn config() -> Config {
-    let mut config = crate::painted::config();
-    config.track.method = TrackMethod::Belief;
-    config
-}
-
 /// Drives north towards a node at the origin, which the route has `start_off_m` too near.
 fn drive(roads: &[(&[Place], f64)], junction: &Junction<'_>, start_off_m: f64) -> Vec<Seen> {
-    drive_with(&config(), roads, junction, start_off_m)
+    drive_with(&crate::painted::config(), roads, junction, start_off_m)
 }
 
 /// The same with other settings.
@@ -61,7 +55,7 @@ fn drive_with(
         seen.push(Seen {
             state: output.track.state,
             why: output.why.clone(),
-            present: followed.and_then(|followed| followed.present),
+            present: followed.map(|followed| followed.present),
             sigma_m: followed.map(|f| f.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()),
             off_m: followed.map(|f| (f.vehicle_from_feature.translation.vector - node.coords).norm()),
             before_m: node.x,
@@ -118,8 +112,8 @@ fn a_road_without_the_junction_is_none() {
     let kind = FeatureKind::Junction;
     let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
     // Nor where a place may be known half as well.
-    let mut config = config();
-    config.track.belief.detect_sigma_m *= 2.0;
+    let mut config = crate::painted::config();
+    config.track.detect_sigma_m *= 2.0;
     for roads in [[(SOUTH, WIDTH_M), (NORTH, WIDTH_M)], [(SOUTH, 90.0), (NORTH, 90.0)]] {
         let claimed =
             drive_with(&config, &roads, &junction, 0.0).into_iter().find(|seen| seen.off_m.is_some());
@@ -145,7 +139,8 @@ fn a_standing_vehicle_grows_no_surer() {
     let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: WIDTH_M };
     let (route, _) = route(&junction);
     let start_m = route.features[0].route_m - 20.0;
-    let mut pipeline = Pipeline::new(&config(), &camera, Some(&route), Some(start_m)).unwrap();
+    let mut pipeline =
+        Pipeline::new(&crate::painted::config(), &camera, Some(&route), Some(start_m)).unwrap();
     let mut places = Vec::new();
     for i in 0..60 {
         // Up to 10 m before the node, where the vehicle stays.
@@ -158,4 +153,20 @@ fn a_standing_vehicle_grows_no_surer() {
     }
     let (Some(before_m), Some(after_m)) = (places[25], places[59]) else { panic!("no place: {places:?}") };
     assert!(after_m > 0.9 * before_m, "{before_m} to {after_m}");
+}
+
+#[test]
+fn what_was_doubtful_when_the_curve_began_stays_so() {
+    // A yard's entrance where the map has a side road.
+    const ENTRANCE: &[Place] = &[(0.0, 0.0), (-6.0, 0.0)];
+    let roads = [(SOUTH, WIDTH_M), (NORTH, WIDTH_M), (ENTRANCE, 4.0)];
+    let kind = FeatureKind::SideRoad;
+    let junction = Junction { kind, approach: SOUTH, exit: NORTH, sides: &[WEST], width_m: WIDTH_M };
+    let mut config = crate::painted::config();
+    (config.track.detect_present, config.track.lost_present) = (0.5, 0.5);
+    let seen = drive_with(&config, &roads, &junction, 0.0);
+    let arrived: Vec<f64> =
+        seen.iter().filter(|s| s.state == State::Arrived).filter_map(|s| s.present).collect();
+    assert!(arrived.len() >= 6, "{}", arrived.len());
+    assert!(arrived.iter().all(|present| (0.5..0.9).contains(present)), "{arrived:?}");
 }

@@ -4,7 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::painted::{Place, World, camera_of_width};
-use fingerpost::track::{State, TrackMethod};
+use fingerpost::track::State;
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_geometry::{Polyline, heading_of};
@@ -61,9 +61,8 @@ struct Met {
 }
 
 /// Drives along the middle of `driven` and looks for the bends of `route`, which begins where it does.
-fn drive(route: &Route, driven: &[Place], method: TrackMethod) -> Met {
+fn drive(route: &Route, driven: &[Place]) -> Met {
     let mut config = crate::painted::config();
-    config.track.method = method;
     config.vehicle.traffic = Traffic::Centre;
     let camera = camera_of_width(400);
     let world = World::new(&[(driven, WIDTH_M)]);
@@ -93,7 +92,8 @@ fn drive(route: &Route, driven: &[Place], method: TrackMethod) -> Met {
     met
 }
 
-fn is_detected_and_placed(method: TrackMethod) {
+#[test]
+fn a_smooth_bend_that_is_listed_is_detected_and_placed() {
     let mut listed = 0;
     for (radius_m, turn_deg) in [(20.0, 70.0), (20.0, -80.0), (20.0, 90.0), (20.0, -60.0), (15.0, -50.0)] {
         let (route, road) = planned(&bent_road(radius_m, turn_deg));
@@ -102,7 +102,7 @@ fn is_detected_and_placed(method: TrackMethod) {
         }
         listed += 1;
         assert_eq!(route.features[0].kind, FeatureKind::Bend);
-        let met = drive(&route, &road, method);
+        let met = drive(&route, &road);
         let worst_m = met.errors_m.iter().copied().fold(0.0, f64::max);
         let of = format!("{radius_m} m, {turn_deg} degrees: {met:?}");
         assert!(met.detected_ahead_m.is_some_and(|ahead_m| ahead_m > 8.0) && met.arrived, "{of}");
@@ -112,31 +112,12 @@ fn is_detected_and_placed(method: TrackMethod) {
 }
 
 #[test]
-fn a_smooth_bend_that_is_listed_is_detected_and_placed() {
-    is_detected_and_placed(TrackMethod::Rules);
-}
-
-#[test]
-fn by_the_belief_a_smooth_bend_that_is_listed_is_detected_and_placed() {
-    is_detected_and_placed(TrackMethod::Belief);
-}
-
-fn is_claimed_on_a_straight_road(method: TrackMethod) -> bool {
-    let straight = [(0.0, 0.0), (0.0, 140.0)];
-    [70.0, -90.0].into_iter().any(|turn_deg| {
-        let (route, _) = planned(&bent_road(20.0, turn_deg));
-        drive(&route, &straight, method).detected_ahead_m.is_some()
-    })
-}
-
-#[test]
 fn a_straight_road_is_no_smooth_bend() {
-    assert!(!is_claimed_on_a_straight_road(TrackMethod::Rules));
-}
-
-#[test]
-fn by_the_belief_a_straight_road_is_no_smooth_bend() {
-    assert!(!is_claimed_on_a_straight_road(TrackMethod::Belief));
+    let straight = [(0.0, 0.0), (0.0, 140.0)];
+    for turn_deg in [70.0, -90.0] {
+        let (route, _) = planned(&bent_road(20.0, turn_deg));
+        assert_eq!(drive(&route, &straight).detected_ahead_m, None);
+    }
 }
 
 #[test]

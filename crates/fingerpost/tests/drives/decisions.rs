@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use crate::painted::{Junction, Place, World, camera, route};
-use fingerpost::track::{Decision, Missing, TrackEvidence};
-use fingerpost::{Config, Pipeline, Sensors};
+use fingerpost::track::{Decision, Lack, TrackEvidence};
+use fingerpost::{Config, FrameOutput, Pipeline, Sensors};
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Vector2};
 
@@ -17,63 +17,60 @@ const WEST: &[Place] = &[(0.0, 0.0), (-60.0, 0.0)];
 const LATE_EAST: &[Place] = &[(0.0, 14.0), (60.0, 14.0)];
 
 /// Asserts that what decided a frame lies on the side of its bound that the decision tells, and names the decision.
-fn held(evidence: &TrackEvidence, text: &str) -> &'static str {
+fn held(config: &Config, output: &FrameOutput, evidence: &TrackEvidence) -> &'static str {
+    let text = &output.why;
     let says = |number: f64| assert!(text.contains(&format!("{number:.2}")), "{number} is not in: {text}");
+    let lacks = |lack: &Lack| match *lack {
+        Lack::Presence { present, needed } => {
+            assert!(present < needed, "{text}");
+            [present, needed].into_iter().for_each(says);
+        }
+        Lack::Place { present, sigma_m, most_m } => {
+            assert!(sigma_m > most_m, "{text}");
+            [present, sigma_m, most_m].into_iter().for_each(says);
+        }
+    };
+    let is_there = |least: f64| {
+        let followed = output.track.followed.as_ref().expect("what is there is followed");
+        assert!(followed.present >= least, "{least}: {text}");
+        says(followed.present);
+        followed.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt()
+    };
     match &evidence.decision {
-        Decision::NotFound { .. } => {
-            if let Some(p) = evidence.sought.as_ref().and_then(|sought| sought.matched.p) {
-                let needed_p = evidence.needed_p.expect("a search has a bound");
-                // Scores come from sums in single precision.
-                assert!(p < needed_p + 1e-4, "{p} against {needed_p}: {text}");
-                says(needed_p);
-            }
+        Decision::NotInReach { ahead_m, .. } => {
+            let far_m = config.ground_view.far_m;
+            assert!(!(0.5 * far_m..far_m).contains(ahead_m), "{text}");
+            assert!(text.contains(&format!("{:.0} m", ahead_m.abs())), "{ahead_m} is not in: {text}");
+            "not in reach"
+        }
+        Decision::NotFound { places, .. } => {
+            assert!(evidence.places.is_empty() && evidence.sought.is_none(), "{text}");
+            assert!(*places > 0 && text.contains(&format!("{places} places")), "{text}");
             "not found"
         }
-        Decision::EdgesDisagree { aligned_p, needed_p, .. } => {
-            assert!(aligned_p < needed_p, "{text}");
-            says(*aligned_p);
-            says(*needed_p);
-            "edges disagree"
+        Decision::NotSure { lack, .. } => {
+            lacks(lack);
+            "not sure"
         }
-        Decision::NoVergeInView { p, needed_p, .. } => {
-            assert!(p < needed_p, "{text}");
-            says(*needed_p);
-            "no verge in view"
+        Decision::NoLongerSure { lack, .. } => {
+            lacks(lack);
+            "no longer sure"
         }
-        Decision::NotExpected { surprise, most, .. } => {
-            assert!(surprise >= most, "{text}");
-            says(*surprise);
-            "not expected"
+        Decision::NextUnknown { likeliest, rival } => {
+            assert!(likeliest.1 >= rival.1, "{text}");
+            [likeliest.1, rival.1].into_iter().for_each(says);
+            "next unknown"
         }
-        Decision::OffApproach { beside_m, most_m, .. } => {
-            assert!(beside_m > most_m, "{text}");
-            "off the approach"
-        }
-        Decision::Dropped { frames, most_frames, .. } => {
-            assert!(frames > most_frames, "{text}");
-            "dropped"
-        }
-        Decision::Candidate { frames, missing, .. } => {
-            match missing {
-                Missing::Frames { needed } => assert!(frames < needed, "{text}"),
-                Missing::Contrast { sum, needed } => assert!(sum < needed, "{text}"),
-                Missing::Distance { sigma_m, most_m } => assert!(sigma_m > most_m, "{text}"),
-            }
-            "candidate"
+        Decision::Detected => {
+            assert!(is_there(config.track.detect_present) <= config.track.detect_sigma_m, "{text}");
+            "detected"
         }
         Decision::Confirmed => {
-            if let Some((p, needed_p)) = evidence.predicted_p.zip(evidence.needed_p) {
-                assert!(p >= needed_p, "{text}");
-                says(needed_p);
-            }
+            is_there(config.track.lost_present);
             "confirmed"
         }
-        Decision::NotConfirmed { .. } | Decision::Lost { .. } => {
-            let (p, needed_p) = evidence.predicted_p.zip(evidence.needed_p).expect("both are known");
-            assert!(p < needed_p, "{text}");
-            "not confirmed"
-        }
-        Decision::Detected => "detected",
+        Decision::Arrived => "arrived",
+        Decision::Passing => "passing",
         _ => "another",
     }
 }
@@ -83,8 +80,9 @@ fn decisions_on(roads: &[(&[Place], f64)]) -> BTreeMap<&'static str, usize> {
     let (camera, world, kind) = (camera(), World::new(roads), FeatureKind::Junction);
     let junction = Junction { kind, approach: SOUTH, exit: EAST, sides: &[WEST], width_m: 5.5 };
     let (route, _) = route(&junction);
-    let mut pipelines = [None, Some(20.0)]
-        .map(|start_m| Pipeline::new(&Config::default(), &camera, Some(&route), start_m).unwrap());
+    let config = Config::default();
+    let mut pipelines =
+        [None, Some(20.0)].map(|start_m| Pipeline::new(&config, &camera, Some(&route), start_m).unwrap());
     let mut seen = BTreeMap::new();
     for i in 0..50 {
         let y = -38.0 + 0.7 * f64::from(i);
@@ -92,7 +90,7 @@ fn decisions_on(roads: &[(&[Place], f64)]) -> BTreeMap<&'static str, usize> {
         let frame = world.picture(&camera, &map_from_vehicle);
         for pipeline in &mut pipelines {
             let (output, evidence) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
-            *seen.entry(held(evidence.track, &output.why)).or_default() += 1;
+            *seen.entry(held(&config, output, evidence.track)).or_default() += 1;
             for absurd in ["-0.00", "-0 ", "NaN", "inf", " 1 frames"] {
                 assert!(!output.why.contains(absurd), "{roads:?}: {}", output.why);
             }
@@ -119,7 +117,7 @@ fn every_decision_is_what_its_numbers_say() {
             *seen.entry(decision).or_default() += times;
         }
     });
-    for decision in ["not found", "candidate", "detected", "confirmed"] {
+    for decision in ["not in reach", "not sure", "detected", "confirmed"] {
         assert!(seen.contains_key(decision), "{decision} never came: {seen:?}");
     }
     assert!(seen.len() >= 6, "too few kinds of decisions: {seen:?}");

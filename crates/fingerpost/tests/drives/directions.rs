@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 
 use crate::painted::{Place, World, camera_of_width, route_past};
-use fingerpost::track::{Decision, State, TrackMethod};
+use fingerpost::track::{Decision, State};
 use fingerpost::{Config, Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
 use nalgebra::{Isometry2, Point2, Vector2};
@@ -40,7 +40,7 @@ enum Gps {
 }
 
 /// Drives from `from_m` to `to_m` north, without a start.
-fn drive(method: TrackMethod, [from_m, to_m]: [f64; 2], gps: Gps) -> Outcome {
+fn drive([from_m, to_m]: [f64; 2], gps: Gps) -> Outcome {
     let (camera, route) = (camera_of_width(320), route_past(&SIDES, ENDS, WIDTH_M));
     let roads = SIDES.map(|(north, (x, _))| [(0.0, north), (x, north)]);
     let mut painted: Vec<(&[Place], f64)> = vec![(&[(0.0, -80.0), (0.0, 360.0)], WIDTH_M)];
@@ -48,9 +48,8 @@ fn drive(method: TrackMethod, [from_m, to_m]: [f64; 2], gps: Gps) -> Outcome {
     let world = World::new(&painted);
     let mut config = Config::default();
     config.ground_view.metres_per_pixel = 0.1;
-    config.track.method = method;
     // The painted roads meet at sharp corners.
-    config.track.alignment.kerb_radius_m = 0.0;
+    config.track.kerb_radius_m = 0.0;
     let mut pipeline = Pipeline::new(&config, &camera, Some(&route), None).unwrap();
     let plane = TangentPlane::new(LatLon { lat_deg: 47.1, lon_deg: 9.5 });
     let mut outcome = Outcome { found: BTreeSet::new(), false_claims: Vec::new(), doubts: Vec::new() };
@@ -78,10 +77,11 @@ fn drive(method: TrackMethod, [from_m, to_m]: [f64; 2], gps: Gps) -> Outcome {
     outcome
 }
 
-fn begins_in_mid_route(method: TrackMethod) {
+#[test]
+fn a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
     // Before the third, which looks like the first; before the second; before the fourth.
     for (from_m, surely) in [(88.0, 4..6), (48.0, 3..6), (128.0, 5..6)] {
-        let outcome = drive(method, [from_m, 275.0], Gps::None);
+        let outcome = drive([from_m, 275.0], Gps::None);
         assert!(outcome.false_claims.is_empty(), "{from_m}: {:?}", outcome.false_claims);
         let missing: Vec<usize> = surely.filter(|index| !outcome.found.contains(index)).collect();
         assert!(missing.is_empty(), "{from_m}: {missing:?} not among {:?}", outcome.found);
@@ -89,63 +89,26 @@ fn begins_in_mid_route(method: TrackMethod) {
     }
 }
 
-fn begins_at_the_beginning(method: TrackMethod) {
-    let outcome = drive(method, [ENDS[0], 225.0], Gps::None);
+#[test]
+fn one_that_begins_at_the_beginning_finds_all_that_come() {
+    let outcome = drive([ENDS[0], 225.0], Gps::None);
     assert!(outcome.false_claims.is_empty(), "{:?}", outcome.false_claims);
     assert!((0..5).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
 }
 
 /// The third lies as far ahead as the first from the route's beginning, and looks like it.
-fn looks_like_the_beginning(method: TrackMethod) {
-    let outcome = drive(method, [68.0, 275.0], Gps::None);
+#[test]
+fn one_that_looks_like_the_beginning_is_mended_by_what_follows() {
+    let outcome = drive([68.0, 275.0], Gps::None);
     let mended = |&(index, north, _): &(usize, f64, f64)| index == 0 && north < SIDES[2].0 + 5.0;
     assert!(outcome.false_claims.iter().all(mended), "{:?}", outcome.false_claims);
     assert!((4..6).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
 }
 
-fn has_a_position(method: TrackMethod) {
-    let outcome = drive(method, [88.0, 170.0], Gps::Right);
+#[test]
+fn a_position_ends_all_doubt() {
+    let outcome = drive([88.0, 170.0], Gps::Right);
     assert!(outcome.false_claims.is_empty(), "{:?}", outcome.false_claims);
     assert!((2..4).all(|index| outcome.found.contains(&index)), "{:?}", outcome.found);
     assert!(outcome.doubts.len() <= 1);
-}
-
-#[test]
-fn a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
-    begins_in_mid_route(TrackMethod::Rules);
-}
-
-#[test]
-fn by_the_belief_a_vehicle_that_begins_in_mid_route_is_not_taken_to_be_at_its_beginning() {
-    begins_in_mid_route(TrackMethod::Belief);
-}
-
-#[test]
-fn one_that_begins_at_the_beginning_finds_all_that_come() {
-    begins_at_the_beginning(TrackMethod::Rules);
-}
-
-#[test]
-fn by_the_belief_one_that_begins_at_the_beginning_finds_all_that_come() {
-    begins_at_the_beginning(TrackMethod::Belief);
-}
-
-#[test]
-fn one_that_looks_like_the_beginning_is_mended_by_what_follows() {
-    looks_like_the_beginning(TrackMethod::Rules);
-}
-
-#[test]
-fn by_the_belief_one_that_looks_like_the_beginning_is_mended_by_what_follows() {
-    looks_like_the_beginning(TrackMethod::Belief);
-}
-
-#[test]
-fn a_position_ends_all_doubt() {
-    has_a_position(TrackMethod::Rules);
-}
-
-#[test]
-fn by_the_belief_a_position_ends_all_doubt() {
-    has_a_position(TrackMethod::Belief);
 }

@@ -10,7 +10,6 @@ mod simulated;
 mod advice;
 mod belief;
 mod bends;
-mod bracketing;
 mod camera_faults;
 mod centreline;
 mod confirmed_by_nothing;

@@ -104,12 +104,13 @@ fn nothing_is_built_on_a_doubted_motion() {
     let (believed, doubted) = (drive(None, None), drive(Some(MotionDoubt::ViewStandsStill), None));
     let before = DOUBTED.start - 1;
     assert_eq!(believed[before], doubted[before]);
-    // Metres that the place on the map, and that along the route, became less sure by.
+    // Metres that the place on the map became less sure by, and standard deviation of the way along the route since: it adds to what was
+    // not known before as errors do that have nothing to do with each other.
     let less_sure_m = |outputs: &[FrameOutput]| {
         let sigmas_m =
             |output: &FrameOutput| [output.fix.unwrap().sigma_m, output.track.route_sigma_m.unwrap()];
         let (from, to) = (sigmas_m(&outputs[before]), sigmas_m(&outputs[DOUBTED.end - 1]));
-        [to[0] - from[0], to[1] - from[1]]
+        [to[0] - from[0], (to[1].powi(2) - from[1].powi(2)).max(0.0).sqrt()]
     };
     let (known_m, unknown_m) = (less_sure_m(&believed), less_sure_m(&doubted));
     // In 1.2 s a driver brakes or starts by 1.1 m, and a vehicle comes 3.8 to 12.5 m, which is 2.5 m about the mean.

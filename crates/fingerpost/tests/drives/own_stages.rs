@@ -6,13 +6,13 @@ use fingerpost::lanes::{Lane, LaneDetector, LaneEdge, LaneError, LaneEvidence, L
 use fingerpost::matching::{FeatureMatcher, LaidSurface, MatchConfig};
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::RoadSurface;
-use fingerpost::track::State;
+use fingerpost::track::{Followed, State};
 use fingerpost::vehicle::Traffic;
 use fingerpost::{Config, FrameOutput, Pipeline, Sensors};
 use fingerpost_geometry::{Camera, GroundGrid};
 use fingerpost_map::FeatureKind;
 use fingerpost_vision::error::PictureError;
-use fingerpost_vision::picture::{Plane, ValidityMask};
+use fingerpost_vision::picture::Plane;
 use fingerpost_vision::span::RowSums;
 use nalgebra::{Isometry2, Vector2};
 
@@ -28,7 +28,7 @@ fn settings() -> Config {
     let mut config = crate::painted::config();
     config.ground_view.metres_per_pixel = 0.1;
     // The painted roads meet at sharp corners.
-    config.track.alignment.kerb_radius_m = 0.0;
+    config.track.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     config
 }
@@ -60,24 +60,18 @@ struct NoRoad {
 }
 
 impl FeatureMatcher for NoRoad {
-    fn lay<'a>(
-        &'a mut self,
-        surface: &'a RoadSurface,
-        _: (&Plane<u8>, &ValidityMask),
-    ) -> Result<LaidSurface<'a>, PictureError> {
+    fn lay<'a>(&'a mut self, surface: &'a RoadSurface) -> Result<LaidSurface<'a>, PictureError> {
         let (width, height) = surface.probability.size();
         self.none.reset(width, height, 0);
         self.sums.rebuild(self.none.view(), surface.known())?;
-        Ok(LaidSurface::over(&self.config, &self.grid, &self.sums, None))
+        Ok(LaidSurface::over(&self.config, &self.grid, &self.sums))
     }
 }
 
 #[test]
-fn a_matcher_of_ones_own_decides_what_is_found() {
-    let is_tracked =
-        |outputs: &[FrameOutput]| outputs.iter().any(|output| output.track.state == State::Tracking);
+fn a_matcher_of_ones_own_explains_what_is_found_and_does_not_decide_it() {
     let config = settings();
-    assert!(is_tracked(&drive(&config, |_| Parts::default())));
+    let usual = drive(&config, |_| Parts::default());
     let blind = drive(&config, |grid| Parts {
         matcher: Some(Box::new(NoRoad {
             config: config.matching.clone(),
@@ -87,7 +81,20 @@ fn a_matcher_of_ones_own_decides_what_is_found() {
         })),
         ..Parts::default()
     });
-    assert!(!is_tracked(&blind));
+    let found = |outputs: &[FrameOutput]| {
+        let place = |followed: &Followed| (followed.index, followed.vehicle_from_feature, followed.present);
+        let frame = |output: &FrameOutput| (output.track.state, output.track.followed.as_ref().map(place));
+        outputs.iter().map(frame).collect::<Vec<_>>()
+    };
+    assert!(found(&usual).iter().any(|(state, _)| *state == State::Tracking));
+    assert_eq!(found(&usual), found(&blind));
+    let match_p = |outputs: &[FrameOutput]| {
+        let tracked = outputs.iter().filter(|output| output.track.state == State::Tracking);
+        tracked.filter_map(|output| output.track.followed.as_ref()?.matched.p).collect::<Vec<f64>>()
+    };
+    assert!(match_p(&usual).iter().all(|p| *p > 0.0), "{:?}", match_p(&usual));
+    let blind_p = match_p(&blind);
+    assert!(!blind_p.is_empty() && blind_p.iter().all(|p| *p == 0.0), "{blind_p:?}");
 }
 
 /// A lane whose left edge lies as many centimetres to the left as frames were seen.

@@ -14,7 +14,7 @@ const SIDE_M: f64 = 60.0;
 fn tracked_from(far_m: f64) -> Option<[f64; 3]> {
     let mut config = crate::painted::config();
     config.ground_view.far_m = far_m;
-    config.track.alignment.kerb_radius_m = 0.0;
+    config.track.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     let camera = camera();
     let route = route_past(&[(SIDE_M, (-40.0, 0.0))], [0.0, 120.0], WIDTH_M);

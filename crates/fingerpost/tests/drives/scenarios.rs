@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::painted::{Place, World, camera, camera_calibrated_wrong, route_past};
-use fingerpost::track::TrackMethod;
 use fingerpost::vehicle_signals::{Sample, VehicleSamples};
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_map::{LatLon, TangentPlane};
@@ -66,7 +65,6 @@ impl Gps {
 /// What a drive is like.
 #[derive(Clone, Copy)]
 struct Drive {
-    method: TrackMethod,
     /// Seconds from picture to picture.
     dt_s: f64,
     /// How far the start is given too far along, metres.
@@ -84,7 +82,6 @@ struct Drive {
 }
 
 const PLAIN: Drive = Drive {
-    method: TrackMethod::Belief,
     dt_s: 0.1,
     start_off_m: 0.0,
     pictures: None,
@@ -175,11 +172,10 @@ impl Drive {
         }
         let (world, route) = (self.world(), route_past(&on_map, ENDS, WIDTH_M));
         let plane = TangentPlane::new(ORIGIN);
-        let mut config = crate::painted::config();
-        config.track.method = self.method;
         let start_m = self.start_off_m - ENDS[0];
         let believed = camera_calibrated_wrong(self.calibration_off.0, self.calibration_off.1);
-        let mut pipeline = Pipeline::new(&config, &believed, Some(&route), Some(start_m)).unwrap();
+        let mut pipeline =
+            Pipeline::new(&crate::painted::config(), &believed, Some(&route), Some(start_m)).unwrap();
         let mut outcome = Outcome { found: BTreeMap::new(), off_m: Vec::new(), route_off_m: f64::INFINITY };
         let mut last: Option<(f64, f64, Arc<RgbImage>)> = None;
         for (t_s, taken_s) in self.times() {
@@ -206,8 +202,7 @@ impl Drive {
             let node = map_from_vehicle.inverse() * Point2::new(0.0, SIDES[followed.index].0);
             let off_m = (followed.vehicle_from_feature.translation.vector - node.coords).norm();
             let is_there = off_m < FALSE_M && self.missing != Some(followed.index);
-            // By the rules what is followed is there.
-            let present = followed.present.unwrap_or(1.0);
+            let present = followed.present;
             assert!(is_there || present < 0.5, "{north}: {off_m} m off at {present}: {}", output.why);
             let nearest = outcome.found.entry(followed.index).or_insert(f64::INFINITY);
             *nearest = off_m.min(*nearest);
@@ -290,18 +285,6 @@ fn gps_that_errs_takes_nothing_away_that_is_found_without_it() {
     for (what, gps) in ERRING_RECEIVERS {
         let outcome = Drive { gps: Some(gps), ..PLAIN }.run();
         outcome.assert_ends_found(0.8, what);
-    }
-}
-
-/// A lasting error of GPS takes nothing away of what the rules find without it.
-#[test]
-fn gps_that_errs_takes_nothing_away_from_the_rules() {
-    let rules = Drive { method: TrackMethod::Rules, ..PLAIN };
-    let without = rules.run().found;
-    assert_eq!(without.len(), 3, "{without:?}");
-    for (what, gps) in ERRING_RECEIVERS {
-        let with = Drive { gps: Some(gps), ..rules }.run().found;
-        assert!(without.keys().all(|index| with.contains_key(index)), "{what}: {with:?} of {without:?}");
     }
 }
 

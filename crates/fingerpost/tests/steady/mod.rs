@@ -41,7 +41,7 @@ pub fn coarse() -> Config {
     let mut config = Config::default();
     config.ground_view.metres_per_pixel = 0.1;
     // The painted roads meet at sharp corners.
-    config.track.alignment.kerb_radius_m = 0.0;
+    config.track.kerb_radius_m = 0.0;
     config.vehicle.traffic = Traffic::Centre;
     config
 }

@@ -8,18 +8,20 @@
 //! other features leave open, and some of what looks like the feature is none of the route's (`along_route.rs`). The places that a scan along the approach finds
 //! are fitted together with what is not known of widths, corners and camera; each is a Gaussian with the weight of its evidence.
 
+mod on_route;
+
 use fingerpost_geometry::wrap_angle;
 use fingerpost_map::FeatureKind;
 use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 
-use super::along_route::{Expected, SeenAlong, expected_at, is_placed};
+use super::along_route::{Expected, expected_at, is_placed};
 use super::fit::{Fit, Fitter, Prior, Start};
 use super::junction_shape::{
     CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
 };
-use super::likelihood::{Ground, log_sum, pose_of};
+use super::likelihood::{Ground, log_sum, pose_of, set_pose};
 use crate::feature_model::FeatureModel;
-use crate::progress::{FeatureOutcome, FeaturePlace, Progress};
+use crate::progress::{FeaturePlace, Progress};
 use crate::track::{PossiblePlace, RouteStop, TrackConfig};
 
 /// Standard deviation of a vehicle's place beside the middle of its road, metres: either lane of a road of 8 m.
@@ -49,8 +51,6 @@ const SCAN_EVERY: usize = 3;
 /// Of the best places of a scan that are not known so many take turns, one a scan; and most places that are kept.
 const SCANNED_PLACES: usize = 3;
 const MOST_PLACES: usize = 4;
-/// Most places that are given to the progress, those that lie behind among them.
-const MOST_ON_ROUTE: usize = 8;
 /// Places nearer to each other are one, metres.
 const SAME_PLACE_M: f64 = 0.7;
 /// A place of less weight is forgotten.
@@ -62,12 +62,6 @@ const SCAN_EVERY_M: f64 = 0.7;
 const CARRIED_SIGMAS: f64 = 2.0;
 /// Room between the farthest node that is searched for and the view's edge, metres: a road's half width must show.
 const EDGE_ROOM_M: f64 = 1.0;
-/// How often a feature does not show though it is there, in shade or in poor light: one in seven on drawn worlds.
-const UNSEEN: f64 = 0.15;
-/// Where the ground says so much less of the feature than of a plain road it would have been seen, logarithm; and a place that is
-/// weighed speaks for so many metres about it.
-const UNSEEN_LOG_RATIO: f64 = -2.0;
-const SEEN_ABOUT_M: f64 = 1.5;
 
 /// The places together, matched by their moments.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,8 +97,8 @@ pub(super) struct FeatureBelief {
     places: Vec<Place>,
     /// The plain road without the feature, as the last fit left it.
     plain: Option<Start>,
-    /// Pose and standard deviations that are carried on once the curve has begun.
-    carried: Option<(Isometry2<f64>, [f64; 3])>,
+    /// What is carried on once the curve has begun.
+    carried: Option<Carried>,
     /// Metres driven since the approach was scanned; none before the first scan.
     since_scan_m: Option<f64>,
     scans: usize,
@@ -117,6 +111,18 @@ pub(super) struct FeatureBelief {
     /// Logarithm of the likelihood of its best place when the curve began, and how much more the ground said after.
     log_likelihood: f64,
     log_said_after: f64,
+}
+
+/// What was known of a feature when the curve began.
+#[derive(Debug, Clone, Copy)]
+struct Carried {
+    vehicle_from_feature: Isometry2<f64>,
+    /// Standard deviations, metres and radians.
+    sigmas: [f64; 3],
+    /// Logarithm of the share of the places against that of a plain road.
+    log_share: f64,
+    /// Logarithm of how much likelier it made the ground than a plain road does; none before the first fit.
+    log_ratio: Option<f64>,
 }
 
 /// Memory that is reused from belief to belief.
@@ -147,15 +153,13 @@ impl FeatureBelief {
     pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
         let current_from_previous = previous_from_current.inverse();
         let carry = |unknowns: &mut Unknowns| {
-            let pose = current_from_previous * pose_of(unknowns);
-            (unknowns[FORWARD], unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
-            unknowns[HEADING] = pose.rotation.angle();
+            set_pose(unknowns, &(current_from_previous * pose_of(unknowns)));
         };
         self.places.iter_mut().for_each(|place| carry(&mut place.fit.unknowns));
         self.plain.iter_mut().for_each(|plain| carry(&mut plain.unknowns));
         let moved = previous_from_current.translation.vector;
-        if let Some((pose, _)) = &mut self.carried {
-            *pose = current_from_previous * *pose;
+        if let Some(Carried { vehicle_from_feature, .. }) = &mut self.carried {
+            *vehicle_from_feature = current_from_previous * *vehicle_from_feature;
         }
         self.since_scan_m = self.since_scan_m.map(|since_m| since_m + moved.norm());
         self.scanned.iter_mut().for_each(|(ahead_m, _)| *ahead_m -= moved.x);
@@ -168,15 +172,23 @@ impl FeatureBelief {
     /// From now on the approach no longer says how the vehicle is turned.
     pub(super) fn leave_approach(&mut self) {
         if let (None, Some(moments)) = (&self.carried, self.moments()) {
-            let sigmas = [0, 1, 2].map(|i| CARRIED_SIGMAS * moments.covariance[(i, i)].sqrt());
-            self.carried = Some((moments.vehicle_from_feature, sigmas));
+            let Moments { vehicle_from_feature, covariance, present } = moments;
+            let sigmas = [0, 1, 2].map(|i| CARRIED_SIGMAS * covariance[(i, i)].sqrt());
+            let absent = (1.0 - present).max(f64::EPSILON);
+            let log_share = libm::log(present / absent) - libm::log((1.0 - MAP_WRONG) / MAP_WRONG);
+            self.carried = Some(Carried { vehicle_from_feature, sigmas, log_share, log_ratio: None });
         }
     }
 
     /// Where the feature is, or would be by what was known when the curve began.
     pub(super) fn pose(&self) -> Option<Isometry2<f64>> {
-        let carried = self.carried.map(|(pose, _)| pose);
+        let carried = self.carried.map(|carried| carried.vehicle_from_feature);
         self.moments().map(|moments| moments.vehicle_from_feature).or(carried)
+    }
+
+    /// Places that the last scan tried.
+    pub(super) const fn places_scanned(&self) -> usize {
+        self.scanned.len()
     }
 
     /// Computes the belief afresh; returns how many places were tried.
@@ -248,8 +260,7 @@ impl FeatureBelief {
             let (left_m, heading_rad) =
                 (stop.plain.left_of_approach_m(&pose), stop.plain.heading_off_approach_rad(&pose));
             let pose = stop.plain.vehicle_from_feature(before_m, left_m, heading_rad);
-            (start.unknowns[FORWARD], start.unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
-            start.unknowns[HEADING] = pose.rotation.angle();
+            set_pose(&mut start.unknowns, &pose);
             start
         });
         fitter.fit(ground, &stop.plain_shape, &prior, &start, |_| false)
@@ -258,7 +269,8 @@ impl FeatureBelief {
     /// What is known before of a feature whose node is `before_m` ahead along the approach.
     fn prior(&self, seen: Seen<'_>, model: &FeatureModel, expected: &Expected, before_m: f64) -> Prior {
         let config = seen.config;
-        let (pose, sigmas) = self.carried.unwrap_or_else(|| {
+        let carried = self.carried.map(|carried| (carried.vehicle_from_feature, carried.sigmas));
+        let (pose, sigmas) = carried.unwrap_or_else(|| {
             let here = model.vehicle_from_feature(before_m, 0.0, 0.0);
             // As far off along the road as the place is from where it is expected.
             let along = model.vehicle_from_feature(before_m - 1.0, 0.0, 0.0).translation.vector
@@ -272,13 +284,12 @@ impl FeatureBelief {
             (Isometry2::new(mean, here.rotation.angle()), sigmas)
         });
         let (mut mean, mut sigma) = (Unknowns::zeros(), Unknowns::repeat(1.0));
-        (mean[FORWARD], mean[LEFT], mean[HEADING]) =
-            (pose.translation.x, pose.translation.y, pose.rotation.angle());
+        set_pose(&mut mean, &pose);
         [sigma[FORWARD], sigma[LEFT], sigma[HEADING]] = sigmas;
         for arm in 0..MOST_ARMS {
-            sigma[WIDTHS + arm] = config.belief.width_sigma_share;
+            sigma[WIDTHS + arm] = config.width_sigma_share;
             sigma[OFFSETS + arm] = OFFSET_SIGMA_M;
-            mean[CORNERS + arm] = libm::log(config.alignment.kerb_radius_m.max(LEAST_RADIUS_M));
+            mean[CORNERS + arm] = libm::log(config.kerb_radius_m.max(LEAST_RADIUS_M));
             sigma[CORNERS + arm] = CORNER_LOG_SIGMA;
         }
         [sigma[PITCH], sigma[ROLL]] = seen.attitude_sigma_rad;
@@ -310,8 +321,7 @@ impl FeatureBelief {
             let pose = stop.model.vehicle_from_feature(before_m, left_m, heading_rad);
             let expected = expected_at(seen, expected, before_m);
             let mut unknowns = self.prior(seen, &stop.model, &expected, before_m).mean;
-            (unknowns[FORWARD], unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
-            unknowns[HEADING] = pose.rotation.angle();
+            set_pose(&mut unknowns, &pose);
             (unknowns[PITCH], unknowns[ROLL]) = (plain[PITCH], plain[ROLL]);
             let score = ground.score(&stop.shape, &unknowns, SCAN_SOFT_M, SCAN_EVERY);
             self.scanned.push((before_m, score - plain_score));
@@ -328,103 +338,6 @@ impl FeatureBelief {
         starts.extend(scores.get(turn).map(|(unknowns, _)| Start::new(*unknowns)));
         self.scans += 1;
         tried
-    }
-
-    /// Says of the places, and of the ground where there is none, what the progress is to know.
-    fn place_on_route(&mut self, seen: Seen<'_>, plain_log_evidence: f64) {
-        let Seen { stop, .. } = seen;
-        if self.carried.is_some() {
-            if !self.places.is_empty() {
-                self.on_route.clear();
-            }
-            self.looked_for = None;
-            let mut most = f64::NEG_INFINITY;
-            for place in &mut self.places {
-                // What was known when the curve began is one of the route's features.
-                place.log_share = place.fit.log_evidence - plain_log_evidence;
-                place.by_ground = 1.0;
-                let along = SeenAlong::unexpected(&stop.model, &place.fit, place.log_share);
-                most = most.max(along.log_likelihood(0.0));
-                self.on_route.push(along.on_map(0.0));
-            }
-            if !self.places.is_empty() {
-                self.log_said_after = (most - self.log_likelihood).max(0.0);
-            }
-            return;
-        }
-        // What lies behind is seen no better than it was, and says on what it said.
-        self.on_route.retain(|place| place.ahead_m < 0.0);
-        let behind = self.on_route.len();
-        for (i, place) in self.places.iter_mut().enumerate() {
-            let log_ratio = place.fit.log_evidence - plain_log_evidence;
-            let along = SeenAlong::of(&stop.model, &place.fit, &place.expected, log_ratio);
-            let log_clutter = along.log_clutter();
-            if i == 0 {
-                self.log_likelihood = along.log_likelihood(log_clutter);
-            }
-            place.log_share = place.expected.log_weight + log_ratio - log_clutter;
-            place.by_ground = along.probability();
-            let on_map = along.on_map(log_clutter);
-            if on_map.ahead_m >= 0.0 {
-                self.on_route.push(on_map);
-            }
-        }
-        self.look_for();
-        for place in self.on_route.iter_mut().skip(behind) {
-            let is_looked_for =
-                |[nearest_m, farthest_m]: [f64; 2]| place.ahead_m >= nearest_m && place.ahead_m <= farthest_m;
-            if !self.looked_for.is_some_and(|(looked_for_m, _)| is_looked_for(looked_for_m)) {
-                // There the ground is as it is without the feature, which counts as 1 already.
-                place.likelihood = (place.likelihood - 1.0).max(0.0);
-            }
-        }
-        while self.on_route.len() > MOST_ON_ROUTE {
-            let least = (0..self.on_route.len())
-                .min_by(|&a, &b| self.on_route[a].likelihood.total_cmp(&self.on_route[b].likelihood));
-            if let Some(least) = least {
-                self.on_route.remove(least);
-            }
-        }
-    }
-
-    /// Says where the feature would have been seen: where the last scan found nothing like it, and behind as far as it was so before.
-    fn look_for(&mut self) {
-        let mut ahead: Option<([f64; 2], f64)> = None;
-        let mut unlikely = f64::NEG_INFINITY;
-        for &(ahead_m, log_ratio) in &self.scanned {
-            let is_place = |place: &FeaturePlace| (place.ahead_m - ahead_m).abs() < SEEN_ABOUT_M;
-            if !self.on_route.iter().any(is_place) {
-                if log_ratio > UNSEEN_LOG_RATIO {
-                    break;
-                }
-                unlikely = unlikely.max(log_ratio);
-            }
-            let nearest_m = ahead.map_or(ahead_m, |([nearest_m, _], _)| nearest_m);
-            let missed = MAP_WRONG + (1.0 - MAP_WRONG) * libm::exp(unlikely).max(UNSEEN);
-            ahead = Some(([nearest_m, ahead_m], missed));
-        }
-        let Some(&(first_m, _)) = self.scanned.first() else { return };
-        let before = self
-            .looked_for
-            .map(|([nearest_m, farthest_m], missed)| ([nearest_m, farthest_m.min(first_m)], missed));
-        self.looked_for = match (before.filter(|([nearest_m, farthest_m], _)| nearest_m < farthest_m), ahead)
-        {
-            (Some(([nearest_m, before_m], missed)), Some(([from_m, farthest_m], now_missed)))
-                if before_m >= from_m =>
-            {
-                Some(([nearest_m, farthest_m], missed.max(now_missed)))
-            }
-            (before, None) => before,
-            (_, ahead) => ahead,
-        };
-    }
-
-    /// What this feature says of the progress.
-    pub(super) fn outcome(&self) -> FeatureOutcome<'_> {
-        let (looked_for_m, map_wrong_share) = self.looked_for.unzip();
-        let map_wrong_share = map_wrong_share.unwrap_or(MAP_WRONG);
-        let log_excess = if self.carried.is_some() { self.log_said_after } else { 0.0 };
-        FeatureOutcome { places: &self.on_route, looked_for_m, map_wrong_share, log_excess }
     }
 
     /// Probability that the feature would be in view if it is there.

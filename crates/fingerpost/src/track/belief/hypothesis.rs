@@ -117,23 +117,25 @@ impl Hypothesis {
         let mut arrived = None;
         for feature in self.route.features_mut() {
             let index = feature.index;
+            let lies_behind = passed(stops, feature);
             let Some(stop) = stops.get_mut(index) else { continue };
             let moments = feature.belief.moments();
             let lack = moments.map(|moments| lack(config, &moments, feature.stage));
             match (feature.stage, moments, lack) {
                 (Stage::Arrived, ..) => {}
-                (Stage::Sought, Some(moments), Some(None)) if index <= next => {
+                (Stage::Sought, Some(moments), Some(None)) if index <= next && !lies_behind => {
                     feature.stage = Stage::Tracked;
                     stop.masks.draw_about(moments.vehicle_from_feature.rotation.angle(), STEERED_RAD)?;
                     decided = Some(Decision::Detected);
                     state = State::Tracking;
                 }
-                // It waits until those before it lie behind.
+                // It waits until those before it lie behind, or says what was passed unseen: nobody is led through that.
                 (Stage::Sought, Some(_), Some(None)) => {}
                 (Stage::Sought, _, lack) => {
-                    let undecided = lack
-                        .flatten()
-                        .map_or(Decision::NotFound { index }, |lack| Decision::NotSure { index, lack });
+                    let undecided = match lack.flatten() {
+                        Some(lack) => Decision::NotSure { index, lack },
+                        None => Decision::NotFound { index, places: feature.belief.places_scanned() },
+                    };
                     decided = decided.or(Some(undecided));
                 }
                 (Stage::Tracked, Some(moments), Some(None)) => {
@@ -148,7 +150,7 @@ impl Hypothesis {
                     }
                 }
                 (Stage::Tracked, _, lack) => {
-                    let needed = config.belief.lost_present;
+                    let needed = config.lost_present;
                     let lack = lack.flatten().unwrap_or(Lack::Presence { present: 0.0, needed });
                     decided = Some(Decision::NoLongerSure { index, lack });
                     feature.stage = Stage::Sought;
@@ -220,8 +222,8 @@ fn forget_masks(stops: &mut [RouteStop], index: usize) {
 /// What a feature lacks to be tracked, or to be tracked on.
 fn lack(config: &TrackConfig, moments: &Moments, stage: Stage) -> Option<Lack> {
     let (needed, most_m) = match stage {
-        Stage::Sought => (config.belief.detect_present, config.belief.detect_sigma_m),
-        _ => (config.belief.lost_present, LOST_SIGMA_FACTOR * config.belief.detect_sigma_m),
+        Stage::Sought => (config.detect_present, config.detect_sigma_m),
+        _ => (config.lost_present, LOST_SIGMA_FACTOR * config.detect_sigma_m),
     };
     let (present, sigma_m) = (moments.present, moments.sigma_m());
     if present < needed {

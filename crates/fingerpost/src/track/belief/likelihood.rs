@@ -36,6 +36,12 @@ pub(super) fn pose_of(unknowns: &Unknowns) -> Isometry2<f64> {
     Isometry2::new(Vector2::new(unknowns[FORWARD], unknowns[LEFT]), unknowns[HEADING])
 }
 
+/// Puts the pose of the feature among the unknowns.
+pub(super) fn set_pose(unknowns: &mut Unknowns, pose: &Isometry2<f64>) {
+    (unknowns[FORWARD], unknowns[LEFT]) = (pose.translation.x, pose.translation.y);
+    unknowns[HEADING] = pose.rotation.angle();
+}
+
 /// Logarithm of the sum of two numbers that are given by theirs.
 pub(super) fn log_sum(a: f64, b: f64) -> f64 {
     a.max(b) + libm::log1p(libm::exp(-(a - b).abs()))
