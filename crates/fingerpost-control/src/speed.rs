@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_turn_that_is_not_found_yet_is_braked_for_and_driven_past_slowly() {
-        let limits = VehicleLimits::default();
+        let limits = VehicleLimits { lateral_acceleration_mps2: 2.0, ..VehicleLimits::default() };
         let mut path = Vec::new();
         arc(0.0, 0.0, 0.0, [50.0, 0.5], &mut path);
         let plan = |ahead_m| {
@@ -215,7 +215,8 @@ mod tests {
 
     #[test]
     fn a_bend_ahead_is_braked_for() {
-        let limits = VehicleLimits { speed_max_mps: 20.0, ..VehicleLimits::default() };
+        let limits =
+            VehicleLimits { speed_max_mps: 20.0, lateral_acceleration_mps2: 2.0, ..VehicleLimits::default() };
         let mut path = Vec::new();
         arc(0.0, 0.0, 0.0, [50.0, 0.5], &mut path);
         for point in path.iter_mut().filter(|point| point.along_m >= 10.0) {
