@@ -3,13 +3,24 @@
 //!
 //! Every arm is a strip about its course; between two neighbouring arms that meet at less than a straight angle the edges are
 //! joined by an arc that touches both. A square corner is an arc of no radius, a wide mouth one of a large radius: there is no
-//! rule for either. A bend, which has two arms alone, has such an arc on its outer side too. The distance is that to the nearest edge, negative on the road, with its derivatives by everything that
-//! is not known.
+//! rule for either. A bend, which has two arms alone, has such an arc on its outer side too. The distance is that to the nearest edge,
+//! negative on the road, with its derivatives by everything that is not known.
+
+mod arc;
+mod strip;
+mod unknowns;
 
 use std::f64::consts::TAU;
 
 use fingerpost_map::ArmRole;
-use nalgebra::{Point2, SVector, Vector2};
+use nalgebra::{Point2, Vector2};
+
+use arc::Arc;
+use strip::{Beside, NOWHERE, Strip, pieces};
+
+pub(in crate::track) use unknowns::{
+    CORNERS, FORWARD, HEADING, LEFT, OFFSETS, PITCH, ROLL, SCALE, UNKNOWNS, Unknowns, WIDTHS,
+};
 
 use crate::feature_model::{ArmModel, FeatureModel};
 
@@ -30,46 +41,11 @@ const OUTLINE_ERROR_M: f64 = 0.02;
 const OUTLINE_REACH_M: f64 = 12.0;
 const OUTLINE_ROUNDS: usize = 12;
 
-/// Places of the unknowns in a vector: pose, then width, offset and corner of every arm, then the camera's.
-pub(in crate::track) const FORWARD: usize = 0;
-pub(in crate::track) const LEFT: usize = 1;
-pub(in crate::track) const HEADING: usize = 2;
-pub(in crate::track) const WIDTHS: usize = 3;
-pub(in crate::track) const OFFSETS: usize = WIDTHS + MOST_ARMS;
-pub(in crate::track) const CORNERS: usize = OFFSETS + MOST_ARMS;
-pub(in crate::track) const PITCH: usize = CORNERS + MOST_ARMS;
-pub(in crate::track) const ROLL: usize = PITCH + 1;
-pub(in crate::track) const SCALE: usize = PITCH + 2;
-/// How many unknowns there are.
-pub(in crate::track) const UNKNOWNS: usize = PITCH + 3;
-
-/// Values of the unknowns, or derivatives by them.
-pub(in crate::track) type Unknowns = SVector<f64, UNKNOWNS>;
-
 /// The outline of a feature's road.
 #[derive(Debug, Clone)]
 pub(in crate::track) struct JunctionShape {
     /// Anticlockwise by their direction.
     arms: Vec<Strip>,
-}
-
-#[derive(Debug, Clone)]
-struct Strip {
-    /// Course from the node outwards, feature frame: start, direction and length of every straight piece.
-    pieces: Vec<Piece>,
-    half_width_m: f64,
-    /// Distance from the node up to which it is known, metres: the map's course ends there, or the next feature begins.
-    reach_m: f64,
-    /// Whether an arc joins its left edge and the right one of the next arm, and the product of the normals of the two.
-    corner: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Piece {
-    start: Point2<f64>,
-    along: Vector2<f64>,
-    length_m: f64,
-    before_m: f64,
 }
 
 /// The outline with its numbers worked out.
@@ -81,50 +57,6 @@ pub(in crate::track) struct Outline<'a> {
     radius_m: [f64; MOST_ARMS],
     /// The least half width of all: no arm reaches farther behind the node, where the others' road is.
     end_m: f64,
-}
-
-/// Where a place lies beside an arm.
-#[derive(Debug, Clone, Copy)]
-struct Beside {
-    left_m: f64,
-    left: Vector2<f64>,
-    /// Distance outwards from the node; negative behind it.
-    along_m: f64,
-}
-
-/// Beside an arm that is not there.
-const NOWHERE: Beside = Beside { left_m: f64::INFINITY, left: Vector2::new(0.0, 1.0), along_m: 0.0 };
-
-/// Signed distance of a place from two edges that are joined by an arc, and how it changes.
-#[derive(Debug, Clone, Copy)]
-struct Arc {
-    distance_m: f64,
-    /// By how far the place lies beyond each edge.
-    by_beyond: [f64; 2],
-    by_radius: f64,
-}
-
-impl Arc {
-    /// Of a place so far beyond each of two edges with this product of their normals, between which the ground is road where the place
-    /// is on the road's side of either; none where it lies beside an edge and not beside the arc.
-    fn between([u_m, v_m]: [f64; 2], radius_m: f64, product: f64) -> Option<Self> {
-        let (du, dv, rest) = (u_m - radius_m, v_m - radius_m, 1.0 - product * product);
-        let (a, b) = ((du - product * dv) / rest, (dv - product * du) / rest);
-        (a <= 0.0 && b <= 0.0).then(|| {
-            let from_centre_m = (du * a + dv * b).max(1e-18).sqrt();
-            Self {
-                distance_m: radius_m - from_centre_m,
-                by_beyond: [-a / from_centre_m, -b / from_centre_m],
-                by_radius: 1.0 + (a + b) / from_centre_m,
-            }
-        })
-    }
-
-    /// Of a place beside the first edge, or the second.
-    const fn of_edge([u_m, v_m]: [f64; 2], is_first: bool) -> Self {
-        let (distance_m, by_beyond) = if is_first { (u_m, [1.0, 0.0]) } else { (v_m, [0.0, 1.0]) };
-        Self { distance_m, by_beyond, by_radius: 0.0 }
-    }
 }
 
 /// Signed distance of a place from the road's edge, negative on the road, and how it changes.
@@ -360,219 +292,5 @@ impl Outline<'_> {
     }
 }
 
-fn pieces(arm: &ArmModel) -> Vec<Piece> {
-    let points = arm.course.points();
-    let mut before_m = 0.0;
-    let mut pieces = Vec::new();
-    for pair in points.windows(2) {
-        let step = pair[1] - pair[0];
-        let length_m = step.norm();
-        if length_m > 1e-6 {
-            pieces.push(Piece { start: pair[0], along: step / length_m, length_m, before_m });
-            before_m += length_m;
-        }
-    }
-    pieces
-}
-
-impl Piece {
-    /// The direction to its left.
-    fn left(&self) -> Vector2<f64> {
-        Vector2::new(-self.along.y, self.along.x)
-    }
-}
-
-impl Strip {
-    /// The place on the axis so far outwards, and what is left there.
-    fn at(&self, along_m: f64) -> (Point2<f64>, Vector2<f64>) {
-        let piece = self.pieces.iter().rev().find(|piece| piece.before_m <= along_m).or(self.pieces.first());
-        piece.map_or((Point2::origin(), Vector2::y()), |piece| {
-            (piece.start + (along_m - piece.before_m) * piece.along, piece.left())
-        })
-    }
-
-    fn beside(&self, p: Point2<f64>) -> Beside {
-        let last = self.pieces.len().saturating_sub(1);
-        let mut nearest: Option<(f64, f64, f64, f64, &Piece)> = None;
-        for (i, piece) in self.pieces.iter().enumerate() {
-            let from = p - piece.start;
-            let along_m = piece.along.dot(&from);
-            // The first piece goes on behind the node and the last one beyond its end.
-            let least = if i == 0 { f64::NEG_INFINITY } else { 0.0 };
-            let most = if i == last { f64::INFINITY } else { piece.length_m };
-            let off_m = along_m - along_m.clamp(least, most);
-            let left_m = piece.left().dot(&from);
-            let squared = off_m * off_m + left_m * left_m;
-            if nearest.is_none_or(|(least, ..)| squared < least) {
-                nearest = Some((squared, off_m, left_m, along_m, piece));
-            }
-        }
-        nearest.map_or(NOWHERE, |(squared, off_m, left_m, along_m, piece)| Beside {
-            left_m: if off_m == 0.0 { left_m } else { squared.sqrt().copysign(left_m) },
-            left: piece.left(),
-            along_m: piece.before_m + along_m,
-        })
-    }
-}
-
 #[cfg(test)]
-pub(super) mod tests {
-    use fingerpost_geometry::Polyline;
-    use fingerpost_map::FeatureKind;
-    use nalgebra::Isometry2;
-
-    use super::*;
-
-    type Place = (f64, f64);
-
-    /// A T-junction that is left to the right: approach from behind, exit to the right, the other arm to the left.
-    pub(in crate::track::belief) fn t_junction() -> JunctionShape {
-        let arm = |role, label: &str, x: f64, y: f64| ArmModel {
-            role,
-            label: label.into(),
-            course: Polyline::new([Point2::origin(), Point2::new(x, y)]).unwrap(),
-            width_m: 6.0,
-            mouth_m: 3.0,
-            leaves_after_m: None,
-        };
-        let model = FeatureModel {
-            id: 1,
-            name: String::new(),
-            kind: FeatureKind::Junction,
-            route_m: 50.0,
-            arms: vec![
-                arm(ArmRole::Approach, "approach", -30.0, 0.0),
-                arm(ArmRole::Exit, "exit", 0.0, -30.0),
-                arm(ArmRole::Side, "side_1", 0.0, 30.0),
-            ],
-            map_from_feature: Isometry2::identity(),
-        };
-        JunctionShape::of(&model, [f64::INFINITY, f64::INFINITY])
-    }
-
-    /// Corners of this radius.
-    fn unknowns(radius_m: f64) -> Unknowns {
-        let mut unknowns = Unknowns::zeros();
-        (0..MOST_ARMS).for_each(|arm| unknowns[CORNERS + arm] = libm::log(radius_m));
-        unknowns
-    }
-
-    fn distance_m(radius_m: f64, x: f64, y: f64) -> f64 {
-        t_junction().outline(&unknowns(radius_m)).distance(Point2::new(x, y)).unwrap().distance_m
-    }
-
-    #[test]
-    fn places_of_a_t_junction_lie_where_they_are_seen_to() {
-        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-8, "{a} for {b}");
-        near(distance_m(4.0, -15.0, 0.0), -3.0);
-        near(distance_m(4.0, -15.0, 4.0), 1.0);
-        near(distance_m(4.0, -15.0, -4.5), 1.5);
-        near(distance_m(4.0, 3.5, 0.0), 0.5);
-        near(distance_m(4.0, 2.0, -12.0), -1.0);
-        near(distance_m(4.0, -3.5, 12.0), 0.5);
-        // The centre of the arc between the approach and either arm, and the corner that it cuts off.
-        for side in [1.0, -1.0] {
-            near(distance_m(4.0, -7.0, 7.0 * side), 4.0);
-            near(distance_m(4.0, -3.0, 3.0 * side), 4.0 - 4.0 * std::f64::consts::SQRT_2);
-            assert!(distance_m(0.3, -3.5, 3.5 * side) > 0.2, "a square corner");
-            assert!(distance_m(8.0, -3.5, 3.5 * side) < -1.0, "a wide mouth");
-        }
-        assert!(t_junction().outline(&unknowns(4.0)).distance(Point2::new(0.0, 31.0)).is_none(), "unknown");
-    }
-
-    #[test]
-    fn a_wide_arm_does_not_reach_across_a_narrow_road() {
-        let shape = t_junction();
-        let mut wide = unknowns(4.0);
-        wide[WIDTHS + 1] = std::f64::consts::LN_2;
-        let distance_m =
-            |x: f64, y: f64| shape.outline(&wide).distance(Point2::new(x, y)).unwrap().distance_m;
-        for (x, y, is) in
-            [(-15.0, 5.0, -1.0), (3.5, 0.0, 0.5), (2.5, 0.0, -0.5), (3.5, 4.0, 0.5), (5.0, 0.0, 2.0)]
-        {
-            assert!((distance_m(x, y) - is).abs() < 1e-8, "({x}, {y}): {} for {is}", distance_m(x, y));
-        }
-    }
-
-    /// A bend to the right by a right angle: approach from behind, exit to the right.
-    fn bend() -> JunctionShape {
-        let mut bend = t_junction();
-        bend.arms.retain(|arm| arm.pieces[0].along.y < 0.5);
-        bend.arms.iter_mut().for_each(|arm| arm.corner = None);
-        // Anticlockwise the exit comes after the approach.
-        bend.arms[0].corner = Some(0.0);
-        bend
-    }
-
-    #[test]
-    fn a_bend_has_an_arc_on_either_side() {
-        let shape = bend();
-        let mut at = unknowns(4.0);
-        at[CORNERS + 1] = libm::log(10.0);
-        let distance_m = |x: f64, y: f64| shape.outline(&at).distance(Point2::new(x, y)).unwrap().distance_m;
-        // Both arcs are about a place 7 m behind the node and 7 m to the right of it.
-        let along = std::f64::consts::FRAC_1_SQRT_2;
-        let about = |radius_m: f64| [-7.0 + along * radius_m, -7.0 + along * radius_m];
-        for (radius_m, is) in [(3.0, 1.0), (4.0, 0.0), (6.0, -2.0), (8.0, -2.0), (10.0, 0.0), (12.0, 2.0)] {
-            let [x, y] = about(radius_m);
-            assert!((distance_m(x, y) - is).abs() < 1e-8, "{radius_m}: {} for {is}", distance_m(x, y));
-        }
-        for (x, y, is) in [(-15.0, 2.0, -1.0), (-15.0, -4.0, 1.0), (-1.0, -20.0, -2.0), (3.5, -20.0, 0.5)] {
-            assert!((distance_m(x, y) - is).abs() < 1e-8, "({x}, {y}): {} for {is}", distance_m(x, y));
-        }
-        // A square outer corner.
-        at[CORNERS + 1] = libm::log(0.3);
-        let square_m = shape.outline(&at).distance(Point2::new(2.5, 2.5)).unwrap().distance_m;
-        assert!(square_m < -0.2, "{square_m}");
-    }
-
-    #[test]
-    fn derivatives_are_those_of_the_distance() {
-        check_derivatives(
-            &t_junction(),
-            &[(-15.0, 2.5), (-12.0, -3.2), (-4.5, 4.0), (-4.0, -5.5), (2.5, 8.0), (3.1, -9.0)],
-        );
-        check_derivatives(
-            &bend(),
-            &[(-15.0, 2.5), (-12.0, -3.2), (-4.5, -4.0), (-5.0, -3.9), (1.0, 0.5), (0.5, 1.5), (3.1, -14.0)],
-        );
-    }
-
-    fn check_derivatives(shape: &JunctionShape, places: &[Place]) {
-        let step = 1e-6;
-        for &(x, y) in places {
-            let mut at = unknowns(5.0);
-            (at[WIDTHS], at[OFFSETS + 1], at[CORNERS + 2]) = (0.1, 0.2, 1.2);
-            let place = Point2::new(x, y);
-            let edge = shape.outline(&at).distance(place).unwrap();
-            let mut given = Unknowns::zeros();
-            shape.outline(&at).each_derivative(&edge, |index, by| given[index] += by);
-            for index in WIDTHS..PITCH {
-                let mut moved = at;
-                moved[index] += step;
-                let by = (shape.outline(&moved).distance(place).unwrap().distance_m - edge.distance_m) / step;
-                assert!((by - given[index]).abs() < 1e-4, "({x}, {y}) by {index}: {by} for {}", given[index]);
-            }
-            for (axis, moved) in [(0, Vector2::x()), (1, Vector2::y())] {
-                let moved = shape.outline(&at).distance(place + step * moved).unwrap();
-                let by = (moved.distance_m - edge.distance_m) / step;
-                assert!((by - edge.by_place[axis]).abs() < 1e-4, "({x}, {y}) along {axis}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_outline_lies_on_the_edge() {
-        let (shape, at) = (t_junction(), unknowns(5.0));
-        let outline = shape.outline(&at);
-        let mut pieces = 0;
-        outline.each_edge(|from, to| {
-            pieces += 1;
-            for place in [from, to] {
-                let off_m = outline.distance(place).unwrap().distance_m;
-                assert!(off_m.abs() < OUTLINE_ERROR_M, "{place}: {off_m}");
-            }
-        });
-        assert!(pieces > 100, "{pieces}");
-    }
-}
+pub(super) mod tests;
