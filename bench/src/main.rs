@@ -3,7 +3,6 @@
 
 mod footage;
 mod growth;
-mod height;
 mod kernels;
 mod lanes;
 mod machine;
@@ -110,9 +109,6 @@ fn main() -> Result<()> {
     }
     if timed("motion") {
         sections.push(motion::motion(&mut opencv, effort)?);
-    }
-    if timed("height") {
-        sections.push(height::height(effort)?);
     }
     if wanted("network") {
         sections.push(network::network(effort, &footage, &sets)?);

@@ -169,14 +169,8 @@ impl Loop {
         let sample = self.config.road_surface.sample_region(&self.view);
         let validity = self.view.validity();
         let perspective = Perspective::Ground { view: &self.view, frame };
-        let input = RoadInput {
-            picture: &self.ground,
-            validity,
-            sample,
-            perspective,
-            motion: self.moved.as_ref(),
-            height: None,
-        };
+        let input =
+            RoadInput { picture: &self.ground, validity, sample, perspective, motion: self.moved.as_ref() };
         self.detector.detect(input, &mut self.surface)?;
         lap(1);
         let laid = self.matcher.laid(&self.surface, self.surface.known())?;

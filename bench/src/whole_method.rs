@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use anyhow::Result;
-use fingerpost::height::HeightUse;
 use fingerpost::{Config, Pipeline, Sensors, Stage};
 use fingerpost_sim::{SimConfig, Simulator};
 use fingerpost_vision::picture::RgbImage;
@@ -33,7 +32,7 @@ struct Laps {
     stages_ms: BTreeMap<Stage, Vec<Vec<f64>>>,
 }
 
-/// Times the method with lanes and the ground's height.
+/// Times the method with its default settings.
 pub fn whole_method() -> Result<Section> {
     let (graph, route) = town()?;
     let camera = dashcam(SIZE_PX.0, SIZE_PX.1)?;
@@ -41,8 +40,7 @@ pub fn whole_method() -> Result<Section> {
     let simulator = Simulator::new(&graph, &route, &camera, &drive)?;
     let frames: Vec<RgbImage> =
         (0..FRAMES.min(simulator.frames())).map(|index| simulator.frame(index).picture).collect();
-    let mut config = Config::default();
-    config.height.used = HeightUse::Surface;
+    let config = Config::default();
     let mut laps = Laps { whole_ms: vec![Vec::new(); frames.len()], stages_ms: BTreeMap::new() };
     for _ in 0..DRIVES {
         let mut pipeline = Pipeline::new(&config, &camera, Some(&route), Some(drive.start_m))?;
@@ -66,8 +64,8 @@ fn section(laps: Laps, frames: usize) -> Section {
     let mut section = Section::new(
         "Whole method",
         &format!(
-            "one thread, without decoding; {frames} frames of the demo's drive at {} x {}, with lanes and the ground's height in \
-             the surface; a frame's time is the median of {DRIVES} drives",
+            "one thread, without decoding; {frames} frames of the demo's drive at {} x {}; a frame's \
+             time is the median of {DRIVES} drives",
             SIZE_PX.0, SIZE_PX.1
         ),
     );

@@ -15,7 +15,6 @@ use hdrhistogram::Histogram;
 pub(crate) const fn stage_name(stage: Stage) -> &'static str {
     match stage {
         Stage::GroundView => "ground_view",
-        Stage::Height => "height",
         Stage::Road => "road",
         Stage::Centreline => "centreline",
         Stage::Motion => "motion",

@@ -70,14 +70,8 @@ impl Watcher {
 
     fn look(&mut self, picture: &GroundPicture) -> RoadEvidence {
         let perspective = Perspective::Camera { horizon_row: -1.0 };
-        let input = RoadInput {
-            picture,
-            validity: &self.validity,
-            sample: SAMPLE,
-            perspective,
-            motion: None,
-            height: None,
-        };
+        let input =
+            RoadInput { picture, validity: &self.validity, sample: SAMPLE, perspective, motion: None };
         self.detector.detect(input, &mut self.surface).unwrap()
     }
 

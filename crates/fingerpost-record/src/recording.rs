@@ -12,7 +12,6 @@
 //! | `/camera/annotations` | `foxglove.ImageAnnotations`: lane edges, driving line, the feature's node | pixels |
 //! | `/ground_view/image` | `foxglove.CompressedImage`, JPEG | `ground` |
 //! | `/road_surface` | `foxglove.Grid`: `road` (0 to 255: probability 0 to 1), `known` (0 unknown, 1 remembered, 2 seen) | `vehicle` |
-//! | `/height` | `foxglove.Grid`: `raised`, log-odds in 256ths | `vehicle` |
 //! | `/feature/masks` | `foxglove.Grid`: `mask`, number of the sub-mask from 1, 0 for none | `vehicle` |
 //! | `/feature` | `foxglove.SceneUpdate`: arms and node of the followed feature | `vehicle` |
 //! | `/driving_line`, `/centreline`, `/lanes` | `foxglove.SceneUpdate` | `vehicle` |

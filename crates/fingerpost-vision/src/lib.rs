@@ -64,7 +64,6 @@ pub mod log_colour;
 pub mod lucas_kanade;
 pub mod moments;
 pub mod morphology;
-pub mod parallax;
 pub mod passage;
 pub mod picture;
 pub mod pyramid;

@@ -16,7 +16,6 @@ use crate::declared::{self, ConfigError};
 use crate::driving_line::DrivingLineConfig;
 use crate::feature_masks::FeatureMaskConfig;
 use crate::ground_view::GroundViewConfig;
-use crate::height::HeightConfig;
 use crate::lanes::LanesConfig;
 use crate::matching::MatchConfig;
 use crate::motion::MotionConfig;
@@ -37,8 +36,6 @@ pub struct Config {
     pub can: CanConfig,
     /// The part of the road seen from above.
     pub ground_view: GroundViewConfig,
-    /// Height of the ground.
-    pub height: HeightConfig,
     /// Road surface detection.
     pub road_surface: RoadSurfaceConfig,
     /// The road's middle without markings.

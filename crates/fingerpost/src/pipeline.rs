@@ -24,15 +24,12 @@ use crate::declared::ConfigError;
 use crate::feature_masks::PlacedMasks;
 use crate::fix::{FixEvidence, FixInput, FixStage, MapFix, NearPlace};
 use crate::ground_view::{GroundPicture, GroundView, GroundViewError};
-use crate::height::{GroundHeight, HeightEvidence, HeightStage, HeightUse};
 use crate::lanes::departure::{DepartureEvidence, DepartureOutput};
 use crate::lanes::{Lane, LaneError, LaneEvidence, LaneInput};
 use crate::matching::FeatureMatcher;
 use crate::motion::{Motion, MotionDoubt, MotionError, MotionEvidence};
 use crate::mount::MountEstimate;
-use crate::road_surface::{
-    Joining, Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface,
-};
+use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
 use crate::track::{
     BeliefTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
 };
@@ -64,8 +61,6 @@ pub enum Stage {
     Motion,
     /// The camera's own motion to the mount's estimate.
     Mount,
-    /// Ground views to the ground's height.
-    Height,
     /// Ground view to road probability.
     Road,
     /// Masks, match and track.
@@ -122,8 +117,6 @@ pub struct FrameEvidence<'a> {
     pub ground: &'a GroundPicture,
     /// The validity mask.
     pub validity: &'a Plane<u8>,
-    /// The ground's height, and how it was found; none where it is not looked at.
-    pub height: Option<(&'a GroundHeight, &'a HeightEvidence)>,
     /// The road surface.
     pub surface: &'a RoadSurface,
     /// How it was found.
@@ -190,9 +183,6 @@ pub enum PipelineError {
 pub struct Pipeline {
     view: GroundView,
     camera_watch: CameraWatch,
-    /// None where height is not looked at.
-    height: Option<HeightStage>,
-    joining: Joining,
     detector: Box<dyn RoadDetector>,
     centreline: CentrelineFinder,
     camera: Camera,
@@ -255,8 +245,6 @@ impl Pipeline {
         let track = TrackOutput { state, ..TrackOutput::default() };
         Ok(Self {
             camera_watch: CameraWatch::default(),
-            height: (config.height.used != HeightUse::Off).then(|| HeightStage::new(&config.height)),
-            joining: Joining::default(),
             detector: parts.take_road_detector(config)?,
             centreline: CentrelineFinder::new(&config.centreline, &config.vehicle, &view)?,
             camera: camera.clone(),
@@ -310,29 +298,15 @@ impl Pipeline {
         sensors: Sensors,
         finished: &mut dyn FnMut(Stage),
     ) -> Result<(&FrameOutput, FrameEvidence<'_>), PipelineError> {
-        let Self {
-            config, view, ground, surface, height, joining, tracker, fix, track_evidence, output, ..
-        } = self;
+        let Self { config, view, ground, surface, tracker, fix, track_evidence, output, .. } = self;
         let (validity, Sensors { gps, signals, .. }) = (view.validity(), sensors);
         let ego = self.ego.step((&self.camera, frame), (view, ground), sensors, finished)?;
         let motion = ego.motion.as_ref();
 
-        let turn = ego.camera.map(|camera| camera.turn).unwrap_or_default();
-        let height = height.as_mut().map(|stage| stage.step(view, &ground.grey, motion, turn));
-        if height.is_some() {
-            finished(Stage::Height);
-        }
-
         let sample = config.road_surface.sample_region(view);
         let perspective = Perspective::Ground { view, frame };
-        let surface_height =
-            height.map(|(height, _)| height).filter(|_| config.height.used == HeightUse::Surface);
-        let input =
-            RoadInput { picture: ground, validity, sample, perspective, motion, height: surface_height };
+        let input = RoadInput { picture: ground, validity, sample, perspective, motion };
         let road = self.detector.detect(input, surface)?;
-        if let Some(height) = surface_height {
-            joining.join(height, surface)?;
-        }
         finished(Stage::Road);
 
         let summed = self.matcher.lay(surface)?;
@@ -388,7 +362,6 @@ impl Pipeline {
         let evidence = FrameEvidence {
             ground,
             validity: validity.plane(),
-            height,
             surface,
             road,
             network: self.detector.network(),

@@ -9,7 +9,6 @@ mod backprojection;
 mod colours;
 mod drive_colours;
 mod fused;
-mod height_joining;
 mod known_surfaces;
 mod looked_at;
 mod memory;
@@ -44,14 +43,11 @@ pub use onnx::{ChannelOrder, Onnx, OnnxConfig, ScoreKind, TensorLayout, UserNetw
 pub use perspective::{KnownPerspective, clear_unseen};
 pub use region::Region;
 
-pub(crate) use height_joining::Joining;
-
 use appearance::Appearance;
 use fused::Fused;
 use named::Named;
 
 use crate::ground_view::{GroundPicture, GroundView};
-use crate::height::GroundHeight;
 use crate::motion::Motion;
 
 /// Settings of road surface detection.
@@ -265,8 +261,6 @@ pub struct RoadInput<'a> {
     pub perspective: Perspective<'a>,
     /// How the vehicle moved since the frame before, where that is known.
     pub motion: Option<&'a Motion>,
-    /// The height of the ground in view, to learn from; none where it is not looked at or not to be used.
-    pub height: Option<&'a GroundHeight>,
 }
 
 /// How a picture shows the road.

@@ -8,7 +8,6 @@
 mod steady;
 
 use allocation_counter::measure;
-use fingerpost::height::HeightUse;
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::{Onnx, RoadDetector, RoadError, RoadMethod, UserNetwork};
 use fingerpost::track::State;
@@ -45,13 +44,6 @@ fn no_road_detector_allocates_anything() {
         let parts = Parts { road_detector, ..Parts::default() };
         Scene::with_parts(&config, &[SOUTH, NORTH], None, parts).check(State::NoRoute, 28.0);
     }
-}
-
-#[test]
-fn the_ground_s_height_allocates_nothing() {
-    let mut config = coarse();
-    config.height.used = HeightUse::Surface;
-    Scene::new(&config, &[SOUTH, NORTH], None).check(State::NoRoute, 28.0);
 }
 
 #[test]

@@ -227,7 +227,6 @@ impl Contestant {
             sample: RoadSurfaceConfig::sample_region_of_camera(width, height),
             perspective: Perspective::Camera { horizon_row: drive.first_row as f64 - 0.5 },
             motion: None,
-            height: None,
         };
         let start = Instant::now();
         self.detector.detect(input, &mut self.surface)?;
@@ -250,7 +249,6 @@ impl Contestant {
             sample: config.sample_region(view),
             perspective: Perspective::Ground { view, frame },
             motion: None,
-            height: None,
         };
         let mut surface = RoadSurface::default();
         road_detector(&config)?.detect(input, &mut surface)?;

@@ -85,7 +85,6 @@ impl RoadDetector for InCamera {
             sample: layout.sample,
             perspective: Perspective::Camera { horizon_row: layout.horizon_row },
             motion: input.motion,
-            height: input.height,
         };
         let evidence = self.detector.estimate(seen, &mut self.probability)?;
         if probability.size() != input.validity.size() {

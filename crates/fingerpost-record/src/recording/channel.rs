@@ -19,8 +19,6 @@ pub enum Channel {
     GroundView,
     /// The road surface.
     RoadSurface,
-    /// The ground's height.
-    Height,
     /// The feature's masks.
     FeatureMasks,
     /// The followed feature.
@@ -53,13 +51,12 @@ const RECORD_SCHEMA: &[u8] =
 
 impl Channel {
     /// Every channel, in the order of the data.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 17] = [
         Self::CameraImage,
         Self::CameraCalibration,
         Self::CameraAnnotations,
         Self::GroundView,
         Self::RoadSurface,
-        Self::Height,
         Self::FeatureMasks,
         Self::Feature,
         Self::DrivingLine,
@@ -82,7 +79,6 @@ impl Channel {
             Self::CameraAnnotations => "/camera/annotations",
             Self::GroundView => "/ground_view/image",
             Self::RoadSurface => "/road_surface",
-            Self::Height => "/height",
             Self::FeatureMasks => "/feature/masks",
             Self::Feature => "/feature",
             Self::DrivingLine => "/driving_line",
@@ -112,7 +108,7 @@ impl Channel {
             Self::CameraImage | Self::GroundView => CompressedImage::get_schema(),
             Self::CameraCalibration => CameraCalibration::get_schema(),
             Self::CameraAnnotations => ImageAnnotations::get_schema(),
-            Self::RoadSurface | Self::Height | Self::FeatureMasks => Grid::get_schema(),
+            Self::RoadSurface | Self::FeatureMasks => Grid::get_schema(),
             Self::Feature | Self::DrivingLine | Self::Centreline | Self::Lanes => SceneUpdate::get_schema(),
             Self::DrivingLinePoses => PosesInFrame::get_schema(),
             Self::Odometry => Odometry::get_schema(),

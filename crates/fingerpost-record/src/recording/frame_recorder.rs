@@ -41,9 +41,6 @@ impl FrameRecorder {
         let (grid, surface) = (&setting.grid, evidence.surface);
         let road = ground::road_surface(time, grid, surface, evidence.validity);
         add(&mut messages, Channel::RoadSurface, &road);
-        if let Some((height, _)) = evidence.height {
-            add(&mut messages, Channel::Height, &ground::height(time, grid, height));
-        }
         if let Some(placed) = &evidence.masks {
             add(&mut messages, Channel::FeatureMasks, &ground::masks(time, grid, placed));
         }

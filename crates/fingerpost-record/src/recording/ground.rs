@@ -1,7 +1,6 @@
 //! Planes of the ground view as grids on the road.
 
 use fingerpost::feature_masks::PlacedMasks;
-use fingerpost::height::GroundHeight;
 use fingerpost::road_surface::RoadSurface;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::picture::{Plane, Rect};
@@ -18,7 +17,6 @@ const SEEN: u8 = 2;
 struct Cells {
     columns: usize,
     rows: usize,
-    side_px: usize,
     fields: Vec<PackedElementField>,
     bytes: Vec<u8>,
     cell_bytes: usize,
@@ -45,17 +43,7 @@ pub(crate) fn road_surface(
         }
     }
     let fields = vec![field("road", 0, NumericType::Uint8), field("known", 1, NumericType::Uint8)];
-    message(timestamp, grid, Cells { columns, rows, side_px: 1, fields, bytes, cell_bytes: 2 })
-}
-
-/// The log-odds that ground is raised.
-pub(crate) fn height(timestamp: Timestamp, grid: &GroundGrid, height: &GroundHeight) -> Grid {
-    let (columns, rows) = height.raised.size();
-    let nearest_first = (0..rows).rev().flat_map(|row| height.raised.row(row));
-    let bytes = nearest_first.flat_map(|raised| raised.to_le_bytes()).collect();
-    let fields = vec![field("raised", 0, NumericType::Int16)];
-    let side_px = height.side_px.max(1);
-    message(timestamp, grid, Cells { columns, rows, side_px, fields, bytes, cell_bytes: 2 })
+    message(timestamp, grid, Cells { columns, rows, fields, bytes, cell_bytes: 2 })
 }
 
 /// The sub-masks by their numbers from 1; where they lie on each other, the last.
@@ -71,7 +59,7 @@ pub(crate) fn masks(timestamp: Timestamp, grid: &GroundGrid, placed: &PlacedMask
         }
     }
     let fields = vec![field("mask", 0, NumericType::Uint8)];
-    message(timestamp, grid, Cells { columns, rows, side_px: 1, fields, bytes, cell_bytes: 1 })
+    message(timestamp, grid, Cells { columns, rows, fields, bytes, cell_bytes: 1 })
 }
 
 fn field(name: &str, offset: u32, of: NumericType) -> PackedElementField {
@@ -81,10 +69,10 @@ fn field(name: &str, offset: u32, of: NumericType) -> PackedElementField {
 /// Cells of the ground view where they lie: columns to the right, rows ahead.
 fn message(timestamp: Timestamp, grid: &GroundGrid, cells: Cells) -> Grid {
     // The outer corner of the nearest row's left cell.
-    let below = (cells.rows * cells.side_px) as f64 - 0.5;
+    let below = cells.rows as f64 - 0.5;
     let corner = grid.vehicle_from_ground(GroundPixel { column: -0.5, row: below });
     let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2);
-    let side_m = grid.metres_per_pixel() * cells.side_px as f64;
+    let side_m = grid.metres_per_pixel();
     Grid {
         timestamp: Some(timestamp),
         frame_id: VEHICLE.to_owned(),

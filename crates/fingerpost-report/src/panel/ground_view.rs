@@ -5,13 +5,13 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector2};
 
 use super::ground_plot::GroundPlot;
 use crate::draw::{Canvas, Paint};
-use crate::palette::{self, Rgb};
+use crate::palette;
 use crate::scene::Scene;
 
 pub(crate) const LEGEND: &str = "The road from above. Yellow circle: where the followed feature is believed to be, with its \
     two-sigma ellipse. White ellipses: every place where the feature may be, the fainter the less probable; in cyan the edges of the road \
     at the likeliest. Green: driving line. Orange: the road's middle by the edges of its surface, \
-    which are drawn thin. Tinted, where the ground's height is looked at: green lies on the road's plane, red is raised. Hatched: not seen.";
+    which are drawn thin. Hatched: not seen.";
 
 /// Corners of the ellipse of uncertainty.
 const ELLIPSE_CORNERS: usize = 48;
@@ -24,26 +24,10 @@ const FAINTEST: f64 = 0.15;
 /// Pieces in which the road's middle is drawn.
 const CENTRELINE_STEPS: usize = 24;
 
-/// Colours of ground that lies on the road's plane and of such that is raised, and the most that they cover.
-const LEVEL: Rgb = [40, 220, 80];
-const RAISED: Rgb = [255, 60, 60];
-const MOST_TINT: f64 = 0.45;
-
-/// A colour of the ground with the log-odds that it is raised.
-fn tinted(colour: Rgb, raised: f64) -> Rgb {
-    let share = MOST_TINT * libm::tanh(raised.abs() / 2.0);
-    let tint = if raised > 0.0 { RAISED } else { LEVEL };
-    [0, 1, 2].map(|i| ((1.0 - share) * f64::from(colour[i]) + share * f64::from(tint[i])).round() as u8)
-}
-
 /// Draws the ground view.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &GroundPlot<'_>, scene: &Scene<'_>) {
     let colour = &scene.evidence.ground.colour;
-    let height = scene.evidence.height.map(|(height, _)| height);
-    plot.raster(canvas, scene.evidence.validity, |column, row| {
-        let colour = colour.get(column, row).unwrap_or_default();
-        height.map_or(colour, |height| tinted(colour, height.log_odds(column, row)))
-    });
+    plot.raster(canvas, scene.evidence.validity, |column, row| colour.get(column, row).unwrap_or_default());
     plot.metre_lines(canvas);
     canvas.clipped(plot.area, |canvas| {
         let followed = scene.output.track.followed.as_ref();

@@ -47,7 +47,6 @@ fn with(camera: &Camera, line: Vec<Point2<f64>>, lanes: Option<&LaneEvidence>) -
     let evidence = FrameEvidence {
         ground: &ground,
         validity: &validity,
-        height: None,
         surface: &surface,
         road: RoadEvidence {
             detector: "none",

@@ -85,16 +85,6 @@ impl RowSums {
         self.rebuild_on(CodePath::fastest(), probability, validity)
     }
 
-    /// Sums another probability plane over the pixels that count as seen already.
-    ///
-    /// # Errors
-    /// [`PictureError::SizeMismatch`] when it has another size.
-    pub fn resum(&mut self, probability: PlaneView<'_, u8>) -> Result<(), PictureError> {
-        check_size("probability", self.validity.size(), probability.size())?;
-        self.probability.rebuild(CodePath::fastest(), probability, &self.validity);
-        Ok(())
-    }
-
     pub(crate) fn rebuild_on(
         &mut self,
         path: CodePath,

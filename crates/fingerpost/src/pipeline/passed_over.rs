@@ -65,7 +65,6 @@ impl Pipeline {
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
-            height: None,
             surface,
             road: RoadEvidence::default(),
             network: None,

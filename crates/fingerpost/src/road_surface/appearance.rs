@@ -13,8 +13,8 @@ use fingerpost_vision::picture::Plane;
 use super::colours::RoadColours;
 use super::perspective::clear_unseen;
 use super::{
-    Backprojection, BackprojectionConfig, Joining, Online, Perspective, RoadDetector, RoadError,
-    RoadEvidence, RoadInput, SampleUse,
+    Backprojection, BackprojectionConfig, Online, Perspective, RoadDetector, RoadError, RoadEvidence,
+    RoadInput, SampleUse,
 };
 
 /// Doubt about the classifier, of 255: a quarter of what it is sure of may be wrong, so that clear colours outvote it.
@@ -38,8 +38,6 @@ pub(super) struct Appearance {
     colours: RoadColours,
     by_way: Plane<u8>,
     by_colour: Vec<u8>,
-    joining: Joining,
-    taught: Plane<u8>,
 }
 
 impl Appearance {
@@ -53,8 +51,6 @@ impl Appearance {
             colours: RoadColours::new(config.bins()),
             by_way: Plane::default(),
             by_colour: Vec::new(),
-            joining: Joining::default(),
-            taught: Plane::default(),
         })
     }
 
@@ -74,15 +70,7 @@ impl Appearance {
 
     /// Writes the classifier's surface, sharpened by the colours of what it found.
     fn sharpen(&mut self, input: RoadInput<'_>, probability: &mut Plane<u8>) -> Result<(), RoadError> {
-        let taught = if let Some(height) = input.height {
-            // The colours of a pavement are learned where its height shows, and tell it where that does not.
-            self.taught.clone_from(&self.by_way);
-            self.joining.join_seen(height, input.validity, &mut self.taught)?;
-            &self.taught
-        } else {
-            &self.by_way
-        };
-        self.colours.learn(input.picture, input.validity, taught);
+        self.colours.learn(input.picture, input.validity, &self.by_way);
         let (width, height) = self.by_way.size();
         if probability.size() != (width, height) {
             probability.reset(width, height, 0);
@@ -136,6 +124,5 @@ impl RoadDetector for Appearance {
         self.frames = 0;
         self.classifier.reset();
         self.colours.forget();
-        self.joining = Joining::default();
     }
 }

@@ -10,6 +10,7 @@
 //! move leave their trace for as long. In a camera picture there are no metres: there the memory does nothing.
 
 mod road_map;
+mod rolling_grid;
 mod sensor_model;
 
 use std::ops::Range;

@@ -203,14 +203,7 @@ mod tests {
         let validity = ValidityMask::from_plane(seen);
         let perspective = Perspective::Camera { horizon_row: 16.0 };
         let sample = Rect { x: 0, y: 20, width: 64, height: 10 };
-        let input = RoadInput {
-            picture: &picture,
-            validity: &validity,
-            sample,
-            perspective,
-            motion: None,
-            height: None,
-        };
+        let input = RoadInput { picture: &picture, validity: &validity, sample, perspective, motion: None };
         let found = estimate(Box::new(LeftIsRoad), input).unwrap();
         let at = |x, y| found.get(x, y);
         assert_eq!([at(0, 47), at(28, 30), at(36, 30), at(63, 0)], [200, 200, 0, 0].map(Some));
@@ -231,7 +224,6 @@ mod tests {
             sample: Rect { x: 0, y: 0, width: 1, height: 1 },
             perspective: Perspective::Ground { view: &view, frame: &frame },
             motion: None,
-            height: None,
         };
         let found = estimate(Box::new(LeftIsRoad), input).unwrap();
         let at = |forward_m: f64, left_m: f64| {

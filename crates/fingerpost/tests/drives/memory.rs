@@ -95,7 +95,6 @@ impl Drive {
             sample: Rect::default(),
             perspective: Perspective::Ground { view: &self.view, frame: &frame },
             motion: motion.as_ref(),
-            height: None,
         };
         self.evidence = self.memory.detect(input, &mut self.surface).unwrap();
     }

@@ -7,9 +7,9 @@ use fingerpost_vision::fusion::fade;
 use fingerpost_vision::picture::{Plane, ValidityMask};
 use nalgebra::{Isometry2, Point2};
 
+use super::rolling_grid::RollingGrid;
 use super::sensor_model::{MAX_UNITS, SensorModel};
 use crate::ground_view::GroundView;
-use crate::rolling_grid::RollingGrid;
 
 /// Bits behind the point of places counted in cells or pixels.
 const PLACE_BITS: u32 = 16;
@@ -22,7 +22,7 @@ pub(super) struct RoadMap {
     grid: Option<GroundGrid>,
     /// Pixels of the view along a cell.
     side_px: usize,
-    map: RollingGrid<i16>,
+    map: RollingGrid,
     /// Evidence that a row of the view gives, in 256ths.
     row_trust: Vec<i32>,
 }

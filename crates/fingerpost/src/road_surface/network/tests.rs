@@ -65,7 +65,6 @@ fn in_camera<'a>(picture: &'a GroundPicture, validity: &'a ValidityMask) -> Road
         sample: Rect { x: 0, y: 20, width: 16, height: 10 },
         perspective: Perspective::Camera { horizon_row: 16.0 },
         motion: None,
-        height: None,
     }
 }
 
@@ -101,7 +100,6 @@ fn the_left_of_the_camera_is_the_left_of_the_ground_view_and_other_planes_are_at
         sample: Rect { x: 0, y: 0, width: 1, height: 1 },
         perspective: Perspective::Ground { view: &view, frame: &frame },
         motion: None,
-        height: None,
     };
     let mut found = Plane::default();
     let mut network = red_is_road([1.0, 0.0, 0.0]);

@@ -42,7 +42,7 @@ fn estimate(detector: &mut Online, picture: &GroundPicture) -> (Plane<u8>, Onlin
     let validity = ValidityMask::all_seen(WIDTH, HEIGHT);
     let sample = Rect { x: 190, y: 280, width: 100, height: 50 };
     let perspective = Perspective::Camera { horizon_row: HORIZON as f64 };
-    let input = RoadInput { picture, validity: &validity, sample, perspective, motion: None, height: None };
+    let input = RoadInput { picture, validity: &validity, sample, perspective, motion: None };
     let mut probability = Plane::default();
     let evidence = detector.estimate(input, &mut probability).unwrap();
     (probability, evidence.online.unwrap())
@@ -168,14 +168,8 @@ fn odd_pictures_give_no_road_rather_than_a_panic() {
                 [Rect { x: 0, y: 0, width: 0, height: 0 }, Rect { x: width, y: height, width: 9, height: 9 }]
             {
                 let perspective = Perspective::Camera { horizon_row };
-                let input = RoadInput {
-                    picture: &picture,
-                    validity: &validity,
-                    sample,
-                    perspective,
-                    motion: None,
-                    height: None,
-                };
+                let input =
+                    RoadInput { picture: &picture, validity: &validity, sample, perspective, motion: None };
                 let mut probability = Plane::default();
                 let evidence =
                     Online::new(&OnlineConfig::default()).estimate(input, &mut probability).unwrap();

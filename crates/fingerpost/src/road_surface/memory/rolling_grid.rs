@@ -12,18 +12,18 @@ const MAX_SIDE: usize = 2048;
 
 /// The cells, and how the vehicle lies in them.
 #[derive(Debug)]
-pub(crate) struct RollingGrid<T> {
+pub(super) struct RollingGrid {
     /// Side, a power of two; the cell of map place (x, y) is in column x and row y modulo the side.
-    pub(crate) cells: Plane<T>,
-    pub(crate) cell_m: f64,
-    pub(crate) map_from_vehicle: Isometry2<f64>,
+    pub(super) cells: Plane<i16>,
+    pub(super) cell_m: f64,
+    pub(super) map_from_vehicle: Isometry2<f64>,
     /// Middle of what is to be in reach, vehicle frame, metres.
     middle: Point2<f64>,
     /// First column and row in reach, cells of the endless map.
     corner: [i64; 2],
 }
 
-impl<T> Default for RollingGrid<T> {
+impl Default for RollingGrid {
     fn default() -> Self {
         Self {
             cells: Plane::default(),
@@ -35,26 +35,26 @@ impl<T> Default for RollingGrid<T> {
     }
 }
 
-impl<T: Copy + Default> RollingGrid<T> {
+impl RollingGrid {
     /// Empty cells under the whole of a view, whichever way it lies.
-    pub(crate) fn lie_under(&mut self, grid: &GroundGrid, cell_m: f64) {
+    pub(super) fn lie_under(&mut self, grid: &GroundGrid, cell_m: f64) {
         self.cell_m = cell_m;
         // A cell more all around for rounding.
         let across_m = grid.metres_per_pixel() * libm::hypot(grid.columns() as f64, grid.rows() as f64);
         let reach = (across_m / cell_m).ceil() as usize + 4;
         let side = reach.next_power_of_two().min(MAX_SIDE);
-        self.cells.reset(side, side, T::default());
+        self.cells.reset(side, side, 0);
         self.map_from_vehicle = Isometry2::identity();
         self.middle = Point2::new(0.5 * (grid.near_m() + grid.far_m()), 0.0);
         self.corner = self.corner_now();
     }
 
-    pub(crate) fn forget(&mut self) {
-        self.cells.as_mut_slice().fill(T::default());
+    pub(super) fn forget(&mut self) {
+        self.cells.as_mut_slice().fill(0);
     }
 
     /// Moves the vehicle on; cells that come into reach are empty.
-    pub(crate) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
+    pub(super) fn carry(&mut self, previous_from_current: &Isometry2<f64>) {
         self.map_from_vehicle *= previous_from_current;
         self.map_from_vehicle.rotation.renormalize();
         let side = self.cells.width() as i64;
@@ -77,9 +77,9 @@ impl<T: Copy + Default> RollingGrid<T> {
             let count = (entered.end - entered.start).min(side);
             for line in (entered.start..entered.start + count).map(|line| (line & (side - 1)) as usize) {
                 if axis == 1 {
-                    self.cells.row_mut(line).fill(T::default());
+                    self.cells.row_mut(line).fill(0);
                 } else {
-                    (0..side as usize).for_each(|row| self.cells.row_mut(row)[line] = T::default());
+                    (0..side as usize).for_each(|row| self.cells.row_mut(row)[line] = 0);
                 }
             }
         }
@@ -93,16 +93,8 @@ impl<T: Copy + Default> RollingGrid<T> {
     }
 
     /// Place in the map, cells, of a place in the vehicle frame, metres.
-    pub(crate) fn cell_of(&self, p_in_vehicle: Point2<f64>) -> [f64; 2] {
+    pub(super) fn cell_of(&self, p_in_vehicle: Point2<f64>) -> [f64; 2] {
         let p_in_map = self.map_from_vehicle * p_in_vehicle;
         [p_in_map.x / self.cell_m, p_in_map.y / self.cell_m]
-    }
-
-    /// Where in the cells the nearest one to a place in cells is.
-    #[inline]
-    pub(crate) fn index(&self, [x, y]: [f64; 2]) -> usize {
-        let mask = self.cells.width() as i64 - 1;
-        let line = |cells: f64| ((cells + 0.5).floor() as i64 & mask) as usize;
-        line(y) * self.cells.width() + line(x)
     }
 }
