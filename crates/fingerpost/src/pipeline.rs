@@ -2,6 +2,7 @@
 
 mod ego;
 mod lane_watch;
+mod output;
 mod parts;
 mod passed_over;
 
@@ -15,10 +16,10 @@ use fingerpost_vision::span::SpanError;
 use nalgebra::Point2;
 use thiserror::Error;
 
-use crate::advice::{Advice, AdviceInput, AdviceStage};
+use crate::advice::{Advice, AdviceStage};
 use crate::calibration_check::{self, CalibrationFault};
 use crate::camera_state::{CameraEvidence, CameraState, CameraWatch};
-use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder, Guide};
+use crate::centreline::{Centreline, CentrelineError, CentrelineEvidence, CentrelineFinder};
 use crate::config::Config;
 use crate::declared::ConfigError;
 use crate::feature_masks::PlacedMasks;
@@ -30,11 +31,8 @@ use crate::matching::FeatureMatcher;
 use crate::motion::{Motion, MotionDoubt, MotionError, MotionEvidence};
 use crate::mount::MountEstimate;
 use crate::road_surface::{Perspective, RoadDetector, RoadError, RoadEvidence, RoadInput, RoadSurface};
-use crate::track::{
-    BeliefTracker, Moved, RouteStop, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting,
-};
+use crate::track::{BeliefTracker, Moved, ShownSurface, State, TrackEvidence, TrackOutput, TrackerSetting};
 use crate::vehicle_signals::{SignalsEvidence, VehicleSamples, VehicleState};
-use crate::why::Why;
 
 use self::ego::Ego;
 use self::lane_watch::LaneWatch;
@@ -73,7 +71,7 @@ pub enum Stage {
     Centreline,
     /// The lane by its markings.
     Lanes,
-    /// The line that leads to steering angle and speed.
+    /// The sentence that says why, and the line that leads to steering angle and speed.
     Advice,
 }
 
@@ -338,26 +336,7 @@ impl Pipeline {
         let input =
             LaneInput { frame, dt_s: ego.dt_s, vehicle: &ego.vehicle, pitch_change: ego.pitch_change };
         let lanes = self.lanes.step(config, &self.camera, &input, tracker, output)?;
-        Why {
-            camera: &output.camera,
-            motion_doubt: output.motion_doubt,
-            track: &output.track,
-            evidence: track_evidence,
-            stops: tracker.stops(),
-            mount: output.mount.as_ref(),
-            signals: signals.is_some().then_some(&ego.signals_evidence),
-            lane: output.lane.as_ref().zip(lanes.evidence),
-            turns_through: lanes.turns_through,
-            centreline: centreline_evidence,
-            by_colours: road.by_colours,
-            departure: output.departure.as_ref(),
-            fix: fix_evidence.as_ref(),
-        }
-        .write_to(&mut output.why);
         finished(Stage::Lanes);
-
-        output.advise(&mut self.advice, tracker.stops(), sensors.dt_s);
-        finished(Stage::Advice);
 
         let evidence = FrameEvidence {
             ground,
@@ -374,6 +353,9 @@ impl Pipeline {
             masks: tracker.placed_masks(&output.track, track_evidence, view.grid()),
             fix: fix_evidence,
         };
+        output.explain(&evidence, &lanes, tracker.stops());
+        output.advise(&mut self.advice, tracker.stops(), sensors.dt_s);
+        finished(Stage::Advice);
         Ok((output, evidence))
     }
 
@@ -405,45 +387,5 @@ impl Pipeline {
     /// The configuration in force.
     pub const fn config(&self) -> &Config {
         &self.config
-    }
-}
-
-impl FrameOutput {
-    /// What the followed feature says of the road.
-    fn guide(&self, stops: &[RouteStop]) -> Option<Guide<'_>> {
-        let followed = self.track.followed.as_ref()?;
-        let pose = (&followed.vehicle_from_feature, &followed.covariance);
-        Some(Guide::new(&stops.get(followed.index)?.model, pose, &self.driving_line))
-    }
-
-    /// Puts the advice for the frame in place of the one before.
-    fn advise(&mut self, stage: &mut AdviceStage, stops: &[RouteStop], dt_s: Option<f64>) {
-        let Self { motion, motion_doubt, vehicle, track, centreline, lane, advice, .. } = self;
-        let input = AdviceInput {
-            motion: motion.as_ref(),
-            motion_doubt: *motion_doubt,
-            speed_mps: vehicle.speed_mps,
-            track,
-            stops,
-            centreline: centreline.as_ref(),
-            lane: lane.as_ref(),
-            dt_s,
-        };
-        stage.advise(&input, advice);
-    }
-
-    /// Lays the followed feature's driving line where the feature is; the part behind the vehicle is left out.
-    fn place_driving_line(&mut self, stops: &[RouteStop]) {
-        self.driving_line.clear();
-        self.driving_line_curvature_per_m.clear();
-        let Some(followed) = &self.track.followed else { return };
-        let Some(line) = stops.get(followed.index).and_then(|stop| stop.line.as_ref()) else { return };
-        let in_vehicle = line.points.iter().map(|p_in_feature| followed.vehicle_from_feature * p_in_feature);
-        let points =
-            in_vehicle.zip(&line.curvature_per_m).skip_while(|(p_in_vehicle, _)| p_in_vehicle.x < 0.0);
-        for (p_in_vehicle, curvature_per_m) in points {
-            self.driving_line.push(p_in_vehicle);
-            self.driving_line_curvature_per_m.push(*curvature_per_m);
-        }
     }
 }

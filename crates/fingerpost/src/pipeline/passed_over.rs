@@ -1,5 +1,6 @@
 //! Frames whose picture shows nothing, or nothing new.
 
+use super::lane_watch::LaneFrame;
 use super::{FrameEvidence, FrameOutput, Pipeline, Sensors};
 use crate::camera_state::{CameraEvidence, CameraState};
 use crate::centreline::Centreline;
@@ -7,7 +8,6 @@ use crate::fix::FixInput;
 use crate::motion::Motion;
 use crate::road_surface::RoadEvidence;
 use crate::track::{Decision, TrackEvidence};
-use crate::why::Why;
 
 impl Pipeline {
     /// Takes in a frame whose picture shows nothing, or nothing new: only the bus says anything. What was seen before is
@@ -45,23 +45,6 @@ impl Pipeline {
             surface.probability.reset(columns, rows, 0);
         }
         let centreline = self.centreline.pass_over();
-        Why {
-            camera: &output.camera,
-            motion_doubt: None,
-            track: &output.track,
-            evidence: track_evidence,
-            stops: tracker.stops(),
-            mount: output.mount.as_ref(),
-            signals: signals.is_some().then_some(&signals_evidence),
-            lane: None,
-            turns_through: false,
-            centreline,
-            by_colours: None,
-            departure: None,
-            fix: fix_evidence.as_ref(),
-        }
-        .write_to(&mut output.why);
-        output.advise(&mut self.advice, tracker.stops(), dt_s);
         let evidence = FrameEvidence {
             ground,
             validity: view.validity().plane(),
@@ -77,6 +60,8 @@ impl Pipeline {
             masks: None,
             fix: fix_evidence,
         };
+        output.explain(&evidence, &LaneFrame::default(), tracker.stops());
+        output.advise(&mut self.advice, tracker.stops(), dt_s);
         (output, evidence)
     }
 }
