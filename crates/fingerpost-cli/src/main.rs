@@ -27,6 +27,7 @@ mod interrupt;
 mod licences;
 mod live_gps;
 mod locate;
+mod look;
 mod made_from;
 #[cfg(feature = "completions")]
 mod man;
@@ -39,6 +40,7 @@ mod output_path;
 mod overlap;
 mod papers;
 mod parts;
+mod picture_for_page;
 mod picture_order;
 mod picture_scaling;
 mod recorder;
@@ -106,6 +108,7 @@ enum Command {
     Evaluate(evaluate::EvaluateCommand),
     Mark(mark::MarkArgs),
     Locate(locate::LocateArgs),
+    Look(look::LookArgs),
     #[command(subcommand)]
     Convert(convert::ConvertCommand),
     Can(can::CanArgs),
@@ -173,6 +176,7 @@ fn main() -> ExitCode {
         Command::Evaluate(command) => evaluate::evaluate(&command),
         Command::Mark(args) => mark::mark(&args),
         Command::Locate(args) => locate::locate(&args),
+        Command::Look(args) => look::look(&args),
         Command::Convert(command) => convert::convert(&command),
         Command::Can(args) => can::can(&args),
         Command::Schema(args) => schema::schema(&args),

@@ -10,8 +10,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use fingerpost_format::marks_from_json;
 use fingerpost_io::{FolderKind, OutputFolder, without_credentials};
-use fingerpost_mark::server::{Limits, LocalServer};
 use fingerpost_mark::{Desk, LaneMarks};
+use fingerpost_server::{Limits, LocalServer};
 
 use self::folder::{MarksFolder, TruthTexts};
 use self::footage::Footage;

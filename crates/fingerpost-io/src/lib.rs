@@ -24,6 +24,7 @@ mod input_digest;
 mod json_lines;
 mod kept_inputs;
 mod latest;
+mod line_file;
 mod line_listener;
 mod lockstep;
 mod numbered_names;
@@ -69,6 +70,7 @@ pub use frame_clock::FrameClock;
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};
+pub use line_file::LineFile;
 pub use line_listener::{LineListener, LineListenerError, TimedLine, is_serial_port};
 #[cfg(unix)]
 pub use lockstep::standard_feed;

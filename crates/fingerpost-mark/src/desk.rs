@@ -1,41 +1,19 @@
 //! What the page asks and does, answered: no network here, so that any server can take it in.
 
-use std::error::Error;
 use std::fmt;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fingerpost_format::{MarksFile, Side};
+use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::edge_curve::{EdgeCurve, traced};
 use crate::lane_marks::{EdgeInFrame, LaneMarks};
-use crate::server::{Answer, Handler, Request};
 use crate::session::{Edit, Session};
-
-/// Whatever keeps a picture from being shown or marks from being kept, said to the person at the page.
-pub type Cause = Box<dyn Error + Send + Sync>;
 
 /// What is said of points that no edge of the pictures has.
 const FAR_OUTSIDE: &str = "a point lies far outside the picture";
-
-/// A picture as browsers show it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Picture {
-    /// `image/jpeg` or `image/png`.
-    pub content_type: &'static str,
-    /// The file.
-    pub bytes: Vec<u8>,
-}
-
-/// Where pictures come from.
-pub trait Pictures: Send + Sync {
-    /// The picture of a frame.
-    ///
-    /// # Errors
-    /// Why there is none.
-    fn picture(&self, frame: u64) -> Result<Picture, Cause>;
-}
 
 /// Where marks and truth go.
 pub trait Keeper: Send {

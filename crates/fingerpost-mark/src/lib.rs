@@ -6,19 +6,18 @@
 //! - [`LaneMarks`]: the marks, the curve through an edge's points and what an edge is in any frame; [`truth_of_marks`] and
 //!   [`tusimple_of_marks`] make truth of them.
 //! - [`Session`]: edits that can be undone.
-//! - [`Desk`]: the page, and questions and edits as they come from it, answered; [`server`] puts it on the loopback
+//! - [`Desk`]: the page, and questions and edits as they come from it, answered; `fingerpost_server` puts it on the loopback
 //!   address.
 //!
-//! Nothing here opens a file: pictures come from [`Pictures`], marks and truth leave through [`Keeper`].
+//! Nothing here opens a file: pictures come from [`fingerpost_server::Pictures`], marks and truth leave through [`Keeper`].
 
 mod desk;
 mod edge_curve;
 mod export;
 mod lane_marks;
-pub mod server;
 mod session;
 
-pub use desk::{Cause, Desk, Keeper, Picture, Pictures};
+pub use desk::{Desk, Keeper};
 pub use edge_curve::EdgeCurve;
 pub use export::{ExportError, truth_of_marks, tusimple_of_marks};
 pub use lane_marks::{EdgeInFrame, LaneMarks, Marked};

@@ -6,8 +6,8 @@
 use std::sync::{Arc, Mutex};
 
 use fingerpost_format::MarksFile;
-use fingerpost_mark::server::{Handler, Request};
-use fingerpost_mark::{Cause, Desk, Keeper, LaneMarks, Picture, Pictures, truth_of_marks};
+use fingerpost_mark::{Desk, Keeper, LaneMarks, truth_of_marks};
+use fingerpost_server::{Cause, Handler, Picture, Pictures, Request};
 use serde_json::{Value, json};
 
 struct OnePicture;

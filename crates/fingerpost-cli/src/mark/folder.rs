@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 use fingerpost_format::{MarksFile, ToJson, marks_to_json, to_json_line};
 use fingerpost_io::OutputFolder;
-use fingerpost_mark::{Cause, Keeper, LaneMarks, truth_of_marks, tusimple_of_marks};
+use fingerpost_mark::{Keeper, LaneMarks, truth_of_marks, tusimple_of_marks};
+use fingerpost_server::Cause;
 
 use super::footage::Footage;
 

@@ -7,10 +7,10 @@ use fingerpost_io::{
     FrameSource, MARKED_FRAMES_FOLDER, SourceOptions, picture_paths, read_picture, without_credentials,
     write_jpeg,
 };
-use fingerpost_mark::{Cause, Picture, Pictures};
+use fingerpost_server::{Cause, Picture, Pictures};
 use fingerpost_vision::{jpeg::ChromaSampling, picture::RgbImage};
 
-use crate::{inputs, output};
+use crate::{inputs, output, picture_for_page};
 
 /// JPEG quality of a video's pictures, whose colours keep their resolution: edges stay where they are.
 const PICTURE_QUALITY: u8 = 95;
@@ -109,9 +109,7 @@ impl Footage {
 impl Pictures for Footage {
     fn picture(&self, frame: u64) -> Result<Picture, Cause> {
         let path = self.pictures.get(usize::try_from(frame)?).ok_or("there is no such frame")?;
-        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        let content_type = if is_png { "image/png" } else { "image/jpeg" };
-        Ok(Picture { content_type, bytes: fingerpost_io::read_bytes(path)? })
+        picture_for_page::of_file(path)
     }
 }
 

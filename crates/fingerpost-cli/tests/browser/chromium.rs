@@ -52,12 +52,23 @@ impl Page {
         let target = page.call("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
         let attached = page.call("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         page.session = Some(attached["sessionId"].as_str().unwrap().to_owned());
-        let size = json!({ "width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": false });
-        page.call("Emulation.setDeviceMetricsOverride", size);
+        page.resize([1280, 800]);
         page.call("Runtime.enable", json!({}));
         page.call("Page.enable", json!({}));
         page.call("Page.navigate", json!({ "url": address }));
         page
+    }
+
+    /// Makes the window another size, pixels.
+    pub(crate) fn resize(&mut self, [width, height]: [u32; 2]) {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// Asks for pages in `light` or `dark`.
+    pub(crate) fn prefer(&mut self, scheme: &str) {
+        let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
     }
 
     /// Calls a method of the protocol; what the page complains about meanwhile is kept.
@@ -140,9 +151,10 @@ impl Page {
         }
     }
 
-    /// Writes what is seen as a PNG file.
+    /// Writes the page, also what of it is out of sight, as a PNG file.
     pub(crate) fn screenshot(&mut self, path: &Path) {
-        let data = self.call("Page.captureScreenshot", json!({ "format": "png" }))["data"].take();
+        let params = json!({ "format": "png", "captureBeyondViewport": true });
+        let data = self.call("Page.captureScreenshot", params)["data"].take();
         let mut decode = Command::new("base64");
         decode.arg("-d").stdin(Stdio::piped()).stdout(File::create(path).unwrap());
         let mut decode = decode.spawn().unwrap();

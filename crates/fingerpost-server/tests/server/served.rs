@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use fingerpost_mark::server::{Answer, Handler, Limits, LocalServer, Request};
+use fingerpost_server::{Answer, Handler, Limits, LocalServer, Request};
 
 /// Longer than any answer takes, on a machine that does much else.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);

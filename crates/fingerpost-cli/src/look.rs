@@ -1,0 +1,70 @@
+//! `fingerpost look`: a finished run stepped through on a local web page.
+
+mod pictures;
+mod run_files;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::Result;
+use clap::Args;
+use fingerpost_geometry::Camera;
+use fingerpost_look::RunPage;
+use fingerpost_server::{Limits, LocalServer};
+
+use self::pictures::FolderPictures;
+use self::run_files::RunFiles;
+use crate::examples::examples;
+use crate::interrupt::Interrupt;
+use crate::{camera_size, inputs, output};
+
+/// Step through a finished run frame by frame, on a web page that is served to this machine alone.
+///
+/// Shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the frame,
+/// and curves over time with what happened, to jump to. Nothing is written.
+#[derive(Debug, Args)]
+#[command(before_long_help = examples!(
+    "look run --input drive",
+    "look run --input frames --camera camera.toml --port 0"
+))]
+pub(crate) struct LookArgs {
+    /// Folder that `run` has written.
+    #[arg(value_name = "RUN")]
+    run: PathBuf,
+    /// Where the run's pictures are: the folder of pictures or drive folder that it was given. Without it the page shows none.
+    #[arg(long, value_name = "DRIVE")]
+    input: Option<PathBuf>,
+    /// Calibration of the camera, to draw places on the road into its pictures; by default the camera.toml of --input, where one is.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
+    /// Port of the page on 127.0.0.1; 0 for any that is free.
+    #[arg(long, value_name = "N", default_value_t = 8421)]
+    port: u16,
+}
+
+/// Serves the page.
+pub(crate) fn look(args: &LookArgs) -> Result<()> {
+    let server = LocalServer::open(args.port, Limits::default())?;
+    let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
+    let picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
+    let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
+    if let Some(camera) = camera(args, picture_px)? {
+        page = page.with_camera(camera);
+    }
+    if let Some(input) = &args.input {
+        page = page.with_pictures(Box::new(FolderPictures::open(input)?));
+    }
+    output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
+    let interrupt = Interrupt::listen()?;
+    Ok(server.serve(&Arc::new(page), interrupt.flag())?)
+}
+
+/// The camera that took the pictures, at their size.
+fn camera(args: &LookArgs, picture_px: Option<[u32; 2]>) -> Result<Option<Camera>> {
+    let beside = args.input.as_ref().map(|drive| drive.join("camera.toml")).filter(|path| path.is_file());
+    let Some(path) = args.camera.clone().or(beside) else { return Ok(None) };
+    let camera = inputs::camera(&path)?;
+    let Some(size_px) = picture_px else { return Ok(Some(camera)) };
+    let [width, height] = size_px.map(|side| side as usize);
+    camera_size::of_pictures(camera, (width, height), &path.display().to_string()).map(Some)
+}

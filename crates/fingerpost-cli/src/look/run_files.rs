@@ -1,0 +1,63 @@
+//! The files of a finished run.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use fingerpost_format::{FrameRecord, Summary};
+use fingerpost_io::{LineFile, read_text};
+use fingerpost_look::{Overview, Records};
+use fingerpost_server::Cause;
+
+/// What a run left.
+#[derive(Debug)]
+pub(super) struct RunFiles {
+    /// Name of its folder.
+    pub(super) title: String,
+    pub(super) overview: Overview,
+    pub(super) records: RecordFile,
+    /// None of a run that was killed.
+    pub(super) summary: Option<Summary>,
+    /// Its settings.
+    pub(super) config_toml: Option<String>,
+}
+
+impl RunFiles {
+    /// Reads a run folder; of its records only curves and events are kept.
+    pub(super) fn open(run: &Path) -> Result<Self> {
+        let path = run.join("frames.jsonl");
+        let file = LineFile::open(&path)?;
+        let mut overview = Overview::default();
+        for index in 0..file.lines() {
+            let line = file.line(index)?.unwrap_or_default();
+            let record: FrameRecord = serde_json::from_slice(&line)
+                .with_context(|| format!("{}, line {}", path.display(), index + 1))?;
+            overview.add(&record);
+        }
+        if file.lines() == 0 {
+            bail!("{} holds no frame; name a folder that `fingerpost run` has written", path.display());
+        }
+        let optional = |name: &str| {
+            let path = run.join(name);
+            path.exists().then(|| read_text(&path)).transpose()
+        };
+        let summary = optional("summary.json")?.map(|text| serde_json::from_str(&text));
+        let place = run.canonicalize().unwrap_or_else(|_| run.to_owned());
+        Ok(Self {
+            title: place.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            overview,
+            records: RecordFile(file),
+            summary: summary.transpose().with_context(|| run.join("summary.json").display().to_string())?,
+            config_toml: optional("config.toml")?,
+        })
+    }
+}
+
+/// `frames.jsonl`.
+#[derive(Debug)]
+pub(super) struct RecordFile(LineFile);
+
+impl Records for RecordFile {
+    fn line(&self, index: usize) -> Result<Vec<u8>, Cause> {
+        Ok(self.0.line(index)?.ok_or("the run has no such frame")?)
+    }
+}

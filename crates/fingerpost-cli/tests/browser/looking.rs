@@ -1,0 +1,200 @@
+//! Stepping through a run: by keys, slider, number, link, curve and event, at two widths, and what the page shows of a frame.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use fingerpost_format::{FrameRecord, TrackState, from_json_lines};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::chromium::Page;
+use crate::served::Served;
+
+/// Frames of the drive: the town's first feature is found, arrived at and passed.
+const FRAMES: usize = 80;
+
+/// A simulated drive and the run that was made of it.
+struct Run {
+    folder: TempDir,
+}
+
+impl Run {
+    fn make() -> Self {
+        let run = Self { folder: TempDir::new().unwrap() };
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fingerpost-sim/assets");
+        let (map, route) = (assets.join("town.osm"), assets.join("town_route.geojson"));
+        let (map, route, drive, out) = (map.display(), route.display(), run.drive(), run.out());
+        let drive = drive.display();
+        call(&format!("simulate --map {map} --route {route} --frames {FRAMES} --size 320x240 --out {drive}"));
+        call(&format!(
+            "run {drive} --camera {drive}/camera.toml --route {route} --start-m 0 --no-recording --out {}",
+            out.display()
+        ));
+        run
+    }
+
+    fn drive(&self) -> PathBuf {
+        self.folder.path().join("drive")
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("run")
+    }
+
+    fn records(&self) -> Vec<FrameRecord> {
+        from_json_lines(&fs::read_to_string(self.out().join("frames.jsonl")).unwrap()).unwrap()
+    }
+
+    fn serve(&self) -> Served {
+        Served::start([Path::new("look"), &self.out(), Path::new("--input"), &self.drive()])
+    }
+}
+
+fn call(line: &str) {
+    let called = Command::new(env!("CARGO_BIN_EXE_fingerpost")).args(line.split(' ')).output().unwrap();
+    assert!(called.status.success(), "{line}: {}", String::from_utf8_lossy(&called.stderr));
+}
+
+fn wait_for_frame(page: &mut Page, frame: u64) {
+    page.wait_for(&format!("document.body.dataset.frame === '{frame}'"));
+    assert_eq!(page.value("document.getElementById('frame').valueAsNumber"), json!(frame));
+}
+
+/// The text of a number's cell.
+fn number(page: &mut Page, name: &str) -> f64 {
+    let text = page.value(&format!("document.querySelector('tr[data-name=\"{name}\"] td').textContent"));
+    text.as_str().unwrap().parse().unwrap()
+}
+
+fn screenshot(page: &mut Page, name: &str) {
+    page.screenshot(&Path::new(env!("CARGO_TARGET_TMPDIR")).join(name));
+}
+
+#[test]
+fn a_run_is_stepped_through() {
+    let run = Run::make();
+    let records = run.records();
+    let found = records.iter().position(|record| record.state == TrackState::Tracking).unwrap();
+    let arrived = records.iter().position(|record| record.state == TrackState::Arrived).unwrap();
+    let (found, arrived) = (found as u64, arrived as u64);
+    let served = run.serve();
+
+    // By a link, keys, slider, number and events.
+    let mut page = Page::open(&format!("{}#frame=12", served.address));
+    page.wait_for("document.body.dataset.ready === 'yes'");
+    wait_for_frame(&mut page, 12);
+    page.key("ArrowRight", 0);
+    wait_for_frame(&mut page, 13);
+    page.key("ArrowLeft", 0);
+    page.key("ArrowRight", 8);
+    wait_for_frame(&mut page, 22);
+    page.key("End", 0);
+    wait_for_frame(&mut page, FRAMES as u64 - 1);
+    page.key("Home", 0);
+    wait_for_frame(&mut page, 0);
+    page.key("n", 0);
+    wait_for_frame(&mut page, found);
+    page.key("n", 0);
+    wait_for_frame(&mut page, arrived);
+    page.key("p", 0);
+    wait_for_frame(&mut page, found);
+    page.wait_for(&format!("location.hash === '#frame={found}'"));
+    page.value("const seek = document.getElementById('seek'); seek.value = 30; seek.dispatchEvent(new Event('input'))");
+    wait_for_frame(&mut page, 30);
+    page.value("location.hash = '#frame=41'");
+    wait_for_frame(&mut page, 41);
+    page.value("[...document.querySelectorAll('#events button')].find((one) => one.textContent.includes('found')).click()");
+    wait_for_frame(&mut page, found);
+
+    shows_what_the_record_says(&mut page, &records[found as usize]);
+    shows_shapes_in_the_picture(&mut page, &served.address);
+
+    // A click in the middle of the curves is a moment half way.
+    let place = page.value(
+        "(() => { const box = document.querySelector('.curve svg').getBoundingClientRect();
+             return [box.left + box.width / 2, box.top + box.height / 2]; })()",
+    );
+    page.click([0, 1].map(|axis| place[axis].as_f64().unwrap()), "left");
+    wait_for_frame(&mut page, (FRAMES as u64 - 1) / 2);
+
+    every_control_has_a_name(&mut page);
+    page.value(&format!("location.hash = '#frame={}'", found + 4));
+    wait_for_frame(&mut page, found + 4);
+    for scheme in ["light", "dark"] {
+        page.prefer(scheme);
+        for width in [1280, 390] {
+            page.resize([width, 800]);
+            let wide = page.value("document.documentElement.scrollWidth").as_f64().unwrap();
+            assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
+            screenshot(&mut page, &format!("look_{scheme}_{width}.png"));
+        }
+    }
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
+
+fn shows_what_the_record_says(page: &mut Page, record: &FrameRecord) {
+    let feature = record.feature.as_ref().unwrap();
+    assert_eq!(number(page, "feature.forward_m"), feature.forward_m);
+    assert_eq!(number(page, "feature.p"), feature.p.unwrap());
+    assert_eq!(number(page, "frame.t_s"), record.t_s);
+    assert_eq!(number(page, "stage_ms.road"), record.stage_ms["road"]);
+    let why = page.value("document.getElementById('why').textContent");
+    assert_eq!(why.as_str(), Some(record.why.as_str()));
+    let status = page.value("document.getElementById('status').textContent");
+    assert!(status.as_str().unwrap().contains("tracking"), "{status}");
+    // Every number of the record stands on the page.
+    let whole = serde_json::to_value(record).unwrap();
+    let keys = whole.as_object().unwrap().iter();
+    let groups = keys.filter(|(_, value)| value.is_object()).map(|(key, _)| key.as_str());
+    let captions =
+        page.value("[...document.querySelectorAll('#numbers caption')].map((one) => one.textContent)");
+    let captions: Vec<&str> = captions.as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert!(groups.clone().all(|group| captions.contains(&group)), "{captions:?}");
+}
+
+/// The feature's ring lies where the program says, and the picture is that of the drive.
+fn shows_shapes_in_the_picture(page: &mut Page, address: &str) {
+    let lies = page.value(&format!(
+        "(async () => {{
+            const index = document.getElementById('seek').value;
+            const {{ shapes }} = await (await fetch(`{address}api/records/${{index}}`)).json();
+            const [[[u, v]]] = shapes.find(({{ kind }}) => kind === 'feature').picture_px;
+            const ring = document.querySelector('#overlay circle.feature').getBoundingClientRect();
+            const stage = document.getElementById('stage').getBoundingClientRect();
+            const scale = stage.width / 320;
+            return [ring.x + ring.width / 2 - stage.x - (u + 0.5) * scale, ring.y + ring.height / 2 - stage.y - (v + 0.5) * scale];
+        }})()"
+    ));
+    assert!((0..2).all(|axis| lies[axis].as_f64().unwrap().abs() < 0.5), "{lies}");
+    let natural = page.value("[picture.naturalWidth, picture.naturalHeight]");
+    assert_eq!(natural, json!([320, 240]));
+    assert_eq!(page.value("document.querySelectorAll('#ground polyline.driving_line').length"), json!(1));
+    // A box of the legend takes its kind away.
+    page.value("document.querySelector('#legend input[data-kind=driving_line]').click()");
+    assert_eq!(page.value("document.querySelectorAll('polyline.driving_line').length"), json!(0));
+    page.value("document.querySelector('#legend input[data-kind=driving_line]').click()");
+}
+
+fn every_control_has_a_name(page: &mut Page) {
+    let nameless = page.value(
+        "[...document.querySelectorAll('button, input, [role=img], [role=group], summary')]
+             .filter((one) => !(one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent).trim())
+             .map((one) => one.outerHTML)",
+    );
+    assert_eq!(nameless, json!([]));
+}
+
+#[test]
+fn other_sites_are_refused_and_answers_are_the_same_again() {
+    let run = Run::make();
+    let served = run.serve();
+    let get = |path: &str, more: &str| {
+        served.ask(&format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{more}\r\n"))
+    };
+    assert!(get("/api/run", "Host: 127.0.0.1:PORT\r\n").contains("200"));
+    assert!(get("/api/run", "Host: run.example:PORT\r\n").contains("403"));
+    assert!(get("/api/records/0", "Host: 127.0.0.1:PORT\r\nOrigin: http://run.example\r\n").contains("403"));
+    assert!(get("/api/records/100000", "Host: 127.0.0.1:PORT\r\n").contains("404"));
+    assert!(get("/api/records/5/picture", "Host: localhost:PORT\r\n").contains("200"));
+}

@@ -1,0 +1,71 @@
+// Curves over the run, with its events and the moment that is shown.
+
+import { element } from "./shapes.js";
+
+/// Width and height that a curve is drawn in before it is stretched to its place.
+const WIDTH = 1000;
+const HEIGHT = 50;
+
+/// The stretches of a curve that have values, thinned to its lowest and highest value a column where a run is long.
+function path(values, x, y) {
+  const columns = new Map();
+  const pieces = [];
+  let open = false;
+  values.forEach((value, index) => {
+    if (value === null) {
+      open = false;
+      return;
+    }
+    const column = Math.floor(x(index));
+    const at = columns.get(column);
+    if (open && at && value >= at.low && value <= at.high) return;
+    columns.set(column, { low: Math.min(value, at?.low ?? value), high: Math.max(value, at?.high ?? value) });
+    pieces.push(`${open ? "L" : "M"}${x(index).toFixed(2)} ${y(value).toFixed(2)}`);
+    // A value alone is a point, which only a line of no length shows.
+    if (!open) pieces.push("h0.01");
+    open = true;
+  });
+  return pieces.join("");
+}
+
+const shown = (value) => (value === null || value === undefined ? "–" : value.toFixed(Math.abs(value) < 10 ? 2 : 1));
+
+export class Curves {
+  /// `go` is called with the time that was clicked on, seconds.
+  constructor(box, { times_s, curves, events }, go) {
+    const last_s = times_s[times_s.length - 1] || 1;
+    const x = (index) => (WIDTH * times_s[index]) / last_s;
+    this.x = x;
+    this.rows = curves.map(({ name, unit, values }) => {
+      const known = values.filter((value) => value !== null);
+      const least = known.reduce((a, b) => Math.min(a, b), 0);
+      const most = unit ? known.reduce((a, b) => Math.max(a, b), least + 1e-3) : 1;
+      const y = (value) => HEIGHT - 1 - ((HEIGHT - 2) * (value - least)) / (most - least);
+      const now = element("line", { class: "now", y1: 0, y2: HEIGHT });
+      const marks = events.map(({ index, kind }) => element("line", { class: kind, x1: x(index), x2: x(index), y1: 0, y2: HEIGHT }));
+      const label = `${name} over the run, ${shown(least)} to ${shown(most)} ${unit}`;
+      const svg = element("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img", "aria-label": label });
+      svg.append(...marks, element("path", { d: path(values, x, y) }), now);
+      const number = document.createElement("b");
+      const words = document.createElement("div");
+      words.append(name, number, `${shown(least)} to ${shown(most)} ${unit}`);
+      const row = Object.assign(document.createElement("div"), { className: "curve" });
+      row.append(words, svg);
+      box.append(row);
+      return { values, unit, now, number, svg };
+    });
+    box.addEventListener("pointerdown", (event) => {
+      const place = this.rows[0].svg.getBoundingClientRect();
+      const share = (event.clientX - place.left) / place.width;
+      if (share >= 0) go(Math.min(1, share) * last_s);
+    });
+  }
+
+  show(index) {
+    for (const { values, unit, now, number } of this.rows) {
+      now.setAttribute("x1", this.x(index));
+      now.setAttribute("x2", this.x(index));
+      number.textContent = `${shown(values[index])} ${values[index] === null ? "" : unit}`;
+    }
+  }
+}

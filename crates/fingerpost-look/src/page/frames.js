@@ -1,0 +1,71 @@
+// What the program says of a frame, asked for once and kept for a while.
+
+/// Frames that are kept: some seconds of stepping to and fro.
+const KEPT = 64;
+
+export async function call(path) {
+  const answer = await fetch(path);
+  const data = await answer.json();
+  if (!answer.ok) throw new Error(data.error);
+  return data;
+}
+
+export class Frames {
+  constructor(run) {
+    this.run = run;
+    this.kept = new Map();
+  }
+
+  get length() {
+    return this.run.frames.length;
+  }
+
+  /// Record, shapes and picture of an index of the run.
+  get(index) {
+    const known = this.kept.get(index);
+    this.kept.delete(index);
+    const frame = known || this.load(index);
+    this.kept.set(index, frame);
+    if (this.kept.size > KEPT) this.kept.delete(this.kept.keys().next().value);
+    // What failed may be tried again.
+    frame.catch(() => this.kept.delete(index));
+    return frame;
+  }
+
+  async load(index) {
+    const [said, shown] = await Promise.all([call(`api/records/${index}`), this.picture(index)]);
+    return { ...said, ...shown };
+  }
+
+  /// A picture that cannot be shown takes nothing else with it.
+  async picture(index) {
+    if (!this.run.has_pictures) return { picture: null, missing: "No pictures: say where they are with --input." };
+    const path = `api/records/${index}/picture`;
+    const picture = new Image();
+    picture.src = path;
+    try {
+      await picture.decode();
+      return { picture, missing: "" };
+    } catch {
+      const missing = await call(path).catch((cause) => cause.message);
+      return { picture: null, missing: `No picture: ${typeof missing === "string" ? missing : "it is damaged"}` };
+    }
+  }
+
+  /// Asks for the neighbours, so that the next step finds them.
+  prepare(index) {
+    for (const near of [index + 1, index - 1]) if (near >= 0 && near < this.length) this.get(near).catch(() => {});
+  }
+
+  /// The index of the frame with that number in the input, or of the next one that was used.
+  indexOf(number) {
+    const found = this.run.frames.findIndex((frame) => frame >= number);
+    return found < 0 ? this.length - 1 : found;
+  }
+
+  /// The index of the last frame that is no later than a time.
+  indexAt(time_s) {
+    const found = this.run.times_s.findIndex((t) => t > time_s);
+    return found < 0 ? this.length - 1 : Math.max(0, found - 1);
+  }
+}

@@ -1,0 +1,175 @@
+// Steps through the run; what is to be seen in a frame, the program says.
+
+import { Curves } from "./curves.js";
+import { Frames, call } from "./frames.js";
+import { showNumbers } from "./numbers.js";
+import { Ground, drawOverlay, legend } from "./shapes.js";
+
+/// Nearest and farthest reach of the road from above, metres.
+const REACH_M = [25, 60];
+/// A browser takes so many changes of an address in a time; the link of a frame that is passed over is wanted by nobody.
+const LINK_AFTER_MS = 250;
+
+const $ = (id) => document.getElementById(id);
+const opened = new Set();
+let run = null;
+let frames = null;
+let curves = null;
+let ground = null;
+let chosen = null;
+let index = 0;
+let shown = null;
+let asked = 0;
+let linking = 0;
+
+function say(text) {
+  $("message").textContent = text;
+}
+
+function drawShapes() {
+  if (!shown) return;
+  const wanted = chosen(shown.shapes);
+  const { picture } = shown;
+  const size = picture ? [picture.naturalWidth, picture.naturalHeight] : run.picture_px;
+  $("stage").hidden = !size;
+  if (size) {
+    $("stage").style.aspectRatio = `${size[0]} / ${size[1]}`;
+    drawOverlay($("overlay"), wanted, size);
+  }
+  ground.draw(wanted);
+}
+
+function showPicture({ picture, missing }) {
+  $("no-picture").textContent = missing;
+  const next = picture || new Image();
+  next.id = "picture";
+  next.alt = picture ? `Camera's picture of frame ${run.frames[index]}` : "";
+  next.hidden = !picture;
+  $("picture").replaceWith(next);
+}
+
+function showEvents() {
+  const buttons = [...$("events").querySelectorAll("button")];
+  const now = run.events.findLastIndex((event) => event.index <= index);
+  buttons.forEach((button, place) => (place === now ? button.setAttribute("aria-current", "true") : button.removeAttribute("aria-current")));
+  const list = $("events");
+  const at = buttons[now]?.parentElement.offsetTop - list.offsetTop;
+  if (at < list.scrollTop || at > list.scrollTop + list.clientHeight - 30) list.scrollTop = at - list.clientHeight / 2;
+}
+
+function show() {
+  const { record } = shown;
+  showPicture(shown);
+  drawShapes();
+  curves.show(index);
+  showEvents();
+  showNumbers($("numbers"), "frame", record, opened);
+  $("why").textContent = record.why;
+  const state = record.state.replace("_", " ");
+  $("status").textContent = `frame ${record.frame} (${index + 1} of ${frames.length}), ${record.t_s.toFixed(2)} s, ${state}`;
+  document.body.dataset.frame = record.frame;
+}
+
+async function go(wanted) {
+  index = Math.min(frames.length - 1, Math.max(0, Number.isFinite(wanted) ? wanted : 0));
+  $("seek").value = index;
+  $("frame").value = run.frames[index];
+  clearTimeout(linking);
+  linking = setTimeout(() => history.replaceState(null, "", `#frame=${run.frames[index]}`), LINK_AFTER_MS);
+  const mine = ++asked;
+  const found = await frames.get(index);
+  // A later step has overtaken this one.
+  if (mine !== asked) return;
+  shown = found;
+  say("");
+  show();
+  frames.prepare(index);
+}
+
+function step(wanted) {
+  go(wanted).catch((cause) => say(cause.message));
+}
+
+function event(direction) {
+  const found =
+    direction < 0 ? run.events.findLast((event) => event.index < index) : run.events.find((event) => event.index > index);
+  if (found) step(found.index);
+}
+
+/// The frame that the address names.
+function linked() {
+  const number = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+  return frames.indexOf(Number.isFinite(number) ? number : 0);
+}
+
+function listEvents() {
+  for (const { index, frame, kind, text } of run.events) {
+    const button = document.createElement("button");
+    button.textContent = `${run.times_s[index].toFixed(1)} s, frame ${frame}: ${text}`;
+    button.addEventListener("click", () => step(index));
+    const item = Object.assign(document.createElement("li"), { className: kind });
+    item.append(button);
+    $("events").append(item);
+  }
+  if (!run.events.length) $("events").replaceWith("Nothing: no feature was found or lost, and the camera was clear.");
+}
+
+/// What is farthest ahead in the run gives the reach of the road from above, so that it stays the same while stepping.
+function reach() {
+  const ahead = run.curves.find(({ quantity }) => quantity === "forward").values;
+  const farthest = ahead.reduce((a, b) => Math.max(a, b ?? 0), 0);
+  return Math.min(REACH_M[1], Math.max(REACH_M[0], 5 * Math.ceil(farthest / 5 + 0.4)));
+}
+
+function showRun() {
+  document.title = `Fingerpost: ${run.title}`;
+  $("title").textContent = run.title;
+  $("seek").max = frames.length - 1;
+  $("frame").max = run.frames[frames.length - 1];
+  $("summary").hidden = !run.summary;
+  $("settings").hidden = !run.config_toml;
+  $("run").hidden = !run.summary && !run.config_toml;
+  if (run.summary) showNumbers($("summary").querySelector("div"), "run", run.summary, opened);
+  $("settings").querySelector("pre").textContent = run.config_toml;
+}
+
+const actions = {
+  back: () => step(index - 1),
+  forward: () => step(index + 1),
+  "event-before": () => event(-1),
+  "event-after": () => event(1),
+};
+for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", action);
+$("frame").addEventListener("change", () => step(frames.indexOf($("frame").valueAsNumber)));
+$("seek").addEventListener("input", () => step($("seek").valueAsNumber));
+addEventListener("hashchange", () => step(linked()));
+
+addEventListener("keydown", (event) => {
+  if (!run || event.target === $("frame") || event.ctrlKey || event.metaKey || event.altKey) return;
+  const many = event.shiftKey ? 10 : 1;
+  const keys = {
+    ArrowLeft: () => step(index - many),
+    ArrowRight: () => step(index + many),
+    Home: () => step(0),
+    End: () => step(frames.length - 1),
+    n: actions["event-after"],
+    p: actions["event-before"],
+  };
+  const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
+});
+
+async function begin() {
+  run = await call("api/run");
+  frames = new Frames(run);
+  curves = new Curves($("curves"), run, (time_s) => step(frames.indexAt(time_s)));
+  ground = new Ground($("ground"), reach());
+  chosen = legend($("legend"), drawShapes);
+  listEvents();
+  showRun();
+  await go(linked());
+  document.body.dataset.ready = "yes";
+}
+begin().catch((cause) => say(cause.message));

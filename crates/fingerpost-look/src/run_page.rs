@@ -1,0 +1,151 @@
+//! What the page asks, answered: no network here, so that any server can take it in.
+
+use std::fmt;
+
+use fingerpost_format::{FrameRecord, Summary};
+use fingerpost_geometry::Camera;
+use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
+use serde::Serialize;
+
+use crate::overview::Overview;
+use crate::shapes::shapes;
+
+/// Where records come from.
+pub trait Records: Send + Sync {
+    /// The line of `frames.jsonl` at an index from zero.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn line(&self, index: usize) -> Result<Vec<u8>, Cause>;
+}
+
+/// A finished run as a page.
+pub struct RunPage {
+    run: Run,
+    records: Box<dyn Records>,
+    pictures: Option<Box<dyn Pictures>>,
+    camera: Option<Camera>,
+}
+
+/// What the page is told of the whole run.
+#[derive(Debug, Serialize)]
+struct Run {
+    title: String,
+    /// Whether there are pictures to be asked for.
+    has_pictures: bool,
+    /// Width and height of the pictures, pixels; none where the run does not say.
+    picture_px: Option<[u32; 2]>,
+    #[serde(flatten)]
+    overview: Overview,
+    summary: Option<Summary>,
+    config_toml: Option<String>,
+}
+
+impl fmt::Debug for RunPage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RunPage").field("title", &self.run.title).finish_non_exhaustive()
+    }
+}
+
+impl RunPage {
+    /// A page of a run of that title, whose `overview` was made of these records.
+    pub fn new(title: &str, overview: Overview, records: Box<dyn Records>) -> Self {
+        let run = Run {
+            title: title.to_owned(),
+            has_pictures: false,
+            picture_px: None,
+            overview,
+            summary: None,
+            config_toml: None,
+        };
+        Self { run, records, pictures: None, camera: None }
+    }
+
+    /// With the drive's pictures.
+    #[must_use]
+    pub fn with_pictures(mut self, pictures: Box<dyn Pictures>) -> Self {
+        (self.run.has_pictures, self.pictures) = (true, Some(pictures));
+        self
+    }
+
+    /// With the camera that took them: places on the road are drawn into the picture.
+    #[must_use]
+    pub fn with_camera(mut self, camera: Camera) -> Self {
+        self.camera = Some(camera);
+        self
+    }
+
+    /// With the run's summary and its settings as `config.toml` has them.
+    #[must_use]
+    pub fn with_results(mut self, summary: Option<Summary>, config_toml: Option<String>) -> Self {
+        self.run.picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
+        (self.run.summary, self.run.config_toml) = (summary, config_toml);
+        self
+    }
+
+    fn with_index(&self, index: &str, answer: impl Fn(usize) -> Answer) -> Answer {
+        let frames = self.run.overview.frames().len();
+        match index.parse().ok().filter(|index| *index < frames) {
+            Some(index) => answer(index),
+            None => Answer::refused(404, &format!("there is no record {index}; there are {frames}, from 0")),
+        }
+    }
+
+    fn record(&self, index: usize) -> Answer {
+        let line = match self.records.line(index) {
+            Ok(line) => line,
+            Err(cause) => return Answer::refused(500, &cause.to_string()),
+        };
+        let record: FrameRecord = match serde_json::from_slice(&line) {
+            Ok(record) => record,
+            Err(cause) => return Answer::refused(500, &format!("record {index} is no frame's ({cause})")),
+        };
+        let shapes = match serde_json::to_vec(&shapes(&record, self.camera.as_ref())) {
+            Ok(shapes) => shapes,
+            Err(cause) => return Answer::refused(500, &format!("its shapes have no JSON form ({cause})")),
+        };
+        // The record goes out as it was written, with every digit.
+        let body = [b"{\"record\":", line.as_slice(), b",\"shapes\":", shapes.as_slice(), b"}"].concat();
+        Answer { status: 200, content_type: "application/json", body }
+    }
+
+    fn picture(&self, index: usize) -> Answer {
+        let (Some(pictures), Some(frame)) = (&self.pictures, self.run.overview.frames().get(index)) else {
+            return Answer::refused(404, "no pictures were given; say where they are with --input");
+        };
+        match pictures.picture(*frame) {
+            Ok(Picture { content_type, bytes }) => Answer { status: 200, content_type, body: bytes },
+            Err(cause) => Answer::refused(500, &cause.to_string()),
+        }
+    }
+}
+
+impl Handler for RunPage {
+    fn answer(&self, request: Request<'_>) -> Answer {
+        let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
+        match (request.method, &path[..]) {
+            ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/look.html")),
+            ("GET", ["look.css"]) => Answer::text("text/css; charset=utf-8", include_str!("page/look.css")),
+            ("GET", ["api", "run"]) => Answer::json(200, &self.run),
+            ("GET", ["api", "records", index]) => self.with_index(index, |index| self.record(index)),
+            ("GET", ["api", "records", index, "picture"]) => {
+                self.with_index(index, |index| self.picture(index))
+            }
+            ("GET", [name]) if name.ends_with(".js") => script(name),
+            _ => Answer::refused(404, "there is no such page; open / instead"),
+        }
+    }
+}
+
+/// A module of the page.
+fn script(name: &str) -> Answer {
+    let text = match name {
+        "look.js" => include_str!("page/look.js"),
+        "frames.js" => include_str!("page/frames.js"),
+        "shapes.js" => include_str!("page/shapes.js"),
+        "curves.js" => include_str!("page/curves.js"),
+        "numbers.js" => include_str!("page/numbers.js"),
+        _ => return Answer::refused(404, "there is no such script"),
+    };
+    Answer::text("text/javascript; charset=utf-8", text)
+}
