@@ -8,11 +8,13 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
+use fingerpost::Config;
 use fingerpost_geometry::Camera;
-use fingerpost_look::RunPage;
+use fingerpost_look::{GroundArea, RunPage};
+use fingerpost_record::recording::Channel;
 use fingerpost_server::{Limits, LocalServer};
 
-use self::pictures::FolderPictures;
+use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
@@ -24,14 +26,15 @@ use crate::{camera_size, inputs, output};
 /// and curves over time with what happened, to jump to. Nothing is written.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
-    "look run --input drive",
-    "look run --input frames --camera camera.toml --port 0"
+    "look run --camera camera.toml",
+    "look run --input drive --port 0"
 ))]
 pub(crate) struct LookArgs {
     /// Folder that `run` has written.
     #[arg(value_name = "RUN")]
     run: PathBuf,
-    /// Where the run's pictures are: the folder of pictures or drive folder that it was given. Without it the page shows none.
+    /// Where the run's pictures are: the folder of pictures or drive folder that it was given. By default those that the run has
+    /// recorded in run.mcap.
     #[arg(long, value_name = "DRIVE")]
     input: Option<PathBuf>,
     /// Calibration of the camera, to draw places on the road into its pictures; by default the camera.toml of --input, where one is.
@@ -46,10 +49,18 @@ pub(crate) struct LookArgs {
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
     let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
+    let recording = RunRecording::open(&args.run, &overview)?;
+    let ground_area = config_toml.as_deref().and_then(ground_area);
     let picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
     let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
     if let Some(camera) = camera(args, picture_px)? {
         page = page.with_camera(camera);
+    }
+    if let Some(recording) = &recording {
+        page = page.with_pictures(recording.pictures(Channel::CameraImage));
+        if let Some(area) = ground_area {
+            page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
+        }
     }
     if let Some(input) = &args.input {
         page = page.with_pictures(Box::new(FolderPictures::open(input)?));
@@ -57,6 +68,12 @@ pub(crate) fn look(args: &LookArgs) -> Result<()> {
     output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
     let interrupt = Interrupt::listen()?;
     Ok(server.serve(&Arc::new(page), interrupt.flag())?)
+}
+
+/// What the ground view showed by the run's settings; none where they are another program's.
+fn ground_area(config_toml: &str) -> Option<GroundArea> {
+    let view = Config::from_toml(config_toml).ok()?.ground_view;
+    Some(GroundArea { near_m: view.near_m, far_m: view.far_m, half_width_m: view.half_width_m })
 }
 
 /// The camera that took the pictures, at their size.

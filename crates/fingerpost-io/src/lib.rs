@@ -20,6 +20,8 @@ mod file;
 mod folder_kind;
 mod folder_lock;
 mod frame_clock;
+#[cfg(feature = "bags")]
+mod indexed_recording;
 mod input_digest;
 mod json_lines;
 mod kept_inputs;
@@ -67,6 +69,8 @@ pub use folder_kind::{
 };
 pub use folder_lock::FolderLockError;
 pub use frame_clock::FrameClock;
+#[cfg(feature = "bags")]
+pub use indexed_recording::{IndexedRecording, IndexedRecordingError};
 pub use input_digest::{drive_digest, file_digest};
 pub use json_lines::{AppendError, JsonLinesFile, LineSink};
 pub use kept_inputs::{OverInput, file_keeps_inputs, folder_keeps_inputs};

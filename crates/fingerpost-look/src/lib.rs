@@ -15,5 +15,5 @@ mod shapes;
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
 pub use overview::Overview;
-pub use run_page::{Records, RunPage};
+pub use run_page::{GroundArea, Records, RunPage};
 pub use shapes::{Shape, ShapeKind, shapes};

@@ -49,6 +49,11 @@ impl Overview {
         &self.frames
     }
 
+    /// Seconds since the first frame, of each.
+    pub fn times_s(&self) -> &[f64] {
+        &self.times_s
+    }
+
     /// Its curves, in the order of [`Quantity::ALL`].
     pub fn curves(&self) -> &[Curve] {
         &self.curves

@@ -19,11 +19,23 @@ pub trait Records: Send + Sync {
     fn line(&self, index: usize) -> Result<Vec<u8>, Cause>;
 }
 
+/// What of the road a ground view shows, metres in the vehicle frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GroundArea {
+    /// Its lower edge, ahead of the rear axle.
+    pub near_m: f64,
+    /// Its upper edge.
+    pub far_m: f64,
+    /// Its left and right edge, from the vehicle's middle.
+    pub half_width_m: f64,
+}
+
 /// A finished run as a page.
 pub struct RunPage {
     run: Run,
     records: Box<dyn Records>,
     pictures: Option<Box<dyn Pictures>>,
+    ground_views: Option<Box<dyn Pictures>>,
     camera: Option<Camera>,
 }
 
@@ -33,6 +45,8 @@ struct Run {
     title: String,
     /// Whether there are pictures to be asked for.
     has_pictures: bool,
+    /// What ground views show; none where there are none.
+    ground_area: Option<GroundArea>,
     /// Width and height of the pictures, pixels; none where the run does not say.
     picture_px: Option<[u32; 2]>,
     #[serde(flatten)]
@@ -53,18 +67,26 @@ impl RunPage {
         let run = Run {
             title: title.to_owned(),
             has_pictures: false,
+            ground_area: None,
             picture_px: None,
             overview,
             summary: None,
             config_toml: None,
         };
-        Self { run, records, pictures: None, camera: None }
+        Self { run, records, pictures: None, ground_views: None, camera: None }
     }
 
     /// With the drive's pictures.
     #[must_use]
     pub fn with_pictures(mut self, pictures: Box<dyn Pictures>) -> Self {
         (self.run.has_pictures, self.pictures) = (true, Some(pictures));
+        self
+    }
+
+    /// With the ground views of the drive, each of that part of the road.
+    #[must_use]
+    pub fn with_ground_views(mut self, views: Box<dyn Pictures>, area: GroundArea) -> Self {
+        (self.run.ground_area, self.ground_views) = (Some(area), Some(views));
         self
     }
 
@@ -109,8 +131,9 @@ impl RunPage {
         Answer { status: 200, content_type: "application/json", body }
     }
 
-    fn picture(&self, index: usize) -> Answer {
-        let (Some(pictures), Some(frame)) = (&self.pictures, self.run.overview.frames().get(index)) else {
+    /// The picture of a record's frame, of one kind.
+    fn picture(&self, index: usize, of_kind: Option<&dyn Pictures>) -> Answer {
+        let (Some(pictures), Some(frame)) = (of_kind, self.run.overview.frames().get(index)) else {
             return Answer::refused(404, "no pictures were given; say where they are with --input");
         };
         match pictures.picture(*frame) {
@@ -129,7 +152,10 @@ impl Handler for RunPage {
             ("GET", ["api", "run"]) => Answer::json(200, &self.run),
             ("GET", ["api", "records", index]) => self.with_index(index, |index| self.record(index)),
             ("GET", ["api", "records", index, "picture"]) => {
-                self.with_index(index, |index| self.picture(index))
+                self.with_index(index, |index| self.picture(index, self.pictures.as_deref()))
+            }
+            ("GET", ["api", "records", index, "ground_view"]) => {
+                self.with_index(index, |index| self.picture(index, self.ground_views.as_deref()))
             }
             ("GET", [name]) if name.ends_with(".js") => script(name),
             _ => Answer::refused(404, "there is no such page; open / instead"),

@@ -53,6 +53,7 @@ impl Page {
         let attached = page.call("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
         page.session = Some(attached["sessionId"].as_str().unwrap().to_owned());
         page.resize([1280, 800]);
+        page.call("Emulation.setScrollbarsHidden", json!({ "hidden": true }));
         page.call("Runtime.enable", json!({}));
         page.call("Page.enable", json!({}));
         page.call("Page.navigate", json!({ "url": address }));

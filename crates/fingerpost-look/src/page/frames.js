@@ -10,6 +10,19 @@ export async function call(path) {
   return data;
 }
 
+/// A picture that cannot be shown takes nothing else with it.
+async function picture(path) {
+  const picture = new Image();
+  picture.src = path;
+  try {
+    await picture.decode();
+    return { picture, missing: "" };
+  } catch {
+    const missing = await call(path).catch((cause) => cause.message);
+    return { picture: null, missing: `No picture: ${typeof missing === "string" ? missing : "it is damaged"}` };
+  }
+}
+
 export class Frames {
   constructor(run) {
     this.run = run;
@@ -33,23 +46,14 @@ export class Frames {
   }
 
   async load(index) {
-    const [said, shown] = await Promise.all([call(`api/records/${index}`), this.picture(index)]);
-    return { ...said, ...shown };
-  }
-
-  /// A picture that cannot be shown takes nothing else with it.
-  async picture(index) {
-    if (!this.run.has_pictures) return { picture: null, missing: "No pictures: say where they are with --input." };
-    const path = `api/records/${index}/picture`;
-    const picture = new Image();
-    picture.src = path;
-    try {
-      await picture.decode();
-      return { picture, missing: "" };
-    } catch {
-      const missing = await call(path).catch((cause) => cause.message);
-      return { picture: null, missing: `No picture: ${typeof missing === "string" ? missing : "it is damaged"}` };
-    }
+    const { has_pictures, ground_area } = this.run;
+    const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
+    const [said, shown, ground] = await Promise.all([
+      call(`api/records/${index}`),
+      has_pictures ? picture(`api/records/${index}/picture`) : nothing,
+      ground_area ? picture(`api/records/${index}/ground_view`) : nothing,
+    ]);
+    return { ...said, ...shown, groundView: ground.picture };
   }
 
   /// Asks for the neighbours, so that the next step finds them.

@@ -30,7 +30,8 @@ function drawShapes() {
   if (!shown) return;
   const wanted = chosen(shown.shapes);
   const { picture } = shown;
-  const size = picture ? [picture.naturalWidth, picture.naturalHeight] : run.picture_px;
+  // Pixels of records are those of the picture as it was taken, whatever size it is shown in.
+  const size = run.picture_px || (picture && [picture.naturalWidth, picture.naturalHeight]);
   $("stage").hidden = !size;
   if (size) {
     $("stage").style.aspectRatio = `${size[0]} / ${size[1]}`;
@@ -60,6 +61,7 @@ function showEvents() {
 function show() {
   const { record } = shown;
   showPicture(shown);
+  ground.lay(shown.groundView);
   drawShapes();
   curves.show(index);
   showEvents();
@@ -118,7 +120,8 @@ function listEvents() {
 function reach() {
   const ahead = run.curves.find(({ quantity }) => quantity === "forward").values;
   const farthest = ahead.reduce((a, b) => Math.max(a, b ?? 0), 0);
-  return Math.min(REACH_M[1], Math.max(REACH_M[0], 5 * Math.ceil(farthest / 5 + 0.4)));
+  const least = Math.max(REACH_M[0], run.ground_area?.far_m ?? 0);
+  return Math.min(REACH_M[1], Math.max(least, 5 * Math.ceil(farthest / 5 + 0.4)));
 }
 
 function showRun() {
@@ -165,7 +168,7 @@ async function begin() {
   run = await call("api/run");
   frames = new Frames(run);
   curves = new Curves($("curves"), run, (time_s) => step(frames.indexAt(time_s)));
-  ground = new Ground($("ground"), reach());
+  ground = new Ground($("ground"), reach(), run.ground_area);
   chosen = legend($("legend"), drawShapes);
   listEvents();
   showRun();

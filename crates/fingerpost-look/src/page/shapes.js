@@ -49,34 +49,56 @@ export function drawOverlay(svg, shapes, [width, height]) {
   say(svg, "In the picture", seen);
 }
 
-/// The road from above: forward is up, left is left.
+/// The road from above: forward is up, left is left. Ground views lie under it where there are any.
 export class Ground {
-  constructor(svg, reach_m) {
-    this.svg = svg;
-    const half_m = Math.round(0.42 * (reach_m + BEHIND_M));
-    svg.setAttribute("viewBox", `${-half_m} ${-reach_m} ${2 * half_m} ${reach_m + BEHIND_M}`);
-    this.size_m = reach_m / 30;
-    const back = element("g", { "aria-hidden": "true" });
-    for (let x = -Math.floor(half_m / 5) * 5; x <= half_m; x += 5) back.append(this.gridLine(x, BEHIND_M, x, -reach_m));
-    for (let ahead = 0; ahead < reach_m; ahead += 5) {
-      back.append(this.gridLine(-half_m, -ahead, half_m, -ahead));
-      const text = element("text", { x: -half_m + 0.2, y: -ahead - 0.2, "font-size": this.size_m }, `${ahead} m`);
-      if (ahead) back.append(text);
-    }
-    // A car about the rear axle, which is the origin.
-    back.append(element("rect", { class: "vehicle", x: -0.9, y: -3.5, width: 1.8, height: 4.4, rx: 0.4 }));
+  constructor(box, reach_m, area) {
+    this.box = box;
+    this.area = area;
+    this.svg = box.querySelector("svg");
+    this.reach_m = reach_m;
+    this.half_m = Math.round(0.42 * (reach_m + BEHIND_M));
+    const [width, height] = [2 * this.half_m, reach_m + BEHIND_M];
+    this.svg.setAttribute("viewBox", `${-this.half_m} ${-reach_m} ${width} ${height}`);
+    box.style.aspectRatio = `${width} / ${height}`;
+    box.style.maxWidth = `${(80 * width) / height}vh`;
+    this.svg.classList.toggle("on-picture", !!area);
     this.shapes = element("g");
-    svg.replaceChildren(back, this.shapes);
+    this.svg.replaceChildren(this.grid(), this.shapes);
   }
 
-  gridLine(x1, y1, x2, y2) {
-    return element("line", { class: "grid", x1, y1, x2, y2 });
+  /// Lines every five metres and the vehicle, whose rear axle is the origin.
+  grid() {
+    const { half_m, reach_m } = this;
+    const back = element("g", { "aria-hidden": "true" });
+    const line = (x1, y1, x2, y2) => back.append(element("line", { class: "grid", x1, y1, x2, y2 }));
+    for (let x = -Math.floor(half_m / 5) * 5; x <= half_m; x += 5) line(x, BEHIND_M, x, -reach_m);
+    this.size_m = reach_m / 30;
+    for (let ahead = 0; ahead < reach_m; ahead += 5) {
+      line(-half_m, -ahead, half_m, -ahead);
+      if (ahead) back.append(element("text", { x: 0.2 - half_m, y: -ahead - 0.2, "font-size": this.size_m }, `${ahead} m`));
+    }
+    back.append(element("rect", { class: "vehicle", x: -0.9, y: -3.5, width: 1.8, height: 4.4, rx: 0.4 }));
+    return back;
+  }
+
+  /// Lays a frame's ground view where it belongs; without one the last goes.
+  lay(view) {
+    this.box.querySelector("img")?.remove();
+    if (!view || !this.area) return;
+    const { near_m, far_m, half_width_m } = this.area;
+    const [width, height] = [2 * this.half_m, this.reach_m + BEHIND_M];
+    const share = (metres, of) => `${(100 * metres) / of}%`;
+    const place = { left: share(this.half_m - half_width_m, width), top: share(this.reach_m - far_m, height) };
+    Object.assign(view.style, place, { width: share(2 * half_width_m, width), height: share(far_m - near_m, height) });
+    view.alt = "";
+    this.box.prepend(view);
   }
 
   draw(shapes) {
     const known = shapes.filter(({ ground_m }) => ground_m.length);
     const places = (shape) => [shape.ground_m.map(([forward, left]) => [-left, -forward])];
-    this.shapes.replaceChildren(...known.flatMap((shape) => drawn(shape, places(shape), 0.6 * this.size_m, [false])));
+    const rims = this.area ? [true, false] : [false];
+    this.shapes.replaceChildren(...known.flatMap((shape) => drawn(shape, places(shape), 0.6 * this.size_m, rims)));
     say(this.svg, "The road from above", known);
   }
 }
