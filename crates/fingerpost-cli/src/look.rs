@@ -49,7 +49,7 @@ pub(crate) struct LookArgs {
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
     let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
-    let recording = RunRecording::open(&args.run, &overview)?;
+    let recording = RunRecording::open(&args.run, &overview);
     let ground_area = config_toml.as_deref().and_then(ground_area);
     let picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
     let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);

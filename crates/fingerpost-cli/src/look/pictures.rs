@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fingerpost_io::bag::{self, Content, Schema};
 use fingerpost_io::{IndexedRecording, picture_paths};
 use fingerpost_look::Overview;
 use fingerpost_record::recording::Channel;
 use fingerpost_server::{Cause, Picture, Pictures};
 
-use crate::picture_for_page;
+use crate::{output, picture_for_page};
 
 /// Pictures of a folder; frames have their numbers in its order.
 #[derive(Debug)]
@@ -23,6 +23,12 @@ pub(super) struct FolderPictures {
 impl FolderPictures {
     /// Those of a folder of pictures or a drive folder.
     pub(super) fn open(folder: &Path) -> Result<Self> {
+        if folder.is_file() {
+            bail!(
+                "{} is no folder; pictures of a video are those of the run's own recording, run.mcap: leave --input out",
+                folder.display()
+            );
+        }
         Ok(Self { paths: picture_paths(folder)? })
     }
 }
@@ -46,17 +52,22 @@ pub(super) struct RunRecording {
 }
 
 impl RunRecording {
-    /// Opens `run.mcap` of a run with such frames; none where the run has none.
-    pub(super) fn open(run: &Path, overview: &Overview) -> Result<Option<Self>> {
+    /// Opens `run.mcap` of a run with such frames; none where the run has none, or was killed before its end, which is said.
+    pub(super) fn open(run: &Path, overview: &Overview) -> Option<Self> {
         let path = run.join("run.mcap");
         if !path.exists() {
-            return Ok(None);
+            return None;
         }
         let times = overview.frames().iter().copied().zip(overview.times_s());
         // What is no time of a recording has no picture in it.
         let times = times.filter_map(|(frame, t_s)| Some((frame, Duration::try_from_secs_f64(*t_s).ok()?)));
-        let (recording, times) = (Arc::new(IndexedRecording::open(&path)?), Arc::new(times.collect()));
-        Ok(Some(Self { recording, times }))
+        match IndexedRecording::open(&path) {
+            Ok(recording) => Some(Self { recording: Arc::new(recording), times: Arc::new(times.collect()) }),
+            Err(cause) => {
+                output::message(&format!("{cause}; its pictures are not shown"));
+                None
+            }
+        }
     }
 
     /// The pictures of one of its channels.

@@ -56,8 +56,13 @@ impl Page {
         page.call("Emulation.setScrollbarsHidden", json!({ "hidden": true }));
         page.call("Runtime.enable", json!({}));
         page.call("Page.enable", json!({}));
-        page.call("Page.navigate", json!({ "url": address }));
+        page.go_to(address);
         page
+    }
+
+    /// Goes to another address.
+    pub(crate) fn go_to(&mut self, address: &str) {
+        self.call("Page.navigate", json!({ "url": address }));
     }
 
     /// Makes the window another size, pixels.

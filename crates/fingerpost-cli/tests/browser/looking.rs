@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Instant;
 
-use fingerpost_format::{FrameRecord, TrackState, from_json_lines};
+use fingerpost_format::{FrameRecord, TrackState, from_json_lines, to_json_line};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -185,6 +186,59 @@ fn every_control_has_a_name(page: &mut Page) {
              .map((one) => one.outerHTML)",
     );
     assert_eq!(nameless, json!([]));
+}
+
+/// Seconds in which a run of ten thousand frames has to be open; a program that is not optimised reads several times as slowly.
+const OPEN_S: f64 = if cfg!(debug_assertions) { 8.0 } else { 2.0 };
+/// The longest that a step may take, seconds: twenty a second.
+const STEP_S: f64 = 0.05;
+
+#[test]
+fn a_long_run_opens_and_steps_quickly() {
+    let run = Run::make();
+    let frames_path = run.out().join("frames.jsonl");
+    let mut records = run.records();
+    let short = records.clone();
+    records.extend(short.iter().cycle().take(10_000 - FRAMES).cloned());
+    let dt_s = short[1].t_s;
+    for (record, frame) in records.iter_mut().zip(0..) {
+        (record.frame, record.t_s) = (frame, dt_s * frame as f64);
+    }
+    let lines: Vec<String> = records.iter().map(|record| to_json_line(record).unwrap()).collect();
+    fs::write(&frames_path, lines.concat()).unwrap();
+
+    let started = Instant::now();
+    let served = run.serve("--camera", &run.drive().join("camera.toml"));
+    let read_s = started.elapsed().as_secs_f64();
+    let mut page = Page::open("about:blank");
+    let asked = Instant::now();
+    page.go_to(&served.address);
+    page.wait_for("document.body.dataset.ready === 'yes'");
+    let open_s = read_s + asked.elapsed().as_secs_f64();
+
+    // In the page itself: what the protocol of the test takes is no part of it.
+    let steps = page.value(
+        "(async () => {
+            const took = [];
+            for (let step = 0; step < 60; step++) {
+                const before = document.body.dataset.frame, since = performance.now();
+                document.getElementById('forward').click();
+                while (document.body.dataset.frame === before) await new Promise((done) => setTimeout(done));
+                took.push(performance.now() - since);
+            }
+            return took.sort((a, b) => a - b);
+        })()",
+    );
+    let step_s = steps[30].as_f64().unwrap() / 1000.0;
+    let slowest_s = steps[59].as_f64().unwrap() / 1000.0;
+    println!(
+        "10,000 frames: read in {read_s:.2} s, open in {open_s:.2} s; a step {:.0} ms, the slowest {:.0} ms",
+        step_s * 1e3,
+        slowest_s * 1e3
+    );
+    assert!(open_s < OPEN_S && step_s < STEP_S, "open in {open_s} s, a step in {step_s} s");
+    page.key("End", 0);
+    wait_for_frame(&mut page, 9_999);
 }
 
 #[test]

@@ -41,16 +41,21 @@ export class Curves {
       const least = known.reduce((a, b) => Math.min(a, b), 0);
       const most = unit ? known.reduce((a, b) => Math.max(a, b), least + 1e-3) : 1;
       const y = (value) => HEIGHT - 1 - ((HEIGHT - 2) * (value - least)) / (most - least);
-      const now = element("line", { class: "now", y1: 0, y2: HEIGHT });
-      const marks = events.map(({ index, kind }) => element("line", { class: kind, x1: x(index), x2: x(index), y1: 0, y2: HEIGHT }));
+      const marks = Object.entries(Object.groupBy(events, ({ kind }) => kind)).map(([kind, of]) =>
+        element("path", { class: `mark ${kind}`, d: of.map(({ index }) => `M${x(index).toFixed(2)} 0V${HEIGHT}`).join("") }),
+      );
+      // Beside the drawing, which then is not drawn anew with every step.
+      const now = Object.assign(document.createElement("i"), { className: "now" });
       const label = `${name} over the run, ${shown(least)} to ${shown(most)} ${unit}`;
       const svg = element("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img", "aria-label": label });
-      svg.append(...marks, element("path", { d: path(values, x, y) }), now);
+      svg.append(...marks, element("path", { d: path(values, x, y) }));
+      const plot = Object.assign(document.createElement("div"), { className: "plot" });
+      plot.append(svg, now);
       const number = document.createElement("b");
-      const words = document.createElement("div");
+      const words = Object.assign(document.createElement("div"), { className: "words" });
       words.append(name, number, `${shown(least)} to ${shown(most)} ${unit}`);
       const row = Object.assign(document.createElement("div"), { className: "curve" });
-      row.append(words, svg);
+      row.append(words, plot);
       box.append(row);
       return { values, unit, now, number, svg };
     });
@@ -63,8 +68,7 @@ export class Curves {
 
   show(index) {
     for (const { values, unit, now, number } of this.rows) {
-      now.setAttribute("x1", this.x(index));
-      now.setAttribute("x2", this.x(index));
+      now.style.left = `${(100 * this.x(index)) / WIDTH}%`;
       number.textContent = `${shown(values[index])} ${values[index] === null ? "" : unit}`;
     }
   }

@@ -21,6 +21,7 @@ let index = 0;
 let shown = null;
 let asked = 0;
 let linking = 0;
+let eventButtons = [];
 
 function say(text) {
   $("message").textContent = text;
@@ -49,13 +50,16 @@ function showPicture({ picture, missing }) {
   $("picture").replaceWith(next);
 }
 
+/// Marks the last event so far, and brings it into sight where it is another than before.
 function showEvents() {
-  const buttons = [...$("events").querySelectorAll("button")];
-  const now = run.events.findLastIndex((event) => event.index <= index);
-  buttons.forEach((button, place) => (place === now ? button.setAttribute("aria-current", "true") : button.removeAttribute("aria-current")));
+  const last = run.events.findLastIndex((event) => event.index <= index);
+  const button = eventButtons[last];
+  const before = $("events").querySelector("[aria-current]");
+  if (button === before) return;
+  before?.removeAttribute("aria-current");
+  button?.setAttribute("aria-current", "true");
   const list = $("events");
-  const at = buttons[now]?.parentElement.offsetTop - list.offsetTop;
-  if (at < list.scrollTop || at > list.scrollTop + list.clientHeight - 30) list.scrollTop = at - list.clientHeight / 2;
+  if (button) list.scrollTop = button.offsetTop - list.offsetTop - list.clientHeight / 2;
 }
 
 function show() {
@@ -105,15 +109,16 @@ function linked() {
 }
 
 function listEvents() {
-  for (const { index, frame, kind, text } of run.events) {
+  eventButtons = run.events.map(({ index, frame, kind, text }) => {
     const button = document.createElement("button");
     button.textContent = `${run.times_s[index].toFixed(1)} s, frame ${frame}: ${text}`;
     button.addEventListener("click", () => step(index));
     const item = Object.assign(document.createElement("li"), { className: kind });
     item.append(button);
     $("events").append(item);
-  }
-  if (!run.events.length) $("events").replaceWith("Nothing: no feature was found or lost, and the camera was clear.");
+    return button;
+  });
+  if (!run.events.length) $("events").append("Nothing: no feature was found or lost, and the camera was clear.");
 }
 
 /// What is farthest ahead in the run gives the reach of the road from above, so that it stays the same while stepping.
