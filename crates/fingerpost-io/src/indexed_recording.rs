@@ -81,6 +81,12 @@ impl IndexedRecording {
     }
 
     fn read_message(&self, topic: &str, sequence: u32, time: Duration) -> Result<Option<Vec<u8>>, McapError> {
+        // A reader that knows none of the topics gives the messages of all.
+        let mut channels = self.summary.channels.values();
+        let Some(channel_id) = channels.find(|channel| channel.topic == topic).map(|channel| channel.id)
+        else {
+            return Ok(None);
+        };
         // Times in records have six digits.
         let slack = Duration::from_micros(10);
         let nanoseconds = |time: Duration| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
@@ -100,10 +106,11 @@ impl IndexedRecording {
                     file.read_exact(&mut chunk)?;
                     reader.insert_chunk_record_data(offset, &chunk)?;
                 }
-                IndexedReadEvent::Message { header, data } if header.sequence == sequence => {
-                    return Ok(Some(data.to_vec()));
+                IndexedReadEvent::Message { header, data } => {
+                    if (header.channel_id, header.sequence) == (channel_id, sequence) {
+                        return Ok(Some(data.to_vec()));
+                    }
                 }
-                IndexedReadEvent::Message { .. } => {}
             }
         }
         Ok(None)

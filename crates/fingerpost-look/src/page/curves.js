@@ -36,7 +36,8 @@ export class Curves {
     const last_s = times_s[times_s.length - 1] || 1;
     const x = (index) => (WIDTH * times_s[index]) / last_s;
     this.x = x;
-    this.rows = curves.map(({ name, unit, values }) => {
+    const isKnown = ({ values }) => values.some((value) => value !== null);
+    this.rows = curves.filter(isKnown).map(({ name, unit, values }) => {
       const known = values.filter((value) => value !== null);
       const least = known.reduce((a, b) => Math.min(a, b), 0);
       const most = unit ? known.reduce((a, b) => Math.max(a, b), least + 1e-3) : 1;
@@ -59,7 +60,10 @@ export class Curves {
       box.append(row);
       return { values, unit, now, number, svg };
     });
+    const unknown = curves.filter((curve) => !isKnown(curve)).map(({ name }) => name);
+    if (unknown.length) box.append(`Not known in this run: ${unknown.join(", ")}.`);
     box.addEventListener("pointerdown", (event) => {
+      if (!this.rows.length) return;
       const place = this.rows[0].svg.getBoundingClientRect();
       const share = (event.clientX - place.left) / place.width;
       if (share >= 0) go(Math.min(1, share) * last_s);

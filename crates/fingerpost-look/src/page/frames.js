@@ -1,7 +1,7 @@
 // What the program says of a frame, asked for once and kept for a while.
 
 /// Frames that are kept: some seconds of stepping to and fro.
-const KEPT = 64;
+const KEPT = 32;
 
 export async function call(path) {
   const answer = await fetch(path);

@@ -118,7 +118,8 @@ function listEvents() {
     $("events").append(item);
     return button;
   });
-  if (!run.events.length) $("events").append("Nothing: no feature was found or lost, and the camera was clear.");
+  const nothing = "Nothing: no feature was found or lost, and the camera was clear.";
+  if (!run.events.length) $("events").append(Object.assign(document.createElement("li"), { textContent: nothing }));
 }
 
 /// What is farthest ahead in the run gives the reach of the road from above, so that it stays the same while stepping.
