@@ -25,6 +25,7 @@ mod interrupts;
 mod lanes;
 mod live;
 mod locating;
+mod looking;
 #[cfg(feature = "completions")]
 mod manual;
 mod maps;

@@ -1,0 +1,51 @@
+//! Runs that cannot be looked at.
+
+use std::fs;
+
+use tempfile::TempDir;
+
+use crate::program::call_line;
+
+/// A frame of which nothing is known.
+const BARE: &str = r#"{"frame": 0, "t_s": 0, "state": "no_route", "feature": null, "motion": null, "driving_line_m": [], "centreline": null, "lanes": null, "fix": null, "stage_ms": {}, "why": ""}"#;
+
+/// A camera of pictures of 640 x 480 pixels.
+const CAMERA: &str = "[image]\nwidth = 640\nheight = 480\n\n[intrinsics]\nfx = 500.0\nfy = 500.0\ncx = 319.5\ncy = 239.5\n\n\
+    [mount]\nheight_m = 1.5\npitch_deg = 0.0\n";
+
+#[test]
+fn what_is_no_run_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let run = folder.path().display();
+    let look = format!("look {run} --port 0");
+    call_line(&look).refused(1, &["frames.jsonl", "check the path"]);
+    let frames = folder.path().join("frames.jsonl");
+    // What a killed run left of its first frame.
+    for text in ["", "{\"frame\": 0"] {
+        fs::write(&frames, text).unwrap();
+        call_line(&look).refused(1, &["holds no frame", "fingerpost run"]);
+    }
+    fs::write(&frames, format!("{BARE}\n{{\"frame\": 1}}\n")).unwrap();
+    call_line(&look).refused(1, &["frames.jsonl, line 2", "t_s"]);
+    fs::write(&frames, format!("{BARE}\n")).unwrap();
+    fs::write(folder.path().join("summary.json"), "{").unwrap();
+    call_line(&look).refused(1, &["summary.json"]);
+}
+
+#[test]
+fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("frames.jsonl"), format!("{BARE}\n")).unwrap();
+    fs::write(
+        path("summary.json"),
+        r#"{"frames": 1, "picture_px": [640, 360], "fps": 1, "stage_ms": {}, "features": [], "lost_frames": 0}"#,
+    )
+    .unwrap();
+    fs::write(path("camera.toml"), CAMERA).unwrap();
+    let look = format!("look {} --port 0", folder.path().display());
+    let with = |option: &str, name: &str| call_line(&format!("{look} {option} {}", path(name).display()));
+    with("--input", "frames.jsonl").refused(1, &["is no folder", "run.mcap"]);
+    with("--input", "nowhere").refused(1, &["nowhere"]);
+    with("--camera", "camera.toml").refused(1, &["640 x 360", "640 x 480"]);
+}
