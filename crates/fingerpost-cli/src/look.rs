@@ -1,7 +1,8 @@
-//! `fingerpost look`: a finished run stepped through on a local web page.
+//! `fingerpost look`: a finished run stepped through, or a drive's camera set up, on a local web page.
 
 mod pictures;
 mod run_files;
+mod set_up;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use fingerpost::Config;
 use fingerpost_geometry::Camera;
 use fingerpost_look::{GroundArea, RunPage};
 use fingerpost_record::recording::Channel;
-use fingerpost_server::{Limits, LocalServer};
+use fingerpost_server::{Handler, Limits, LocalServer};
 
 use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
@@ -20,26 +21,32 @@ use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{camera_size, inputs, output};
 
-/// Step through a finished run frame by frame, on a web page that is served to this machine alone.
+/// Step through a finished run frame by frame, or set the camera of a drive up by eye, on a web page that is served to this machine
+/// alone.
 ///
-/// Shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the frame,
-/// and curves over time with what happened, to jump to. Nothing is written.
+/// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
+/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures, it shows the
+/// horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "look run --camera camera.toml",
-    "look run --input drive --port 0"
+    "look drive --camera rough.toml --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
-    /// Folder that `run` has written.
-    #[arg(value_name = "RUN")]
+    /// Folder that `run` has written, or a folder of pictures or drive folder.
+    #[arg(value_name = "RUN|DRIVE")]
     run: PathBuf,
     /// Where the run's pictures are: the folder of pictures or drive folder that it was given. By default those that the run has
     /// recorded in run.mcap.
     #[arg(long, value_name = "DRIVE")]
     input: Option<PathBuf>,
-    /// Calibration of the camera, to draw places on the road into its pictures; by default the camera.toml of --input, where one is.
+    /// Calibration of the camera. Of a run: to draw places on the road into its pictures; by default the camera.toml of --input, where
+    /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
+    /// File that "Save" writes the camera of a drive to.
+    #[arg(long, value_name = "FILE", default_value = "set_up_camera.toml", conflicts_with = "input")]
+    save: PathBuf,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
     #[arg(long, value_name = "N", default_value_t = 8421)]
     port: u16,
@@ -48,6 +55,21 @@ pub(crate) struct LookArgs {
 /// Serves the page.
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
+    if args.run.join("frames.jsonl").exists() {
+        serve(server, run_page(args)?)
+    } else {
+        serve(server, set_up::page(&args.run, args.camera.as_deref(), &args.save)?)
+    }
+}
+
+fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
+    output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
+    let interrupt = Interrupt::listen()?;
+    Ok(server.serve(&Arc::new(page), interrupt.flag())?)
+}
+
+/// The page of a run.
+fn run_page(args: &LookArgs) -> Result<RunPage> {
     let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
     let recording = RunRecording::open(&args.run, &overview);
     let ground_area = config_toml.as_deref().and_then(ground_area);
@@ -65,9 +87,7 @@ pub(crate) fn look(args: &LookArgs) -> Result<()> {
     if let Some(input) = &args.input {
         page = page.with_pictures(Box::new(FolderPictures::open(input)?));
     }
-    output::message(&format!("open {} in a browser; Ctrl-C ends the program", server.address()));
-    let interrupt = Interrupt::listen()?;
-    Ok(server.serve(&Arc::new(page), interrupt.flag())?)
+    Ok(page)
 }
 
 /// What the ground view showed by the run's settings; none where they are another program's.

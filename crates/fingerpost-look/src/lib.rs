@@ -1,19 +1,23 @@
-//! A finished run stepped through frame by frame, as a local web page.
+//! A finished run stepped through frame by frame, and a camera's mount set up by eye, as local web pages.
 //!
 //! - [`Overview`]: the whole run in short, gathered record by record: curves over time, and the events to jump to.
 //! - [`shapes`]: what a frame's record knows of places, on the road in metres and in the camera's picture in pixels.
 //! - [`RunPage`]: the page, and its questions answered; `fingerpost_server` puts it on the loopback address.
+//! - [`MountPage`]: the page on which a mount is changed, with the horizon, [`metre_grid`] and the ground view that it gives.
 //!
 //! Nothing here opens a file: records come from [`Records`], pictures from [`fingerpost_server::Pictures`].
 
 mod curves;
 mod events;
+mod mount_page;
 mod overview;
+mod page_files;
 mod run_page;
 mod shapes;
 
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
+pub use mount_page::{CameraKeeper, GroundViews, Kept, MountPage};
 pub use overview::Overview;
 pub use run_page::{GroundArea, Records, RunPage};
-pub use shapes::{Shape, ShapeKind, shapes};
+pub use shapes::{Shape, ShapeKind, metre_grid, shapes};

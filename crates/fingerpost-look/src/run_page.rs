@@ -8,6 +8,7 @@ use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use serde::Serialize;
 
 use crate::overview::Overview;
+use crate::page_files::page_file;
 use crate::shapes::shapes;
 
 /// Where records come from.
@@ -148,7 +149,7 @@ impl Handler for RunPage {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
             ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/look.html")),
-            ("GET", ["look.css"]) => Answer::text("text/css; charset=utf-8", include_str!("page/look.css")),
+            ("GET", [name]) if name.contains('.') => page_file(name),
             ("GET", ["api", "run"]) => Answer::json(200, &self.run),
             ("GET", ["api", "records", index]) => self.with_index(index, |index| self.record(index)),
             ("GET", ["api", "records", index, "picture"]) => {
@@ -157,21 +158,7 @@ impl Handler for RunPage {
             ("GET", ["api", "records", index, "ground_view"]) => {
                 self.with_index(index, |index| self.picture(index, self.ground_views.as_deref()))
             }
-            ("GET", [name]) if name.ends_with(".js") => script(name),
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }
     }
-}
-
-/// A module of the page.
-fn script(name: &str) -> Answer {
-    let text = match name {
-        "look.js" => include_str!("page/look.js"),
-        "frames.js" => include_str!("page/frames.js"),
-        "shapes.js" => include_str!("page/shapes.js"),
-        "curves.js" => include_str!("page/curves.js"),
-        "numbers.js" => include_str!("page/numbers.js"),
-        _ => return Answer::refused(404, "there is no such script"),
-    };
-    Answer::text("text/javascript; charset=utf-8", text)
 }

@@ -14,6 +14,12 @@ use serde::Serialize;
 const REACH_M: f64 = 20.0;
 /// Step along them, metres; what lies between is straight to the eye.
 const STEP_M: f64 = 0.5;
+/// Distance between the lines of the metre grid, metres.
+const GRID_STEP_M: f64 = 5.0;
+/// How far ahead the metre grid reaches, metres.
+const GRID_REACH_M: f64 = 40.0;
+/// How far to either side, metres.
+const GRID_BESIDE_M: f64 = 10.0;
 /// Standard deviations that the outline of a doubt shows, as annotated pictures do.
 const DOUBT_SIGMAS: f64 = 2.0;
 /// Corners of such an outline.
@@ -45,6 +51,8 @@ pub enum ShapeKind {
     Rival,
     /// The likeliest place of a feature that is searched for.
     Sought,
+    /// A line of the metre grid on the road.
+    MetreGrid,
 }
 
 /// A place or line of a frame.
@@ -81,6 +89,28 @@ pub fn shapes(record: &FrameRecord, camera: Option<&Camera>) -> Vec<Shape> {
     shapes.extend(lane_edges(record));
     shapes.extend(feature_shapes(record, &lens));
     shapes
+}
+
+/// The horizon of a camera, and lines on the road every five metres ahead and to either side.
+pub fn metre_grid(camera: &Camera) -> Vec<Shape> {
+    let lens = Lens { camera: Some(camera.clone()) };
+    let lines = |most: i32| (-most..=most).map(|line| f64::from(line) * GRID_STEP_M);
+    let (far, beside) = ((GRID_REACH_M / GRID_STEP_M) as i32, (GRID_BESIDE_M / GRID_STEP_M) as i32);
+    let across = lines(far).filter(|ahead_m| *ahead_m > 0.0).map(|ahead_m| {
+        let places = sampled(-GRID_BESIDE_M, GRID_BESIDE_M).map(|left_m| [ahead_m, left_m]).collect();
+        lens.shape(ShapeKind::MetreGrid, &format!("{ahead_m:.0} m ahead"), places)
+    });
+    let along = lines(beside).map(|left_m| {
+        let places = sampled(0.0, GRID_REACH_M).map(|ahead_m| [ahead_m, left_m]).collect();
+        lens.shape(ShapeKind::MetreGrid, &format!("{left_m:.0} m to the left"), places)
+    });
+    lens.horizon().into_iter().chain(across).chain(along).collect()
+}
+
+/// Places from one end to the other, metres.
+fn sampled(from_m: f64, to_m: f64) -> impl Iterator<Item = f64> {
+    let steps = ((to_m - from_m) / STEP_M) as usize;
+    (0..=steps).map(move |step| from_m + step as f64 * STEP_M)
 }
 
 /// The camera as it is turned in the frame.
@@ -161,11 +191,9 @@ struct RoadCurve {
 
 impl RoadCurve {
     fn places(&self) -> Vec<[f64; 2]> {
-        let steps = (REACH_M / STEP_M) as usize;
-        let ahead = (0..=steps).map(|step| step as f64 * STEP_M);
         let left =
             |x: f64| self.offset_m + libm::tan(self.heading_rad) * x + 0.5 * self.curvature_per_m * x * x;
-        ahead.map(|x| [x, left(x)]).collect()
+        sampled(0.0, REACH_M).map(|x| [x, left(x)]).collect()
     }
 }
 

@@ -157,6 +157,16 @@ impl Page {
         }
     }
 
+    /// Asserts that a screen reader has a name for everything that can be used or is a picture.
+    pub(crate) fn has_names(&mut self) {
+        let nameless = self.value(
+            "[...document.querySelectorAll('button, input, [role=img], [role=group], summary')]
+                 .filter((one) => !(one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent).trim())
+                 .map((one) => one.outerHTML)",
+        );
+        assert_eq!(nameless, json!([]));
+    }
+
     /// Writes the page, also what of it is out of sight, as a PNG file.
     pub(crate) fn screenshot(&mut self, path: &Path) {
         let params = json!({ "format": "png", "captureBeyondViewport": true });

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Instant;
 
 use fingerpost_format::{FrameRecord, TrackState, from_json_lines, to_json_line};
@@ -10,7 +9,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::chromium::Page;
-use crate::served::Served;
+use crate::served::{SLOWNESS, Served};
+use crate::simulated_drive::{call, simulate, town};
 
 /// Frames of the drive: the town's first feature is found, arrived at and passed.
 const FRAMES: usize = 80;
@@ -23,15 +23,10 @@ struct Run {
 impl Run {
     fn make() -> Self {
         let run = Self { folder: TempDir::new().unwrap() };
-        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fingerpost-sim/assets");
-        let (map, route) = (assets.join("town.osm"), assets.join("town_route.geojson"));
-        let (map, route, drive, out) = (map.display(), route.display(), run.drive(), run.out());
-        let drive = drive.display();
-        call(&format!("simulate --map {map} --route {route} --frames {FRAMES} --size 320x240 --out {drive}"));
-        call(&format!(
-            "run {drive} --camera {drive}/camera.toml --route {route} --start-m 0 --out {}",
-            out.display()
-        ));
+        simulate(FRAMES, &run.drive());
+        let (drive, route, out) = (run.drive(), town("town_route.geojson"), run.out());
+        let (drive, route, out) = (drive.display(), route.display(), out.display());
+        call(&format!("run {drive} --camera {drive}/camera.toml --route {route} --start-m 0 --out {out}"));
         run
     }
 
@@ -50,11 +45,6 @@ impl Run {
     fn serve(&self, option: &str, path: &Path) -> Served {
         Served::start([Path::new("look"), &self.out(), Path::new(option), path])
     }
-}
-
-fn call(line: &str) {
-    let called = Command::new(env!("CARGO_BIN_EXE_fingerpost")).args(line.split(' ')).output().unwrap();
-    assert!(called.status.success(), "{line}: {}", String::from_utf8_lossy(&called.stderr));
 }
 
 fn wait_for_frame(page: &mut Page, frame: u64) {
@@ -120,7 +110,7 @@ fn a_run_is_stepped_through() {
     page.click([0, 1].map(|axis| place[axis].as_f64().unwrap()), "left");
     wait_for_frame(&mut page, (FRAMES as u64 - 1) / 2);
 
-    every_control_has_a_name(&mut page);
+    page.has_names();
     page.value("scrollTo(0, 0)");
     page.value(&format!("location.hash = '#frame={}'", found + 4));
     wait_for_frame(&mut page, found + 4);
@@ -179,17 +169,6 @@ fn shows_shapes_in_the_picture(page: &mut Page, address: &str) {
     page.value("document.querySelector('#legend input[data-kind=driving_line]').click()");
 }
 
-fn every_control_has_a_name(page: &mut Page) {
-    let nameless = page.value(
-        "[...document.querySelectorAll('button, input, [role=img], [role=group], summary')]
-             .filter((one) => !(one.getAttribute('aria-label') || one.labels?.[0]?.textContent || one.textContent).trim())
-             .map((one) => one.outerHTML)",
-    );
-    assert_eq!(nameless, json!([]));
-}
-
-/// How many times as slow a program that is not optimised may be, on a machine that does much else.
-const SLOWNESS: f64 = if cfg!(debug_assertions) { 5.0 } else { 1.0 };
 /// Seconds in which a run of ten thousand frames has to be open.
 const OPEN_S: f64 = 2.0 * SLOWNESS;
 /// The longest that half of the steps may take, seconds: twenty a second.

@@ -8,3 +8,5 @@ mod looking;
 mod marking;
 mod painted_drive;
 mod served;
+mod setting_up;
+mod simulated_drive;

@@ -18,7 +18,7 @@ fn what_is_no_run_is_refused() {
     let folder = TempDir::new().unwrap();
     let run = folder.path().display();
     let look = format!("look {run} --port 0");
-    call_line(&look).refused(1, &["frames.jsonl", "check the path"]);
+    call_line(&look).refused(1, &["no run, which has a frames.jsonl", "holds no picture"]);
     let frames = folder.path().join("frames.jsonl");
     // What a killed run left of its first frame.
     for text in ["", "{\"frame\": 0"] {

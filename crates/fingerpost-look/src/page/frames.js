@@ -11,7 +11,7 @@ export async function call(path) {
 }
 
 /// A picture that cannot be shown takes nothing else with it.
-async function picture(path) {
+export async function picture(path) {
   const picture = new Image();
   picture.src = path;
   try {

@@ -1,0 +1,116 @@
+//! A camera set up by eye: a mount that is wrong is dragged right, its ground view follows, and what is saved is what was set.
+
+use std::fs;
+use std::path::Path;
+
+use fingerpost_format::{camera_from_toml, camera_to_toml};
+use fingerpost_geometry::{Camera, Mount, View};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::chromium::Page;
+use crate::served::{SLOWNESS, Served};
+use crate::simulated_drive::simulate;
+
+/// How wrong the calibration is at first, degrees.
+const PITCH_OFF_DEG: f64 = 1.5;
+const YAW_OFF_DEG: f64 = -2.0;
+/// The longest from a mount to its ground view, milliseconds.
+const VIEW_MS: f64 = 100.0 * SLOWNESS;
+
+fn mount(camera: &Camera) -> Mount {
+    let View::Calibrated { mount, .. } = camera.view() else { panic!("a camera with a mount") };
+    *mount
+}
+
+fn read_camera(path: &Path) -> Camera {
+    camera_from_toml(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// What the page has drawn last.
+fn drawn(page: &mut Page) -> Value {
+    serde_json::from_str(page.value("document.body.dataset.drawn").as_str().unwrap()).unwrap()
+}
+
+/// Waits until a number of the mount is drawn as it stands.
+fn wait_for_drawing(page: &mut Page, name: &str) {
+    page.wait_for(&format!(
+        "JSON.parse(document.body.dataset.drawn).{name} === document.getElementById('{name}').valueAsNumber"
+    ));
+}
+
+#[test]
+fn a_mount_that_is_wrong_is_dragged_right_and_saved() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    simulate(5, &path("drive"));
+    let right = read_camera(&path("drive").join("camera.toml"));
+    let truth = mount(&right);
+    let off = Mount {
+        pitch_rad: truth.pitch_rad + PITCH_OFF_DEG.to_radians(),
+        yaw_rad: truth.yaw_rad + YAW_OFF_DEG.to_radians(),
+        ..truth
+    };
+    fs::write(path("rough.toml"), camera_to_toml(&right.with_mount(off).unwrap()).unwrap()).unwrap();
+    let (drive, rough, saved) = (path("drive"), path("rough.toml"), path("camera.toml"));
+    let arguments = [Path::new("look"), &drive, Path::new("--camera"), &rough, Path::new("--save"), &saved];
+    let served = Served::start(arguments);
+    let mut page = Page::open(&served.address);
+    page.wait_for("document.body.dataset.ready === 'yes' && document.body.dataset.drawn");
+    let shots = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    page.screenshot(&shots.join("set_up_wrong_1280.png"));
+
+    // The horizon goes down by the pitch and the road to the right by the yaw, to within a pixel of the screen.
+    let scale = page.value("document.getElementById('stage').clientWidth").as_f64().unwrap() / 320.0;
+    let focal =
+        page.value("fetch('api/drive').then((answer) => answer.json()).then((drive) => drive.focal_px)");
+    let moved = |axis: usize, angle_deg: f64| {
+        (angle_deg.to_radians().tan() * focal[axis].as_f64().unwrap() * scale).round()
+    };
+    page.drag([300.0, 300.0], [300.0 + moved(0, -YAW_OFF_DEG), 300.0 + moved(1, PITCH_OFF_DEG)]);
+    wait_for_drawing(&mut page, "pitch_deg");
+    let now = drawn(&mut page);
+    let near = |name: &str, expected_rad: f64| {
+        let off_deg = now[name].as_f64().unwrap() - expected_rad.to_degrees();
+        assert!(off_deg.abs() < 0.1, "{name} is off by {off_deg} degrees");
+    };
+    near("pitch_deg", truth.pitch_rad);
+    near("yaw_deg", truth.yaw_rad);
+
+    // The height by keys of its slider, a step of a centimetre each.
+    page.value("document.getElementById('height_m-slider').focus()");
+    for key in ["ArrowRight", "ArrowRight", "ArrowLeft"] {
+        page.key(key, 0);
+    }
+    wait_for_drawing(&mut page, "height_m");
+    let now = drawn(&mut page);
+    assert!((now["height_m"].as_f64().unwrap() - truth.height_m - 0.01).abs() < 1e-3, "{now}");
+    let ms = now["ms"].as_f64().unwrap();
+    println!("from a mount to its ground view: {ms:.0} ms");
+    assert!(ms < VIEW_MS, "{ms} ms from a mount to its ground view");
+
+    page.value("document.getElementById('keep').click()");
+    page.wait_for("!document.getElementById('command').hidden");
+    let command = page.value("document.getElementById('command').textContent");
+    assert!(command.as_str().unwrap().contains(&format!("--camera {}", saved.display())), "{command}");
+    let kept = mount(&read_camera(&saved));
+    assert!((kept.pitch_rad.to_degrees() - now["pitch_deg"].as_f64().unwrap()).abs() < 1e-4);
+    assert!((kept.height_m - now["height_m"].as_f64().unwrap()).abs() < 1e-6);
+    assert_eq!((kept.x_m, kept.y_m), (truth.x_m, truth.y_m));
+
+    // A mount that looks elsewhere is said, and the page goes on.
+    page.value("const pitch = document.getElementById('pitch_deg'); pitch.value = -60; pitch.dispatchEvent(new Event('input'))");
+    page.wait_for("document.getElementById('message').textContent.includes('No picture')");
+    page.value("document.getElementById('again').click()");
+    page.wait_for("document.getElementById('message').textContent === ''");
+    page.drag([300.0, 300.0], [300.0 + moved(0, -YAW_OFF_DEG), 300.0 + moved(1, PITCH_OFF_DEG)]);
+    wait_for_drawing(&mut page, "pitch_deg");
+    page.has_names();
+    for (scheme, width) in [("light", 1280), ("dark", 390)] {
+        page.prefer(scheme);
+        page.resize([width, 800]);
+        let wide = page.value("document.documentElement.scrollWidth").as_f64().unwrap();
+        assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
+        page.screenshot(&shots.join(format!("set_up_{scheme}_{width}.png")));
+    }
+}

@@ -1,0 +1,18 @@
+//! The files of the pages beside their markup.
+
+use fingerpost_server::Answer;
+
+/// A style sheet or module of a page.
+pub(crate) fn page_file(name: &str) -> Answer {
+    let text = match name {
+        "look.css" => return Answer::text("text/css; charset=utf-8", include_str!("page/look.css")),
+        "look.js" => include_str!("page/look.js"),
+        "frames.js" => include_str!("page/frames.js"),
+        "shapes.js" => include_str!("page/shapes.js"),
+        "curves.js" => include_str!("page/curves.js"),
+        "numbers.js" => include_str!("page/numbers.js"),
+        "mount.js" => include_str!("page/mount.js"),
+        _ => return Answer::refused(404, "there is no such file of the page"),
+    };
+    Answer::text("text/javascript; charset=utf-8", text)
+}
