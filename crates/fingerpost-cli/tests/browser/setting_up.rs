@@ -106,6 +106,7 @@ fn a_mount_that_is_wrong_is_dragged_right_and_saved() {
     page.drag([300.0, 300.0], [300.0 + moved(0, -YAW_OFF_DEG), 300.0 + moved(1, PITCH_OFF_DEG)]);
     wait_for_drawing(&mut page, "pitch_deg");
     page.has_names();
+    page.value("document.activeElement.blur(), scrollTo(0, 0)");
     for (scheme, width) in [("light", 1280), ("dark", 390)] {
         page.prefer(scheme);
         page.resize([width, 800]);

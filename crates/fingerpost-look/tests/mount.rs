@@ -1,0 +1,137 @@
+//! What the page that sets a mount up asks, without a network.
+
+// A helper that unwraps is part of the test that calls it.
+#![allow(clippy::unwrap_used)]
+
+use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, View};
+use fingerpost_look::{CameraKeeper, GroundArea, GroundViews, Kept, MountPage};
+use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
+use nalgebra::Point2;
+use serde_json::{Value, json};
+
+/// Pictures, ground views and the file of a drive, each saying what it was asked for.
+struct Drive;
+
+fn picture(text: &str) -> Picture {
+    Picture { content_type: "image/png", bytes: text.as_bytes().to_vec() }
+}
+
+fn mount(camera: &Camera) -> Mount {
+    match camera.view() {
+        View::Calibrated { mount, .. } => *mount,
+        View::RoadPlane(_) => Mount::level(0.0),
+    }
+}
+
+impl Pictures for Drive {
+    fn picture(&self, frame: u64) -> Result<Picture, Cause> {
+        Ok(picture(&frame.to_string()))
+    }
+}
+
+impl GroundViews for Drive {
+    fn ground_view(&self, frame: u64, camera: &Camera) -> Result<Picture, Cause> {
+        let Mount { height_m, pitch_rad, x_m, .. } = mount(camera);
+        if pitch_rad < 0.0 {
+            return Err("the camera looks elsewhere".into());
+        }
+        Ok(picture(&format!(
+            "frame {frame} from {height_m} m, {:.1} degrees, {x_m} m",
+            pitch_rad.to_degrees()
+        )))
+    }
+}
+
+impl CameraKeeper for Drive {
+    fn keep(&self, camera: &Camera) -> Result<Kept, Cause> {
+        let pitch_deg = mount(camera).pitch_rad.to_degrees();
+        Ok(Kept { file: "camera.toml".to_owned(), command: format!("{pitch_deg:.2}") })
+    }
+}
+
+const AREA: GroundArea = GroundArea { near_m: 4.0, far_m: 20.0, half_width_m: 10.0 };
+
+fn page() -> MountPage {
+    let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 319.5, cy: 239.5 };
+    let mount = Mount { pitch_rad: 0.05, x_m: 1.5, ..Mount::level(1.4) };
+    let camera = Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap();
+    MountPage::new("drive", 3, camera, AREA, Box::new(Drive), Box::new(Drive), Box::new(Drive)).unwrap()
+}
+
+fn ask(method: &str, path: &str, body: &Value) -> Answer {
+    page().answer(Request { method, path, body: body.to_string().as_bytes() })
+}
+
+fn text(answer: Answer) -> String {
+    String::from_utf8(answer.body).unwrap()
+}
+
+#[test]
+fn the_page_begins_with_the_cameras_mount() {
+    let drive: Value = serde_json::from_slice(&ask("GET", "/api/drive", &Value::Null).body).unwrap();
+    assert_eq!(
+        drive["mount"],
+        json!({"height_m": 1.4, "pitch_deg": 2.864789, "yaw_deg": 0.0, "roll_deg": 0.0})
+    );
+    assert_eq!((&drive["picture_px"], &drive["frames"]), (&json!([640, 480]), &json!(3)));
+    for path in ["/", "/mount.js", "/shapes.js", "/frames.js", "/look.css"] {
+        assert_eq!(ask("GET", path, &Value::Null).status, 200, "{path}");
+    }
+}
+
+#[test]
+fn another_mount_gives_another_grid_and_ground_view() {
+    let grid = text(ask("GET", "/api/mounts/1.5,0,0,0/shapes", &Value::Null));
+    let grid: Vec<Value> = serde_json::from_str(&grid).unwrap();
+    assert_eq!(grid[0]["kind"], "horizon");
+    let ten = grid.iter().find(|shape| shape["label"] == "10 m ahead").unwrap();
+    // 8.5 m before the camera and 1.5 m below it.
+    let v = ten["picture_px"][0][0][1].as_f64().unwrap();
+    assert!((v - 239.5 - 500.0 * 1.5 / 8.5).abs() < 0.01, "{v}");
+    let view = text(ask("GET", "/api/mounts/1.5,2,0,0/frames/2", &Value::Null));
+    assert_eq!(view, "frame 2 from 1.5 m, 2.0 degrees, 1.5 m");
+    assert_eq!(text(ask("GET", "/api/frames/1/picture", &Value::Null)), "1");
+}
+
+#[test]
+fn what_is_no_mount_or_shows_nothing_is_said() {
+    for (path, status, word) in [
+        ("/api/mounts/1.5,2,0/shapes", 400, "HEIGHT_M"),
+        ("/api/mounts/1.5,2,0,x/shapes", 400, "HEIGHT_M"),
+        ("/api/mounts/NaN,0,0,0/shapes", 400, "mount.height_m"),
+        ("/api/mounts/1.5,89,0,0/frames/0", 400, "mount.pitch_deg"),
+        ("/api/mounts/1.5,-1,0,0/frames/0", 422, "elsewhere"),
+        ("/api/mounts/1.5,0,0,0/frames/3", 404, "there are 3"),
+        ("/api/frames/-1/picture", 404, "there are 3"),
+        ("/api/run", 404, "no such"),
+    ] {
+        let answer = ask("GET", path, &Value::Null);
+        assert_eq!(answer.status, status, "{path}");
+        assert!(text(answer).contains(word), "{path}");
+    }
+}
+
+#[test]
+fn a_mount_is_kept_with_the_command_that_runs_it() {
+    let mount = json!({"height_m": 1.5, "pitch_deg": 1.25, "yaw_deg": 0, "roll_deg": 0});
+    let kept: Value = serde_json::from_slice(&ask("POST", "/api/camera", &mount).body).unwrap();
+    assert_eq!(kept, json!({"file": "camera.toml", "command": "1.25"}));
+    for wrong in [json!({}), json!({"height_m": -1, "pitch_deg": 0, "yaw_deg": 0, "roll_deg": 0})] {
+        assert_eq!(ask("POST", "/api/camera", &wrong).status, 400);
+    }
+}
+
+#[test]
+fn a_camera_that_is_known_by_points_has_no_mount() {
+    let pixels = [[100.0, 400.0], [540.0, 400.0], [400.0, 300.0], [240.0, 300.0]];
+    let road = [[5.0, 2.0], [5.0, -2.0], [12.0, -2.0], [12.0, 2.0]];
+    let camera = Camera::from_points(
+        640,
+        480,
+        pixels.map(|[u, v]| Pixel::new(u, v)),
+        road.map(|[x, y]| Point2::new(x, y)),
+    );
+    let page =
+        MountPage::new("drive", 3, camera.unwrap(), AREA, Box::new(Drive), Box::new(Drive), Box::new(Drive));
+    assert!(page.is_none());
+}
