@@ -4,10 +4,10 @@ mod pictures;
 mod run_files;
 mod set_up;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use fingerpost::Config;
 use fingerpost_geometry::Camera;
@@ -20,6 +20,9 @@ use self::run_files::RunFiles;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{camera_size, inputs, output};
+
+/// Where the camera of a drive is saved where nothing else is said.
+const SAVED_CAMERA: &str = "set_up_camera.toml";
 
 /// Step through a finished run frame by frame, or set the camera of a drive up by eye, on a web page that is served to this machine
 /// alone.
@@ -44,9 +47,9 @@ pub(crate) struct LookArgs {
     /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// File that "Save" writes the camera of a drive to.
-    #[arg(long, value_name = "FILE", default_value = "set_up_camera.toml", conflicts_with = "input")]
-    save: PathBuf,
+    /// File that "Save" writes the camera of a drive to; set_up_camera.toml by default.
+    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    save: Option<PathBuf>,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
     #[arg(long, value_name = "N", default_value_t = 8421)]
     port: u16,
@@ -55,10 +58,19 @@ pub(crate) struct LookArgs {
 /// Serves the page.
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
-    if args.run.join("frames.jsonl").exists() {
-        serve(server, run_page(args)?)
-    } else {
-        serve(server, set_up::page(&args.run, args.camera.as_deref(), &args.save)?)
+    let is_run = args.run.join("frames.jsonl").exists();
+    match (is_run, &args.save, &args.input) {
+        (true, Some(_), _) => {
+            bail!("{} is a run, of which nothing is saved; leave --save out", args.run.display())
+        }
+        (true, None, _) => serve(server, run_page(args)?),
+        (false, _, Some(_)) => {
+            bail!("{} is no run, which has a frames.jsonl; of a drive leave --input out", args.run.display())
+        }
+        (false, save, None) => {
+            let save = save.as_deref().unwrap_or(Path::new(SAVED_CAMERA));
+            serve(server, set_up::page(&args.run, args.camera.as_deref(), save)?)
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use fingerpost_io::write_png;
+use fingerpost_vision::picture::RgbImage;
 use tempfile::TempDir;
 
 use crate::program::call_line;
@@ -19,6 +21,7 @@ fn what_is_no_run_is_refused() {
     let run = folder.path().display();
     let look = format!("look {run} --port 0");
     call_line(&look).refused(1, &["no run, which has a frames.jsonl", "holds no picture"]);
+    call_line(&format!("{look} --input {run}")).refused(1, &["no run", "leave --input out"]);
     let frames = folder.path().join("frames.jsonl");
     // What a killed run left of its first frame.
     for text in ["", "{\"frame\": 0"] {
@@ -48,4 +51,24 @@ fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
     with("--input", "frames.jsonl").refused(1, &["is no folder", "run.mcap"]);
     with("--input", "nowhere").refused(1, &["nowhere"]);
     with("--camera", "camera.toml").refused(1, &["640 x 360", "640 x 480"]);
+    with("--save", "saved.toml").refused(1, &["nothing is saved"]);
+    assert!(!path("saved.toml").exists());
+}
+
+#[test]
+fn a_camera_is_saved_over_nothing_that_may_be_the_users() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("drive")).unwrap();
+    write_png(&path("drive/0.png"), &RgbImage::new(640, 480)).unwrap();
+    fs::write(path("camera.toml"), CAMERA).unwrap();
+    fs::write(path("mine.toml"), "# measured by hand").unwrap();
+    let (drive, camera) = (path("drive"), path("camera.toml"));
+    let look = format!("look {} --port 0 --camera {}", drive.display(), camera.display());
+    let saved_as = |name: &str| call_line(&format!("{look} --save {}", path(name).display()));
+    saved_as("mine.toml").refused(1, &["mine.toml", "may be yours"]);
+    saved_as("camera.toml").refused(1, &["camera.toml"]);
+    fs::write(path("camera.toml"), CAMERA.replace("480", "300")).unwrap();
+    saved_as("new.toml").refused(1, &["640 x 480", "640 x 300"]);
+    assert!(!path("new.toml").exists());
 }
