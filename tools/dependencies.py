@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Checks that every direct dependency on somebody else's crate is used, and has its reason in ARCHITECTURE.md.
+"""Checks that every direct dependency on somebody else's crate is used, and has its reason in DEPENDENCIES.md.
 
     python3 tools/dependencies.py
 
 Fails where the workspace's manifest names a crate that no member asks for, where a member asks for a crate that its source does not name, and
-where the table in "Dependencies" of ARCHITECTURE.md and the manifests of all workspaces here do not name the same crates.
+where the table of DEPENDENCIES.md and the manifests of all workspaces here do not name the same crates.
 """
 import re
 import sys
@@ -49,10 +49,9 @@ def is_ours(name, said):
 
 
 def listed():
-    """The crates in the table of ARCHITECTURE.md."""
-    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    section = re.search(r"^## Dependencies$(.*?)^## ", text, re.MULTILINE | re.DOTALL)
-    rows = re.findall(r"^\| (`.*?) \|", section[1] if section else "", re.MULTILINE)
+    """The crates in the table of DEPENDENCIES.md."""
+    text = (ROOT / "DEPENDENCIES.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", text, re.MULTILINE)
     return [name for row in rows for name in re.findall(r"`([^`]+)`", row)]
 
 
@@ -64,9 +63,9 @@ def main():
     foreign = {name for name, said in needed.items() if not is_ours(name, said)}
     wrong = [f"Cargo.toml names {name}, and no crate asks for it" for name in shared if name not in needed]
     wrong += [problem for folder, manifest in packages.items() for problem in unnamed(folder, manifest)]
-    wrong += [f"ARCHITECTURE.md has no reason for {name}" for name in sorted(foreign - set(table))]
-    wrong += [f"ARCHITECTURE.md has a reason for {name}, and no crate asks for it" for name in sorted(set(table) - foreign)]
-    wrong += [f"ARCHITECTURE.md has {name} twice" for name in sorted({name for name in table if table.count(name) > 1})]
+    wrong += [f"DEPENDENCIES.md has no reason for {name}" for name in sorted(foreign - set(table))]
+    wrong += [f"DEPENDENCIES.md has a reason for {name}, and no crate asks for it" for name in sorted(set(table) - foreign)]
+    wrong += [f"DEPENDENCIES.md has {name} twice" for name in sorted({name for name in table if table.count(name) > 1})]
     for problem in wrong:
         print(problem, file=sys.stderr)
     sys.exit(1 if wrong else 0)

@@ -24,7 +24,7 @@ INTRODUCTION = """\
 <!-- Made by tools/figures_page.py from docs/figures.toml. Do not edit: change the data and run it again. -->
 
 How good the method is, as measured, stands here once, with how, on what and when it was measured; other pages link to it. What was tried and
-given up is in [ARCHITECTURE](../../ARCHITECTURE.md). Where a date has a commit, that one brought the figure. Results do not depend on the
+given up is [beyond the papers](method/beyond.md). Where a date has a commit, that one brought the figure. Results do not depend on the
 machine, times and rates do. How fast every part is stands in [Speed](speed.md), what the papers claim and what comes of it in
 [The papers' claims](../papers.md).
 """

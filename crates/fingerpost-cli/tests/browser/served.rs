@@ -5,9 +5,6 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 
-/// How many times as slow as it has to be a program may be that is not optimised, on a machine that does much else.
-pub(crate) const SLOWNESS: f64 = if cfg!(debug_assertions) { 5.0 } else { 1.0 };
-
 /// The program while it serves a page; killed with the value.
 pub(crate) struct Served {
     program: Child,
