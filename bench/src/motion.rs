@@ -132,8 +132,12 @@ impl Drive {
             driven[1] += step.translation.vector.norm();
         }
         let root = |sum: f64| (sum / self.steps.len() as f64).sqrt();
-        let figure =
-            |what: &str, value, unit| Figure { what: format!("{name}: {what}"), value, unit, promised: None };
+        let figure = |what: &str, value, unit| Figure {
+            what: format!("{name}: {what}"),
+            value,
+            unit,
+            promised_most: None,
+        };
         Ok(vec![
             figure("error forward", 100.0 * root(squares[0]), "cm"),
             figure("error to the left", 100.0 * root(squares[1]), "cm"),

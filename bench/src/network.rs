@@ -9,7 +9,7 @@ use fingerpost_vision::simd::{CodePath, InstructionSet};
 
 use crate::footage::Footage;
 use crate::measure::{Contestant, Effort, side_by_side};
-use crate::results::{Bound, Figure, Section, set_name};
+use crate::results::{Figure, Section, set_name};
 
 /// Milliseconds a frame that are promised with AVX2 and more.
 const PROMISED_MS: f64 = 2.0;
@@ -35,7 +35,7 @@ pub fn network(effort: Effort, footage: &Footage, sets: &[InstructionSet]) -> Re
             what: format!("logits unlike the portable ones, {}", set_name(set)),
             value: differing(&network, &plain) as f64,
             unit: "",
-            promised: Some(Bound::AtMost(0.0)),
+            promised_most: Some(0.0),
         });
         contestants.push(Contestant::with(set, &set_name(set), move || {
             // The same call was good a moment ago.
@@ -50,7 +50,7 @@ pub fn network(effort: Effort, footage: &Footage, sets: &[InstructionSet]) -> Re
             what: format!("road network, {}", measured.name),
             value: measured.median_ms,
             unit: "ms",
-            promised: (set != InstructionSet::Portable).then_some(Bound::AtMost(PROMISED_MS)),
+            promised_most: (set != InstructionSet::Portable).then_some(PROMISED_MS),
         });
     }
     Ok(section)

@@ -11,7 +11,7 @@ use fingerpost_vision::simd::InstructionSet;
 
 use crate::footage::{Footage, dashcam};
 use crate::measure::{Contestant, Effort, median, side_by_side};
-use crate::results::{Bound, Figure, Row, Section, set_name};
+use crate::results::{Figure, Row, Section, set_name};
 
 /// Share of ffmpeg's rate that a run is promised to keep.
 const PROMISED_SHARE: f64 = 0.8;
@@ -96,7 +96,7 @@ fn first_result(effort: Effort, footage: &Footage, program: &Path, set: Instruct
         what: format!("start to the end of a run of one frame, {width} x {height}"),
         value: median(&mut times_ms) / 1e3,
         unit: "s",
-        promised: Some(Bound::AtMost(PROMISED_FIRST_S)),
+        promised_most: Some(PROMISED_FIRST_S),
     })
 }
 

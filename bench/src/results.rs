@@ -61,30 +61,19 @@ impl Row {
     }
 }
 
-/// What a figure is promised to be.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Bound {
-    AtLeast(f64),
-    AtMost(f64),
-}
-
 /// A single figure.
 #[derive(Debug, Clone, Serialize)]
 pub struct Figure {
     pub what: String,
     pub value: f64,
     pub unit: &'static str,
-    pub promised: Option<Bound>,
+    /// What it is promised to be at most.
+    pub promised_most: Option<f64>,
 }
 
 impl Figure {
     pub fn holds(&self) -> bool {
-        match self.promised {
-            None => true,
-            Some(Bound::AtLeast(least)) => self.value >= least,
-            Some(Bound::AtMost(most)) => self.value <= most,
-        }
+        self.promised_most.is_none_or(|most| self.value <= most)
     }
 }
 
@@ -165,12 +154,8 @@ fn row_line(row: &Row) -> String {
 }
 
 fn figure_line(figure: &Figure) -> String {
-    let promised = match figure.promised {
-        None => String::new(),
-        Some(Bound::AtLeast(least)) => format!("of {least}"),
-        Some(Bound::AtMost(most)) => format!("at most {most}"),
-    };
-    let says = verdict(figure.holds(), figure.promised.is_some());
+    let promised = figure.promised_most.map_or_else(String::new, |most| format!("at most {most}"));
+    let says = verdict(figure.holds(), figure.promised_most.is_some());
     let line = format!(
         "  {:<75} {:>12} {:<12} {promised:<12} {says}",
         figure.what,
