@@ -23,20 +23,21 @@ impl FrameOutput {
         stops: &[RouteStop],
     ) {
         let Self { camera, motion_doubt, track, mount, lane, departure, why, .. } = self;
+        let FrameEvidence { track: of_track, signals, lanes: of_lanes, centreline, road, fix, .. } = evidence;
         Why {
             camera,
             motion_doubt: *motion_doubt,
             track,
-            evidence: evidence.track,
+            evidence: of_track,
             stops,
             mount: mount.as_ref(),
-            signals: evidence.signals.as_ref(),
-            lane: lane.as_ref().zip(evidence.lanes),
+            signals: signals.as_ref(),
+            lane: lane.as_ref().zip(*of_lanes),
             turns_through: lanes.turns_through,
-            centreline: evidence.centreline,
-            by_colours: evidence.road.by_colours,
+            centreline,
+            by_colours: road.by_colours,
             departure: departure.as_ref(),
-            fix: evidence.fix.as_ref(),
+            fix: fix.as_ref(),
         }
         .write_to(why);
     }
