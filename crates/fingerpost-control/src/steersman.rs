@@ -52,7 +52,9 @@ impl Steersman {
         let wished = self.controller.control(&seen, &mut self.evidence)?;
         (self.evidence.offset_m, self.evidence.heading_rad) = (beside.left_m, -beside.on_path.heading_rad);
         self.evidence.aim = self.evidence.aim.map(|aim| soon * aim);
-        self.plan = SpeedPlan::new(&self.limits, situation);
+        let (now, ahead) = (SpeedPlan::new(&self.limits, situation), SpeedPlan::new(&self.limits, &seen));
+        // What has no rules goes as fast as is sound from where the vehicle will be: that is the plan then, with its reason.
+        self.plan = if self.rules().is_empty() && ahead.speed_mps < now.speed_mps { ahead } else { now };
         let wished = Command { speed_mps: wished.speed_mps.min(self.plan.speed_mps), ..wished };
         let (command, limited) = self.limits.limited(wished, from, dt_s);
         self.evidence.limited = limited;

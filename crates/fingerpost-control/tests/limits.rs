@@ -51,6 +51,9 @@ proptest! {
             // It stops within what it sees.
             let stops_m = v * v / (2.0 * limits.deceleration_mps2) + v * limits.reaction_s;
             prop_assert!(stops_m <= seen_ahead_m + 1e-9);
+            // The plan says why it goes no faster, where neither rules nor the turn that is wanted do.
+            let is_planned = (v - steersman.speed_plan().speed_mps).abs() < 1e-9;
+            prop_assert!(name == ControllerName::Fuzzy || steersman.evidence().limited.speed || is_planned);
             // The same situation is steered the same again, by the same steersman and by another.
             prop_assert_eq!(steersman.steer(&situation, Some(dt_s)), Ok(command));
         }
