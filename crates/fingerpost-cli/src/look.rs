@@ -10,6 +10,7 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 use clap::Args;
 use fingerpost::Config;
+use fingerpost::ground_view::GroundViewConfig;
 use fingerpost_geometry::Camera;
 use fingerpost_look::{GroundArea, RunPage};
 use fingerpost_record::recording::Channel;
@@ -104,8 +105,18 @@ fn run_page(args: &LookArgs) -> Result<RunPage> {
 
 /// What the ground view showed by the run's settings; none where they are another program's.
 fn ground_area(config_toml: &str) -> Option<GroundArea> {
-    let view = Config::from_toml(config_toml).ok()?.ground_view;
-    Some(GroundArea { near_m: view.near_m, far_m: view.far_m, half_width_m: view.half_width_m })
+    Some(area_of(&Config::from_toml(config_toml).ok()?.ground_view))
+}
+
+/// What a ground view of these settings shows.
+const fn area_of(view: &GroundViewConfig) -> GroundArea {
+    GroundArea { near_m: view.near_m, far_m: view.far_m, half_width_m: view.half_width_m }
+}
+
+/// The name of a folder, which a page has for its title.
+fn folder_name(folder: &Path) -> String {
+    let place = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    place.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The camera that took the pictures, at their size.

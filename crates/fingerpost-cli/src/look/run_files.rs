@@ -8,6 +8,8 @@ use fingerpost_io::{LineFile, read_text};
 use fingerpost_look::{Overview, Records};
 use fingerpost_server::Cause;
 
+use super::folder_name;
+
 /// What a run left.
 #[derive(Debug)]
 pub(super) struct RunFiles {
@@ -41,9 +43,8 @@ impl RunFiles {
             path.exists().then(|| read_text(&path)).transpose()
         };
         let summary = optional("summary.json")?.map(|text| serde_json::from_str(&text));
-        let place = run.canonicalize().unwrap_or_else(|_| run.to_owned());
         Ok(Self {
-            title: place.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            title: folder_name(run),
             overview,
             records: RecordFile(file),
             summary: summary.transpose().with_context(|| run.join("summary.json").display().to_string())?,

@@ -9,13 +9,14 @@ use fingerpost::ground_view::{GroundView, GroundViewConfig};
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::Camera;
 use fingerpost_io::{picture_paths, read_picture, write_file};
-use fingerpost_look::{CameraKeeper, GroundArea, GroundViews, Kept, MountPage};
+use fingerpost_look::{CameraKeeper, GroundViews, Kept, MountPage};
 use fingerpost_server::{Cause, Picture};
 use fingerpost_vision::colour::HueSaturationBins;
 use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
 use fingerpost_vision::picture::RgbImage;
 
 use super::pictures::FolderPictures;
+use super::{area_of, folder_name};
 use crate::output_path::{self, FileKind};
 use crate::{camera_size, inputs, made_from};
 
@@ -37,9 +38,7 @@ pub(super) fn page(drive: &Path, camera: Option<&Path>, save: &Path) -> Result<M
     let source = camera_path.display().to_string();
     let camera = camera_size::of_pictures(inputs::camera(camera_path)?, size_px, &source)?;
     let view = GroundViewConfig::default();
-    let area = GroundArea { near_m: view.near_m, far_m: view.far_m, half_width_m: view.half_width_m };
-    let place = drive.canonicalize().unwrap_or_else(|_| drive.to_owned());
-    let title = place.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let (title, area) = (folder_name(drive), area_of(&view));
     let keeper = CameraFile { path: save.to_owned(), drive: drive.to_owned() };
     let frames = paths.len() as u64;
     let views = DriveViews { paths, view, last: Mutex::new(None) };
