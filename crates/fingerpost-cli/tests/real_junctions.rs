@@ -106,8 +106,7 @@ impl Driven {
             let truth = self.node_in_vehicle(node, record.frame as usize);
             if let Some(feature) = feature.filter(|_| truth.x > 0.0) {
                 let error_m = (Vector2::new(feature.forward_m, feature.left_m) - truth.coords).norm();
-                let [forward_m, left_m] = feature.sigma_m;
-                errors.push([error_m, error_m / forward_m.hypot(left_m)]);
+                errors.push([error_m, error_m / Vector2::from(feature.sigma_m).norm()]);
             }
         }
         Met {
