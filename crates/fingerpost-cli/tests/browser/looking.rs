@@ -128,10 +128,15 @@ fn a_run_is_stepped_through() {
 
 fn shows_what_the_record_says(page: &mut Page, record: &FrameRecord) {
     let feature = record.feature.as_ref().unwrap();
-    assert_eq!(number(page, "feature.forward_m"), feature.forward_m);
-    assert_eq!(number(page, "feature.p"), feature.p.unwrap());
-    assert_eq!(number(page, "frame.t_s"), record.t_s);
-    assert_eq!(number(page, "stage_ms.road"), record.stage_ms["road"]);
+    let numbers = [
+        ("feature.forward_m", feature.forward_m),
+        ("feature.p", feature.p.unwrap()),
+        ("frame.t_s", record.t_s),
+        ("stage_ms.road", record.stage_ms["road"]),
+    ];
+    for (name, recorded) in numbers {
+        assert_eq!(number(page, name).to_bits(), recorded.to_bits(), "{name}");
+    }
     let why = page.value("document.getElementById('why').textContent");
     assert_eq!(why.as_str(), Some(record.why.as_str()));
     let status = page.value("document.getElementById('status').textContent");

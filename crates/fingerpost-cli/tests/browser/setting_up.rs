@@ -63,7 +63,7 @@ fn a_mount_that_is_wrong_is_dragged_right_and_saved() {
     let focal =
         page.value("fetch('api/drive').then((answer) => answer.json()).then((drive) => drive.focal_px)");
     let moved = |axis: usize, angle_deg: f64| {
-        (angle_deg.to_radians().tan() * focal[axis].as_f64().unwrap() * scale).round()
+        (libm::tan(angle_deg.to_radians()) * focal[axis].as_f64().unwrap() * scale).round()
     };
     page.drag([300.0, 300.0], [300.0 + moved(0, -YAW_OFF_DEG), 300.0 + moved(1, PITCH_OFF_DEG)]);
     wait_for_drawing(&mut page, "pitch_deg");
