@@ -15,6 +15,17 @@ import numpy as np
 drive, program = Path(sys.argv[1]), (sys.argv[2:3] or ["fingerpost"])[0]
 files = ["--camera", drive / "camera.toml", "--route", drive / "route.geojson", "--start-m", "0"]
 advisor = subprocess.Popen([program, "advise", *files, *sys.argv[3:]], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+
+def advised(header, picture):
+    """The answer to a picture; what is said before it, that none came for a while, is no answer."""
+    advisor.stdin.write(json.dumps(header).encode() + b"\n" + picture.tobytes())
+    advisor.stdin.flush()
+    while "frame" not in (answer := json.loads(advisor.stdout.readline())):
+        print(answer["advice"]["because"])  # Here a vehicle would stop, at the time at which the line comes.
+    return answer
+
+
 truth = [json.loads(line) for line in (drive / "truth.jsonl").read_text().splitlines()]
 waited_s = 0.0
 for frame, path in zip(truth, sorted((drive / "frames").glob("*.ppm"))):
@@ -23,9 +34,7 @@ for frame, path in zip(truth, sorted((drive / "frames").glob("*.ppm"))):
     picture = np.frombuffer(pixels, np.uint8).reshape(height, width, 3)  # Here a simulator would give its own.
     header = {"t_s": frame["t_s"], "width": width, "height": height, "speed_mps": frame["speed_mps"]}
     began = time.perf_counter()
-    advisor.stdin.write(json.dumps(header).encode() + b"\n" + picture.tobytes())
-    advisor.stdin.flush()
-    answer = json.loads(advisor.stdout.readline())
+    answer = advised(header, picture)
     waited_s += time.perf_counter() - began
     advice = answer["advice"]  # Here a vehicle would steer.
     print(f"{answer['t_s']:6.2f} s: steer {advice['steer_rad']:+.3f} rad, {advice['speed_mps']:.1f} m/s, {advice['because']}")

@@ -1,30 +1,37 @@
 //! `fingerpost advise`: steering angle and speed, frame by frame, for any vehicle or simulator.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
 use fingerpost::vehicle_signals::VehicleSamples;
 use fingerpost::{Pipeline, Sensors};
 use fingerpost_eval::FeatureIdentity;
-use fingerpost_format::{AdviceRecord, FrameHeader, FrameRecord, TrackState, to_json_line};
+use fingerpost_format::{
+    AdviceRecord, FrameHeader, FrameRecord, LinesError, SilenceRecord, ToJson, TrackState, to_json_line,
+};
 use fingerpost_io::{FedFrame, standard_feed};
 use fingerpost_map::LatLon;
 use fingerpost_record::{DIGITS, FrameTime, broken_record, feature_identities, frame_record, rounded};
 use fingerpost_vision::picture::RgbImage;
+use thiserror::Error;
 
 use crate::arguments::{InputLimit, Place, number};
 use crate::driver::{RunSetting, Sequence};
 use crate::examples::examples;
 use crate::picture_order::OutOfOrder;
 use crate::stage_clock::{FrameClock, stage_name};
+use crate::watchdog::{Watchdog, WatchdogArgs};
 use crate::{inputs, output, start_check};
 
 /// Advise a vehicle or simulator frame by frame. Standard input: for each frame one line of JSON, {"t_s", "width", "height",
 /// "speed_mps"?, "yaw_rate_rps"?, "lat"?, "lon"?}, then width x height x 3 bytes, red, green and blue, row by row. Standard output: for
 /// each frame its line of frames.jsonl, with "advice": {"steer_rad", "speed_mps", "controller", "line", "because"}, before the next
-/// is read. A frame that cannot be used is answered by a line with "error", and the advice to slow down.
+/// is read. A frame that cannot be used is answered by a line with "error", and the advice to slow down. When no new picture comes, a
+/// line without "frame", which answers none, says stop (--watchdog-s): {"silent_s", "advice"}.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "advise --camera camera.toml --route route.geojson --start-m 12",
@@ -51,7 +58,18 @@ pub(crate) struct AdviseArgs {
     #[arg(long, value_name = "LAT,LON", requires = "map", allow_hyphen_values = true)]
     near: Option<Place>,
     #[command(flatten)]
+    watchdog: WatchdogArgs,
+    #[command(flatten)]
     limit: InputLimit,
+}
+
+/// A line that nobody gets.
+#[derive(Debug, Error)]
+enum NotSaid {
+    #[error("the answer cannot be written as JSON")]
+    Json(#[source] LinesError),
+    #[error("standard output cannot be written; check who reads it")]
+    Output(#[source] io::Error),
 }
 
 /// Time between frames where none is known, seconds.
@@ -74,7 +92,7 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
         let graph = inputs::road_graph(map, args.limit)?;
         pipeline.locate_on(&graph, start_check::near_place(&graph, args.near)?);
     }
-    let mut adviser = Adviser {
+    let adviser = RefCell::new(Adviser {
         features: feature_identities(pipeline.tracker().stops()),
         brakes_mps2: config.advice.deceleration_mps2,
         pipeline,
@@ -82,22 +100,42 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
         first_t_s: None,
         last_t_s: None,
         last: None,
+        watchdog: Watchdog::new(args.watchdog),
+    });
+    let meanwhile = || match adviser.borrow_mut().stop_in_silence() {
+        Some(stop) => say(&stop).map_err(io::Error::other),
+        None => Ok(()),
     };
-    let mut feed =
-        standard_feed([camera.width(), camera.height()]).context("standard input cannot be read")?;
-    let mut out = io::stdout().lock();
+    let feed = standard_feed([camera.width(), camera.height()], meanwhile);
+    let mut feed = feed.context("standard input cannot be read")?;
     loop {
-        let frame = feed
-            .next_frame()
-            .context("standard input gives no frame; close it to end, or allow more with --timeout-s")?;
+        let frame = feed.next_frame().map_err(no_frame)?;
+        let mut adviser = adviser.borrow_mut();
         let record = match frame {
             FedFrame::Good(header, picture) => adviser.answer(&header, picture),
             FedFrame::Bad(cause) => adviser.pass_over(&cause),
             FedFrame::End => return Ok(()),
         };
-        let line = to_json_line(record).context("the answer cannot be written as JSON")?;
-        let written = out.write_all(line.as_bytes()).and_then(|()| out.flush());
-        written.context("standard output cannot be written; check who reads it")?;
+        say(record)?;
+        if record.error.is_none() {
+            adviser.watchdog.restart(Instant::now());
+        }
+    }
+}
+
+/// Writes a line.
+fn say(record: &impl ToJson) -> Result<(), NotSaid> {
+    let line = to_json_line(record).map_err(NotSaid::Json)?;
+    let mut out = io::stdout().lock();
+    out.write_all(line.as_bytes()).and_then(|()| out.flush()).map_err(NotSaid::Output)
+}
+
+/// Why there is no frame.
+fn no_frame(cause: io::Error) -> anyhow::Error {
+    match cause.downcast::<NotSaid>() {
+        Ok(while_waiting) => while_waiting.into(),
+        Err(cause) => anyhow::Error::new(cause)
+            .context("standard input gives no frame; close it to end, or allow more with --timeout-s"),
     }
 }
 
@@ -114,6 +152,7 @@ struct Adviser {
     last_t_s: Option<(f64, f64)>,
     /// The answer before.
     last: Option<FrameRecord>,
+    watchdog: Watchdog,
 }
 
 impl Adviser {
@@ -162,21 +201,42 @@ impl Adviser {
 
     /// The record of such a frame: the vehicle is to slow down, wheels as they are, for as long as none can be used.
     fn broken(&self, time: FrameTime, cause: String) -> FrameRecord {
-        let before = self.last.as_ref().and_then(|record| record.advice.clone());
         let dt_s = self.last_t_s.map_or(USUAL_DT_S, |(_, dt_s)| dt_s);
-        let advice = before.map(|before| {
-            let speed_mps = (before.speed_mps - self.brakes_mps2 * dt_s).max(0.0);
-            AdviceRecord { speed_mps: rounded(speed_mps, DIGITS), rules: Vec::new(), ..before }
-        });
-        let controller = self.pipeline.config().advice.controller.name();
-        let advice = advice
-            .unwrap_or_else(|| AdviceRecord { controller: controller.to_owned(), ..AdviceRecord::default() });
+        let before = self.advised();
+        let speed_mps = (before.speed_mps - self.brakes_mps2 * dt_s).max(0.0);
         let advice = AdviceRecord {
+            speed_mps: rounded(speed_mps, DIGITS),
+            rules: Vec::new(),
             stop: Some("broken_frame".to_owned()),
             because: "slow down: the frame could not be used".to_owned(),
-            ..advice
+            ..before
         };
         let record = broken_record(time, self.last.as_ref(), TrackState::Searching, cause);
         FrameRecord { advice: Some(advice), ..record }
+    }
+
+    /// What is said when no picture comes, once a silence; frames that cannot be used then set nothing going again.
+    fn stop_in_silence(&mut self) -> Option<SilenceRecord> {
+        let silent_s = self.watchdog.silence(Instant::now())?.as_secs_f64();
+        self.watchdog.rest();
+        let advice = AdviceRecord {
+            speed_mps: 0.0,
+            rules: Vec::new(),
+            stop: Some("no_picture".to_owned()),
+            because: format!("stop: no new picture has come for {silent_s:.1} s"),
+            ..self.advised()
+        };
+        if let Some(last) = &mut self.last {
+            last.advice = Some(advice.clone());
+        }
+        Some(SilenceRecord { silent_s: rounded(silent_s, DIGITS), advice })
+    }
+
+    /// What was advised last; before the first frame, to stand.
+    fn advised(&self) -> AdviceRecord {
+        let before = self.last.as_ref().and_then(|record| record.advice.clone());
+        let controller = self.pipeline.config().advice.controller.name();
+        before
+            .unwrap_or_else(|| AdviceRecord { controller: controller.to_owned(), ..AdviceRecord::default() })
     }
 }

@@ -60,6 +60,7 @@ mod tune;
 mod usage_hints;
 mod verbosity;
 mod version;
+mod watchdog;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -16,8 +16,8 @@ pub struct AdviceRecord {
     /// How far left of it the vehicle is, metres; none where nothing leads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_m: Option<f64>,
-    /// Why the vehicle is to stop: `no_line`, `strayed`, `line_ends`, `no_rule`, `motion_not_believed` or `broken_frame`; none while it is to
-    /// drive.
+    /// Why the vehicle is to stop: `no_line`, `strayed`, `line_ends`, `no_rule`, `motion_not_believed`, `broken_frame` or, in a
+    /// [`SilenceRecord`], `no_picture`; none while it is to drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<String>,
     /// Rules that took part; of the fuzzy controller alone.
@@ -25,6 +25,15 @@ pub struct AdviceRecord {
     pub rules: Vec<FiredRuleRecord>,
     /// One sentence: what is steered along, by what, and what decides the speed.
     pub because: String,
+}
+
+/// The line that `fingerpost advise` writes when no new picture comes. It answers no picture: it has no `frame`, as answers have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SilenceRecord {
+    /// Time since the answer to the last picture that could be used, seconds.
+    pub silent_s: f64,
+    /// What the vehicle is to do: stop, wheels as they are.
+    pub advice: AdviceRecord,
 }
 
 /// A rule that took part.

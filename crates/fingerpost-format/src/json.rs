@@ -5,8 +5,8 @@
 use thiserror::Error;
 
 use crate::{
-    Campaign, ClosedLoop, FixLine, FrameRecord, LoopDrive, LoopFrame, Summary, TruthRecord, TuSimpleRecord,
-    TuningFront, TuningTrial,
+    Campaign, ClosedLoop, FixLine, FrameRecord, LoopDrive, LoopFrame, SilenceRecord, Summary, TruthRecord,
+    TuSimpleRecord, TuningFront, TuningTrial,
 };
 
 /// A value that a file has as JSON: a record on one line, a table indented.
@@ -45,7 +45,16 @@ macro_rules! json_records {
     )+};
 }
 
-json_records!(FrameRecord, TruthRecord, TuSimpleRecord, FixLine, LoopDrive, LoopFrame, TuningTrial);
+json_records!(
+    FrameRecord,
+    SilenceRecord,
+    TruthRecord,
+    TuSimpleRecord,
+    FixLine,
+    LoopDrive,
+    LoopFrame,
+    TuningTrial
+);
 
 macro_rules! json_tables {
     ($($of:ty),+) => {$(

@@ -29,7 +29,7 @@ mod truth;
 mod tuning;
 mod tusimple;
 
-pub use advice::{AdviceRecord, FiredRuleRecord};
+pub use advice::{AdviceRecord, FiredRuleRecord, SilenceRecord};
 pub use camera_file::{
     CameraFileError, camera_from_toml, camera_to_toml, is_written_camera, mount_from_toml, points_to_toml,
 };

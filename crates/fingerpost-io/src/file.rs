@@ -190,17 +190,38 @@ impl InputFile {
         Ok(Self { file, patience: (!on_disk).then(|| Patience::new(None)), waits: Waits::Each })
     }
 
+    /// Reads as [`Read::read`]; while it waits, `meanwhile` is called some twenty times a second and before each piece.
+    ///
+    /// # Errors
+    /// Those of reading and of `meanwhile`.
+    #[cfg(unix)]
+    pub(crate) fn read_while(
+        &mut self,
+        buffer: &mut [u8],
+        meanwhile: &mut dyn FnMut() -> io::Result<()>,
+    ) -> io::Result<usize> {
+        loop {
+            self.wait(meanwhile)?;
+            match self.file.read(buffer) {
+                // Another reader was faster.
+                Err(cause) if cause.kind() == ErrorKind::WouldBlock && self.patience.is_some() => {}
+                read => return read,
+            }
+        }
+    }
+
     /// Waits until there is something to be read, or the end.
     ///
     /// # Errors
-    /// As [`Patience::until`].
+    /// As [`Patience::until`], and those of `meanwhile`.
     #[cfg(unix)]
-    fn wait(&mut self) -> io::Result<()> {
+    fn wait(&mut self, meanwhile: &mut dyn FnMut() -> io::Result<()>) -> io::Result<()> {
         let Some(patience) = &self.patience else { return Ok(()) };
         let (began, longest) = (Instant::now(), patience.longest());
         let before = if let Waits::Together(before) = self.waits { before } else { Duration::ZERO };
         let mut has_asked = false;
         patience.readable(&self.file, || {
+            meanwhile()?;
             let is_spent = has_asked && !before.is_zero() && before + began.elapsed() >= longest;
             has_asked = true;
             if is_spent {
@@ -217,16 +238,14 @@ impl InputFile {
 }
 
 impl Read for InputFile {
+    #[cfg(unix)]
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        loop {
-            #[cfg(unix)]
-            self.wait()?;
-            match self.file.read(buffer) {
-                // Another reader was faster.
-                Err(cause) if cause.kind() == ErrorKind::WouldBlock && self.patience.is_some() => {}
-                read => return read,
-            }
-        }
+        self.read_while(buffer, &mut || Ok(()))
+    }
+
+    #[cfg(not(unix))]
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.file.read(buffer)
     }
 }
 

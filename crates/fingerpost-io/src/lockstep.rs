@@ -67,13 +67,32 @@ pub struct FrameFeed<R> {
     astray: bool,
 }
 
-/// The frames on standard input, of this width and height, pixels.
+/// The frames on standard input, of this width and height, pixels. While one is waited for, also in its middle, `meanwhile` is called
+/// some twenty times a second; an error that it gives ends the waiting and is [`FrameFeed::next_frame`]'s.
 ///
 /// # Errors
 /// Those of the system where there is no standard input.
 #[cfg(unix)]
-pub fn standard_feed(size_px: [usize; 2]) -> io::Result<FrameFeed<impl Read>> {
-    Ok(FrameFeed::new(crate::file::InputFile::standard_input()?, size_px))
+pub fn standard_feed(
+    size_px: [usize; 2],
+    meanwhile: impl FnMut() -> io::Result<()>,
+) -> io::Result<FrameFeed<impl Read>> {
+    let input = crate::file::InputFile::standard_input()?;
+    Ok(FrameFeed::new(Attended { input, meanwhile }, size_px))
+}
+
+/// An input during whose waits something else is done.
+#[cfg(unix)]
+struct Attended<M> {
+    input: crate::file::InputFile,
+    meanwhile: M,
+}
+
+#[cfg(unix)]
+impl<M: FnMut() -> io::Result<()>> Read for Attended<M> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.input.read_while(buffer, &mut self.meanwhile)
+    }
 }
 
 impl<R: Read> FrameFeed<R> {

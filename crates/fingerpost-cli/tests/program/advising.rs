@@ -1,88 +1,16 @@
 //! `advise`: frames in, advice out, in lockstep; what is wrong with a frame costs that frame.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
-use fingerpost_format::{FrameRecord, TruthRecord};
-use fingerpost_io::{picture_paths, read_picture, read_truth};
+use fingerpost_format::FrameRecord;
 use serde_json::json;
 use tempfile::TempDir;
 
+use crate::advisor::{Advisor, Ended, drive, header};
 use crate::drive::Drive;
-use crate::program::{call_line, command, frames};
-
-/// The program under way.
-struct Advisor {
-    child: Child,
-    input: Option<ChildStdin>,
-    output: BufReader<ChildStdout>,
-}
-
-impl Advisor {
-    fn start(arguments: &[&str]) -> Self {
-        let drive = Drive::get();
-        let mut child = command()
-            .args(["advise", "--start-m", "0", "--camera"])
-            .arg(drive.camera())
-            .arg("--route")
-            .arg(drive.route())
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let (input, output) = (child.stdin.take(), BufReader::new(child.stdout.take().unwrap()));
-        Self { child, input, output }
-    }
-
-    fn give(&mut self, bytes: &[u8]) {
-        let input = self.input.as_mut().unwrap();
-        input.write_all(bytes).unwrap();
-        input.flush().unwrap();
-    }
-
-    /// The answer to what was given, which comes before anything more is.
-    fn answer(&mut self) -> FrameRecord {
-        let mut line = String::new();
-        self.output.read_line(&mut line).unwrap();
-        serde_json::from_str(&line).unwrap()
-    }
-
-    fn asked(&mut self, header: &str, pixels: &[u8]) -> FrameRecord {
-        self.give(header.as_bytes());
-        self.give(b"\n");
-        self.give(pixels);
-        self.answer()
-    }
-
-    /// Ends the input; what the program still answers, and its exit code and messages.
-    fn end(mut self) -> (Vec<FrameRecord>, Option<i32>, String) {
-        drop(self.input.take());
-        let rest = self.output.lines().map(|line| serde_json::from_str(&line.unwrap()).unwrap()).collect();
-        let output = self.child.wait_with_output().unwrap();
-        (rest, output.status.code(), String::from_utf8(output.stderr).unwrap())
-    }
-}
-
-fn header(truth: &TruthRecord) -> String {
-    json!({"t_s": truth.t_s, "width": 320, "height": 240, "speed_mps": truth.speed_mps}).to_string()
-}
-
-/// The drive's frames with their truth.
-fn drive() -> Vec<(TruthRecord, Vec<u8>)> {
-    let drive = Drive::get();
-    let truth = read_truth(&drive.truth()).unwrap();
-    let paths = picture_paths(&drive.path()).unwrap();
-    truth
-        .into_iter()
-        .zip(paths)
-        .map(|(truth, path)| (truth, read_picture(&path).unwrap().as_slice().to_vec()))
-        .collect()
-}
+use crate::program::{call_line, frames};
 
 #[test]
 fn a_drive_is_advised_frame_by_frame_as_a_run_says_it() {
@@ -99,7 +27,7 @@ fn a_drive_is_advised_frame_by_frame_as_a_run_says_it() {
         let bare = json!({"t_s": truth.t_s, "width": 320, "height": 240}).to_string();
         advised.push(advisor.asked(&bare, &pixels));
     }
-    let (rest, code, messages) = advisor.end();
+    let Ended { rest, code, messages } = advisor.end();
     assert!(rest.is_empty() && code == Some(0) && messages.is_empty(), "{messages}");
     for (advised, run) in advised.iter().zip(frames(&run)) {
         let times = run.stage_ms.clone();
@@ -157,7 +85,7 @@ fn a_bad_frame_is_answered_by_its_error_and_the_advice_to_slow_down() {
     assert!(good(&mut advisor, 8).stop.is_none());
     advisor.give(format!("{}\n", header(&frames[9].0)).as_bytes());
     advisor.give(&frames[9].1[..1000]);
-    let (rest, code, messages) = advisor.end();
+    let Ended { rest, code, messages } = advisor.end();
     assert_eq!((rest.len(), code), (1, Some(0)), "{messages}");
     assert!(rest[0].error.as_ref().unwrap().contains("1000 of the frame's 230400 bytes"));
     assert_eq!(messages.lines().count(), 8, "{messages}");
@@ -171,27 +99,25 @@ fn who_stops_in_the_middle_of_a_frame_is_answered_and_who_says_nothing_is_left()
     advisor.give(format!("{}\n", header(&frames[0].0)).as_bytes());
     advisor.give(&frames[0].1[..5000]);
     assert!(advisor.answer().error.unwrap().contains("5000 of"));
-    let mut line = String::new();
-    assert_eq!(advisor.output.read_line(&mut line).unwrap(), 0, "{line}");
-    let output = advisor.child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8(output.stderr).unwrap().contains("--timeout-s"));
+    let Ended { rest, code, messages } = advisor.ended();
+    assert_eq!((rest.len(), code), (0, Some(1)));
+    assert!(messages.contains("--timeout-s"), "{messages}");
     assert!(began.elapsed() < Duration::from_secs(60));
 }
 
 #[test]
 fn an_empty_input_ends_well_and_wrong_rules_are_refused() {
-    let (rest, code, _) = Advisor::start(&[]).end();
+    let Ended { rest, code, .. } = Advisor::start(&[]).end();
     assert_eq!((rest.len(), code), (0, Some(0)));
     let folder = TempDir::new().unwrap();
     let config = write_config(folder.path(), "rule if offset_deg is left then turn_deg is right");
-    let (rest, code, messages) = Advisor::start(&["--config", &config]).end();
+    let Ended { rest, code, messages } = Advisor::start(&["--config", &config]).end();
     assert_eq!((rest.len(), code), (0, Some(1)));
     assert!(messages.contains("advice.rules: line 1 of the fuzzy rules"), "{messages}");
     // Rules that nobody goes by are no error, and are not passed over in silence.
     let path = folder.path().join("unused.toml");
     fs::write(&path, format!("[advice]\nrules = '''\n{OWN_RULES}'''\n")).unwrap();
-    let (_, code, messages) = Advisor::start(&["--config", &path.display().to_string()]).end();
+    let Ended { code, messages, .. } = Advisor::start(&["--config", &path.display().to_string()]).end();
     assert_eq!(code, Some(0));
     assert!(messages.contains("and pure_pursuit steers: set advice.controller = \"fuzzy\""), "{messages}");
 }

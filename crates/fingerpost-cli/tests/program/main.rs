@@ -6,6 +6,8 @@
 mod about;
 #[cfg(unix)]
 mod advising;
+#[cfg(unix)]
+mod advisor;
 mod bad_inputs;
 mod broken_frames;
 mod calibrating;
@@ -45,3 +47,5 @@ mod stalls;
 mod tuning;
 mod verbosity;
 mod video_stub;
+#[cfg(unix)]
+mod watchdog;
