@@ -7,9 +7,9 @@ FINGERPOST is the program, built with the feature ros2, DRIVE a folder of `simul
 Needs the packages cyclonedds, pillow, mcap and mcap-protobuf-support. Both sides speak over the loopback interface alone, without multicast.
 
 First every picture of the drive is sent packed at the drive's pace, and every result is expected: none is lost, frames are named as REP 105
-names them, no variance is zero, and the poses are those of `run`. Then bare pictures of several encodings and the calibration as a message,
-with broken pictures in between: each of these is reported and ends nothing. At last GPS and twist beside the pictures, on the map, and
-silence. How long results take is printed and held against nothing: machines that check are busy with other things.
+names them, no variance is zero, poses and commands are those of `run`, and the last command is to stop. Then bare pictures of several encodings and the calibration as a message,
+with broken pictures in between: each of these is reported and ends nothing, and silence commands the vehicle to stop. At last GPS and twist
+beside the pictures, on the map. How long results take is printed and held against nothing: machines that check are busy with other things.
 """
 import json
 import os
@@ -84,6 +84,9 @@ TransformStamped = geometry("TransformStamped", header=Header, child_frame_id=st
 TFMessage = ros("tf2_msgs")("TFMessage", transforms=sequence[TransformStamped])
 Odometry = nav("Odometry", header=Header, child_frame_id=str, pose=PoseWithCovariance, twist=TwistWithCovariance)
 Path = nav("Path", header=Header, poses=sequence[PoseStamped])
+AckermannDrive = ros("ackermann_msgs")("AckermannDrive", steering_angle=float32, steering_angle_velocity=float32, speed=float32,
+                                      acceleration=float32, jerk=float32)
+AckermannDriveStamped = ros("ackermann_msgs")("AckermannDriveStamped", header=Header, drive=AckermannDrive)
 KeyValue = ros("diagnostic_msgs")("KeyValue", key=str, value=str)
 DiagnosticStatus = ros("diagnostic_msgs")("DiagnosticStatus", level=uint8, name=str, message=str, hardware_id=str, values=sequence[KeyValue])
 DiagnosticArray = ros("diagnostic_msgs")("DiagnosticArray", header=Header, status=sequence[DiagnosticStatus])
@@ -97,7 +100,7 @@ Marker = ros("visualization_msgs")(
 MarkerArray = ros("visualization_msgs")("MarkerArray", markers=sequence[Marker])
 
 SENT = {"/fingerpost/odometry": Odometry, "/fingerpost/path": Path, "/fingerpost/driving_line": Path, "/fingerpost/feature": MarkerArray,
-        "/fingerpost/fix": NavSatFix, "/diagnostics": DiagnosticArray, "/tf": TFMessage}
+        "/fingerpost/ackermann_cmd": AckermannDriveStamped, "/fingerpost/fix": NavSatFix, "/diagnostics": DiagnosticArray, "/tf": TFMessage}
 participant = DomainParticipant(DOMAIN)
 # Programs that were started.
 RUNNING = []
@@ -169,6 +172,11 @@ class Node:
         self.errors.close()
         assert code == 0, (code, self.log.read_text())
 
+    def commands(self):
+        """Steering angle and speed that were commanded last at a picture's time, or at that of a stop, nanoseconds."""
+        return {stamp_ns(message.header): (message.drive.steering_angle, message.drive.speed)
+                for message in self.got["/fingerpost/ackermann_cmd"]}
+
     def said(self, part):
         """Levels and messages of the diagnostics of a part, in their order."""
         return [(status.level, status.message) for array in self.got["/diagnostics"] for status in array.status
@@ -203,6 +211,22 @@ def check_odometry(odometry, stamps_ns, expected):
     assert worst < 1e-6, f"a pose lies {worst} from that of run"
 
 
+def check_commands(node, stamps_ns, expected):
+    """Each picture's command is its advice; between them, where a picture is long in coming, and at the end is one to stop."""
+    messages = node.got["/fingerpost/ackermann_cmd"]
+    commands = node.commands()
+    for ns, record in zip(stamps_ns, expected, strict=True):
+        advice = record["advice"]
+        angle, speed = commands.pop(ns)
+        assert abs(angle - advice["steer_rad"]) < 1e-5 and abs(speed - advice["speed_mps"]) < 1e-3, (ns, angle, speed, advice)
+        assert speed == 0 or (advice["line"] and not advice.get("stop")), (speed, advice)
+    assert all(speed == 0 for _, speed in commands.values()), commands
+    assert {message.header.frame_id for message in messages} == {"base_link"}
+    assert not any(m.drive.steering_angle_velocity or m.drive.acceleration or m.drive.jerk for m in messages)
+    last = messages[-1]
+    assert stamp_ns(last.header) > stamps_ns[-1] and last.drive.speed == 0, last
+
+
 def check_whole_drive(program, drive, out):
     """All pictures, packed, at the drive's pace."""
     route = ["--camera", drive / "camera.toml", "--route", drive / "route.geojson", "--start-m", "0"]
@@ -226,6 +250,8 @@ def check_whole_drive(program, drive, out):
     node.end()
 
     check_odometry(node.got["/fingerpost/odometry"], stamps_ns, poses)
+    check_commands(node, stamps_ns, expected)
+    assert max(speed for _, speed in node.commands().values()) > 1, "the vehicle was never commanded to drive"
     got = records(out / "node")
     assert [record["frame"] for record in got] == list(range(len(pictures)))
     for record, wanted in zip(got, expected, strict=True):
@@ -322,6 +348,8 @@ def check_bare_pictures(program, drive, out):
             # Silence, which is said and ends nothing.
             until("the diagnostics of silence", lambda: node.take() or any(
                 level == 3 and "silent" in message for level, message in node.said("pictures")))
+            (stop_ns, (_, speed)) = max(node.commands().items())
+            assert speed == 0 and stop_ns >= stamps_ns[i - 1] + 5 * 10**8, (stop_ns, speed)
         send(bare(ns, encoding, picture))
         if i in (10, 15, 20, 22, 24):
             bad = bare(ns + 1000, "rgb8", picture)
@@ -346,7 +374,9 @@ def check_bare_pictures(program, drive, out):
     until("the end of the silence", lambda: "has come again" in node.log.read_text())
     node.end()
     check_odometry(node.got["/fingerpost/odometry"], stamps_ns, poses)
-    assert "has been silent for" in node.log.read_text()
+    check_commands(node, stamps_ns, records(out / "bare_run"))
+    log = node.log.read_text()
+    assert "has been silent for" in log and "the vehicle is commanded to stop" in log, log
     print(f"{used} bare pictures of {len(set(encodings))} encodings as run has them, {broken} broken ones and silence reported")
 
 

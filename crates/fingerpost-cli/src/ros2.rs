@@ -21,6 +21,7 @@ use crate::mount_args::{KnownCamera, MountArgs, PictureKindArgs, check_lens_agai
 use crate::overlap::{self, Overlap};
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, Wishes};
 use crate::run::NEAR_SIGMA_M;
+use crate::watchdog::{Watchdog, WatchdogArgs};
 use crate::{inputs, output, output_path, start_check};
 use drive::RosDrive;
 use topics::TopicArgs;
@@ -28,8 +29,8 @@ use topics::TopicArgs;
 /// How long a picture is waited for before inputs are looked after and Ctrl-C is heeded.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Run as a node of ROS 2, without ROS: pictures come over DDS, and odometry, paths, the followed feature and diagnostics go out. Goes
-/// on until Ctrl-C; with --out it then leaves a run folder.
+/// Run as a node of ROS 2, without ROS: pictures come over DDS, and odometry, paths, steering commands, the followed feature and
+/// diagnostics go out. Goes on until Ctrl-C; with --out it then leaves a run folder.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("roads").args(["route", "map"]).multiple(true)))]
 #[command(before_long_help = examples!(
@@ -59,6 +60,8 @@ pub(crate) struct Ros2Args {
     /// Configuration; every key is optional. `fingerpost schema` describes them.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    #[command(flatten)]
+    watchdog: WatchdogArgs,
     #[command(flatten)]
     limit: InputLimit,
     /// Stop after so many pictures, those that cannot be used with them.
@@ -121,7 +124,8 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
         driver = driver.locating_on(roads, near);
     }
     let subject = Subject { roads, ..driver.subject(run)? };
-    let drive = RosDrive::new(driver, node, inputs.twist.is_some(), args.frames, interrupt);
+    let watchdog = Watchdog::new(args.watchdog);
+    let drive = RosDrive::new(driver, node, inputs.twist.is_some(), args.frames, watchdog, interrupt);
     match &args.out {
         Some(out) => {
             let bar = output::progress(args.frames, "frames");
@@ -171,6 +175,7 @@ fn wait_for_camera(
 /// Runs on and writes a run folder.
 fn record(mut drive: RosDrive, mut recorder: Recorder, out: &Path) -> Result<()> {
     let failure = overlap::each(Overlap::Writing, drive.by_ref(), |result| recorder.add(result)).err();
+    drive.stop_vehicle();
     let (frames, unused) = (recorder.frames(), recorder.nothing_used());
     recorder.note_dropped(drive.dropped());
     let end = if failure.is_some() { RunEnd::Interrupted } else { RunEnd::Complete };
@@ -196,13 +201,16 @@ fn record(mut drive: RosDrive, mut recorder: Recorder, out: &Path) -> Result<()>
 /// Runs on and writes nothing.
 fn only_send(mut drive: RosDrive) -> Result<()> {
     let (mut frames, mut broken) = (0_u64, 0_u64);
-    for result in drive.by_ref() {
+    let ended = drive.try_for_each(|result| -> Result<()> {
         frames += 1;
         if let Err(cause) = result?.outcome {
             broken += 1;
             output::message(&format!("picture {} of those that came is passed over: {cause}", frames - 1));
         }
-    }
+        Ok(())
+    });
+    drive.stop_vehicle();
+    ended?;
     drive.say_what_was_dropped();
     if frames == 0 {
         bail!("interrupted before a picture came");

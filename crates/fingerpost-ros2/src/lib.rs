@@ -15,6 +15,7 @@
 //! | odometry | `nav_msgs/Odometry` with covariances, none of whose variances is zero | `odom`, `base_link` |
 //! | the way driven | `nav_msgs/Path`, when it has a new pose | `odom` |
 //! | the driving line ahead | `nav_msgs/Path` | `base_link` |
+//! | steering angle and speed | `ackermann_msgs/AckermannDriveStamped`, and once more to stop | `base_link` |
 //! | the followed feature | `visualization_msgs/MarkerArray` | `base_link` |
 //! | the fix on a map | `sensor_msgs/NavSatFix` | `base_link` |
 //! | inputs and method | `diagnostic_msgs/DiagnosticArray`, every second | |
@@ -26,6 +27,7 @@
 //!
 //! Limits: no parameters, services, actions or `/rosout`; markers have the fields of ROS 2 Humble and later.
 
+mod command;
 mod frames;
 mod health;
 mod inbox;

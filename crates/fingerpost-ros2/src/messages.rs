@@ -1,7 +1,7 @@
 //! The messages that are sent, field by field as ROS 2 defines them (from Humble on), for CDR.
 //!
-//! Source: the `.msg` files of `std_msgs`, `geometry_msgs`, `nav_msgs`, `sensor_msgs`, `visualization_msgs`, `diagnostic_msgs`
-//! and `tf2_msgs`.
+//! Source: the `.msg` files of `std_msgs`, `geometry_msgs`, `nav_msgs`, `sensor_msgs`, `visualization_msgs`, `diagnostic_msgs`,
+//! `tf2_msgs` and `ackermann_msgs`.
 
 use nalgebra::{Isometry2, UnitQuaternion};
 use serde::ser::SerializeTuple;
@@ -162,6 +162,25 @@ pub(crate) struct NavSatFix {
     pub(crate) altitude: f64,
     pub(crate) position_covariance: [f64; 9],
     pub(crate) position_covariance_type: u8,
+}
+
+/// `ackermann_msgs/AckermannDrive`; rates of zero are as fast as possible.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub(crate) struct AckermannDrive {
+    /// Yaw of a wheel in the middle of the front axle, radians, positive to the left.
+    pub(crate) steering_angle: f32,
+    pub(crate) steering_angle_velocity: f32,
+    /// Of the rear axle's middle, m/s, positive forward.
+    pub(crate) speed: f32,
+    pub(crate) acceleration: f32,
+    pub(crate) jerk: f32,
+}
+
+/// `ackermann_msgs/AckermannDriveStamped`
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct AckermannDriveStamped {
+    pub(crate) header: Header,
+    pub(crate) drive: AckermannDrive,
 }
 
 /// `std_msgs/ColorRGBA`

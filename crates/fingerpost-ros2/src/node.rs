@@ -16,6 +16,7 @@ use rustdds::{DomainParticipantBuilder, QosPolicies};
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::command::Commands;
 use crate::health::{Health, Input};
 use crate::inbox::{Arrival, Inbox};
 use crate::odometry::{DrivenPath, driving_line, odometry};
@@ -72,6 +73,8 @@ pub struct OutputTopics {
     pub path: String,
     /// `nav_msgs/Path`: the way ahead.
     pub driving_line: String,
+    /// `ackermann_msgs/AckermannDriveStamped`
+    pub command: String,
     /// `visualization_msgs/MarkerArray`
     pub feature: String,
     /// `sensor_msgs/NavSatFix`, with a map.
@@ -102,7 +105,7 @@ pub struct NodeSetting {
     pub interfaces: Vec<Ipv4Addr>,
 }
 
-/// A node that cannot begin.
+/// A node that cannot begin, or a command that it cannot send.
 #[derive(Debug, Error)]
 pub enum NodeError {
     /// A name is none of ROS.
@@ -143,6 +146,14 @@ pub enum NodeError {
         /// What DDS says.
         cause: String,
     },
+    /// The command to stop cannot be sent.
+    #[error(
+        "the command to stop cannot be sent ({cause}); a reader of commands confirms none: end it, or have it read with best effort"
+    )]
+    Stop {
+        /// What DDS says.
+        cause: String,
+    },
     /// There is no thread to listen.
     #[error("there is no thread to listen with ({0}); the system has too many")]
     Thread(#[from] std::io::Error),
@@ -167,6 +178,7 @@ struct Results {
     odometry: Publisher<messages::Odometry>,
     path: Publisher<messages::Path>,
     driving_line: Publisher<messages::Path>,
+    commands: Commands,
     feature: Publisher<messages::MarkerArray>,
     fix: Publisher<messages::NavSatFix>,
     transforms: Option<Publisher<messages::TfMessage>>,
@@ -197,6 +209,11 @@ impl RosNode {
             odometry: opening.publisher(&outputs.odometry, "nav_msgs", "Odometry")?,
             path: opening.publisher(&outputs.path, "nav_msgs", "Path")?,
             driving_line: opening.publisher(&outputs.driving_line, "nav_msgs", "Path")?,
+            commands: Commands::new(opening.publisher(
+                &outputs.command,
+                "ackermann_msgs",
+                "AckermannDriveStamped",
+            )?),
             feature: opening.publisher(&outputs.feature, "visualization_msgs", "MarkerArray")?,
             fix: opening.publisher(&outputs.fix, "sensor_msgs", "NavSatFix")?,
             transforms: match outputs.transforms {
@@ -245,6 +262,14 @@ impl RosNode {
     /// Sends what the method makes of the picture with that stamp.
     pub fn send(&mut self, stamp_ns: u64, scene: &Scene<'_>) {
         self.results.send(stamp_ns, scene);
+    }
+
+    /// Commands the vehicle to stop, wheels as they are, where it was commanded to drive before.
+    ///
+    /// # Errors
+    /// [`NodeError::Stop`] when that could not be sent, and may be tried again.
+    pub fn stop(&self) -> Result<(), NodeError> {
+        self.results.commands.stop().map_err(|cause| NodeError::Stop { cause })
     }
 
     /// Takes in what is said of a frame, for the diagnostics; its picture came at `came`.
@@ -299,6 +324,8 @@ impl InputTopics {
 impl Results {
     fn send(&mut self, stamp_ns: u64, scene: &Scene<'_>) {
         let output = scene.output;
+        // First, because a vehicle waits for it.
+        self.commands.send(stamp_ns, &output.advice);
         let dt_s = self
             .last_stamp_ns
             .replace(stamp_ns)

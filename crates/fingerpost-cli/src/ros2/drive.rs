@@ -1,6 +1,8 @@
 //! Picture after picture of a node, each with what was measured before it.
 
 use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use fingerpost::Sensors;
@@ -17,6 +19,10 @@ use crate::driver::{Driver, FrameResult, pass_over};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::stage_clock::FrameClock;
+use crate::watchdog::Watchdog;
+
+/// What the last command has until the node ends: DDS sends from a thread of its own, which ends with it.
+const FAREWELL: Duration = Duration::from_millis(100);
 
 /// A drive whose pictures come as they are taken.
 pub(super) struct RosDrive {
@@ -26,6 +32,7 @@ pub(super) struct RosDrive {
     has_twist: bool,
     /// Pictures still wanted.
     left: u64,
+    watchdog: Watchdog,
     interrupt: Interrupt,
     /// Stamp of the first picture that could be used, nanoseconds.
     first_ns: Option<u64>,
@@ -39,10 +46,11 @@ impl RosDrive {
         node: RosNode,
         has_twist: bool,
         most: Option<u64>,
+        watchdog: Watchdog,
         interrupt: Interrupt,
     ) -> Self {
         let left = most.unwrap_or(u64::MAX);
-        Self { driver, node, has_twist, left, interrupt, first_ns: None, last_t_s: 0.0 }
+        Self { driver, node, has_twist, left, watchdog, interrupt, first_ns: None, last_t_s: 0.0 }
     }
 
     /// Pictures that made room for later ones.
@@ -61,12 +69,34 @@ impl RosDrive {
         }
     }
 
+    /// Commands the vehicle to stop, because no more pictures will be used.
+    pub(super) fn stop_vehicle(&self) {
+        if let Err(cause) = self.node.stop() {
+            output::message(&cause.to_string());
+        }
+        thread::sleep(FAREWELL);
+    }
+
+    /// Commands it because none have come, once a silence.
+    fn watch(&mut self) {
+        let Some(silence) = self.watchdog.silence(Instant::now()) else { return };
+        // Where it cannot be sent it is tried again.
+        if self.node.stop().is_ok() {
+            self.watchdog.rest();
+            output::message(&format!(
+                "no new picture has come for {:.1} s: the vehicle is commanded to stop until one does",
+                silence.as_secs_f64()
+            ));
+        }
+    }
+
     /// The next picture; none when the user wants no more.
     fn wait(&mut self) -> Option<Arrival> {
         loop {
             if self.interrupt.wanted() {
                 return None;
             }
+            self.watch();
             let arrival = self.node.next(GLANCE);
             self.node.look_after().iter().for_each(|text| output::message(text));
             if arrival.is_some() {
@@ -105,7 +135,10 @@ impl RosDrive {
         let mut result =
             self.driver.step_showing(time, &picture, sensors, &mut |scene| node.send(stamp_ns, scene))?;
         match &result.outcome {
-            Ok(seen) => node.note(&seen.record, came),
+            Ok(seen) => {
+                node.note(&seen.record, came);
+                self.watchdog.restart(Instant::now());
+            }
             Err(cause) => node.refuse(cause),
         }
         result.stage_ms.extend(clock.stage_ms);

@@ -52,6 +52,10 @@ pub(super) struct TopicArgs {
     /// Topic that the driving line ahead is sent on, nav_msgs Path.
     #[arg(long, value_name = "TOPIC", default_value = "/fingerpost/driving_line")]
     driving_line_topic: String,
+    /// Topic that steering angle and speed are sent on, ackermann_msgs AckermannDriveStamped: speed 0 to stop. Most vehicles listen on
+    /// /ackermann_cmd; by default none does.
+    #[arg(long, value_name = "TOPIC", default_value = "/fingerpost/ackermann_cmd")]
+    command_topic: String,
     /// Topic that the followed feature is sent on, visualization_msgs MarkerArray.
     #[arg(long, value_name = "TOPIC", default_value = "/fingerpost/feature")]
     feature_topic: String,
@@ -128,6 +132,7 @@ impl TopicArgs {
             odometry: self.odometry_topic.clone(),
             path: self.path_topic.clone(),
             driving_line: self.driving_line_topic.clone(),
+            command: self.command_topic.clone(),
             feature: self.feature_topic.clone(),
             fix: self.fix_topic.clone(),
             diagnostics: self.diagnostics_topic.clone(),
