@@ -19,7 +19,8 @@ advisor = subprocess.Popen([program, "advise", *files, *sys.argv[3:]], stdin=sub
 
 def advised(header, picture):
     """The answer to a picture; what is said before it, that none came for a while, is no answer."""
-    advisor.stdin.write(json.dumps(header).encode() + b"\n" + picture.tobytes())
+    advisor.stdin.write(json.dumps(header).encode() + b"\n")
+    advisor.stdin.write(np.ascontiguousarray(picture))  # Its bytes, without a copy of a picture that lies in one piece.
     advisor.stdin.flush()
     while "frame" not in (answer := json.loads(advisor.stdout.readline())):
         print(answer["advice"]["because"])  # Here a vehicle would stop, at the time at which the line comes.
