@@ -33,6 +33,7 @@ mod made_from;
 mod man;
 mod mark;
 mod mount_args;
+mod mount_search;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod output;

@@ -2,24 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use clap::Args;
-use fingerpost_calibration::{
-    DrivenWay, DrivenWayError, Estimated, KnownScale, LaneWidth, MountCalibration, MountCalibrator,
-};
+use fingerpost_calibration::{Estimated, KnownScale, MountCalibration};
 use fingerpost_format::camera_to_toml;
-use fingerpost_geometry::{Camera, Mount};
-use fingerpost_io::{
-    FfmpegPrograms, FrameClock, FrameError, FrameSource, SourceOptions, StampFaults, write_file,
-};
-use fingerpost_vision::picture::RgbImage;
+use fingerpost_geometry::Mount;
+use fingerpost_io::{FfmpegPrograms, SourceOptions, write_file};
 use serde::Serialize;
 
 use crate::arguments::number;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
+use crate::mount_search::MountSearch;
 use crate::output_path::FileKind;
-use crate::{camera_size, inputs, output, output_path};
+use crate::{inputs, output, output_path};
 
 /// Find the direction in which a camera is mounted from a drive, mostly straight ahead, and write its camera.toml.
 ///
@@ -111,42 +107,23 @@ struct WrittenMount {
 /// Calibrates the mount.
 pub(crate) fn mount(args: &MountArgs) -> Result<()> {
     output_path::check_file(&args.out, FileKind::Camera, [Path::new(&args.input), &args.camera])?;
-    let known = known_scale(args);
     let camera = inputs::camera(&args.camera)?;
     let interrupt = Interrupt::listen()?;
-    let mut source = inputs::frames(&args.input, &source_options(args, &interrupt))?;
-    if source.clock() == FrameClock::Guessed && matches!(known, KnownScale::SpeedMps(_)) {
-        bail!(
-            "the height from --speed-mps is as wrong as the frame rate is, and that of {} is a guess; give the rate (--fps), or \
-             --distance-m in place of the speed; nothing was written",
-            args.input
-        );
-    }
-    let camera = match source.picture_size() {
-        Some(size) => camera_size::of_pictures(camera, size, &args.camera.display().to_string())?,
-        None => camera,
+    let search = MountSearch {
+        input: &args.input,
+        options: source_options(args, &interrupt),
+        frames: args.frames,
+        known: known_scale(args),
+        lane_width_m: args.lane_width_m,
+        stop: interrupt.flag(),
+        bar: &|frames| output::progress(frames, "frames"),
     };
-    let is_live = source.is_live();
-    let mut calibrator = MountCalibrator::new(&camera)?;
-    let faults = for_each_frame(source, args, &interrupt, |picture, t_s| Ok(calibrator.add(picture, t_s)?))?;
-    inputs::say_stamp_faults(&args.input, faults);
-    let mut calibration = calibrator.finish(known).context(NOTHING_WRITTEN)?;
-    if let Some(lane_width_m) = args.lane_width_m {
-        let seen =
-            width_of_lane(args, &interrupt, &calibration.camera_on_mount(&camera).context(NOTHING_WRITTEN)?)?;
-        calibration = calibration.with_lane_width(seen, lane_width_m);
-    }
-    let calibrated = calibration.camera_on_mount(&camera).context(NOTHING_WRITTEN)?;
-    if known != KnownScale::Nothing && !is_live {
-        let seen = driven_way(args, &interrupt, &calibrated)?;
-        seen.map_or(Ok(()), |seen| calibration.held_against(seen, known)).context(NOTHING_WRITTEN)?;
-    }
-    write_file(&args.out, camera_to_toml(&calibrated)?)?;
-    say(&calibration, args);
-    if args.json { output::print_json(&report(&calibration)) } else { Ok(()) }
+    let found = search.find(camera, &args.camera.display().to_string())?;
+    write_file(&args.out, camera_to_toml(&found.camera)?)?;
+    found.lines().iter().for_each(|line| output::message(line));
+    output::message(&format!("{}; mount in {}", found.frames_line(), args.out.display()));
+    if args.json { output::print_json(&report(&found.calibration)) } else { Ok(()) }
 }
-
-const NOTHING_WRITTEN: &str = "the mount cannot be trusted and nothing was written";
 
 fn known_scale(args: &MountArgs) -> KnownScale {
     match (args.speed_mps, args.distance_m) {
@@ -159,114 +136,6 @@ fn known_scale(args: &MountArgs) -> KnownScale {
 fn source_options(args: &MountArgs, interrupt: &Interrupt) -> SourceOptions {
     let programs = FfmpegPrograms { stop: Some(interrupt.shared_flag()), ..inputs::ffmpeg() };
     SourceOptions { fps: args.fps, programs, ..SourceOptions::default() }
-}
-
-/// Hands every picture of the input on, and says what was wrong with their stamps; broken pictures are passed over.
-fn for_each_frame(
-    mut source: FrameSource,
-    args: &MountArgs,
-    interrupt: &Interrupt,
-    mut take: impl FnMut(&RgbImage, f64) -> Result<()>,
-) -> Result<StampFaults> {
-    let most = args.frames.unwrap_or(u64::MAX);
-    let bar = output::progress(source.length().map(|length| length.min(most)).or(args.frames), "frames");
-    let mut left = most;
-    while let Some(frame) = source.next().filter(|_| left > 0) {
-        if interrupt.wanted() {
-            bail!("interrupted; nothing was written");
-        }
-        left -= 1;
-        match frame.picture {
-            Ok(picture) => {
-                take(&picture, frame.t_s).with_context(|| format!("frame {}", frame.index))?;
-                source.recycle(picture);
-            }
-            Err(cause @ FrameError::Picture(_)) => output::message(&format!("passed over: {cause}")),
-            Err(cause @ FrameError::Video(_)) => return Err(cause.into()),
-        }
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    if interrupt.wanted() {
-        bail!("interrupted; nothing was written");
-    }
-    Ok(source.stamp_faults())
-}
-
-/// The way of the drive through the camera; none where it does not show the road just ahead, which is said.
-fn driven_way(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Option<Estimated>> {
-    let mut way = DrivenWay::new(camera).map_err(DrivenWayError::from);
-    if way.is_ok() {
-        // What there is to say of the input has been said.
-        let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
-        for_each_frame(source, args, interrupt, |picture, _| {
-            if let Err(error) = way.as_mut().map_or(Ok(()), |way| way.add(picture)) {
-                way = Err(error);
-            }
-            Ok(())
-        })?;
-    }
-    match way {
-        Ok(way) => Ok(Some(way.way())),
-        Err(error) => {
-            output::message(&format!(
-                "the height is not held against the way that the frames show through its camera: {error}"
-            ));
-            Ok(None)
-        }
-    }
-}
-
-/// How wide the lane looks through a camera of that height.
-fn width_of_lane(args: &MountArgs, interrupt: &Interrupt, camera: &Camera) -> Result<Estimated> {
-    let mut lane = LaneWidth::new(camera)?;
-    // What there is to say of the input has been said.
-    let source = FrameSource::open(&args.input, &source_options(args, interrupt))?;
-    for_each_frame(source, args, interrupt, |picture, _| Ok(lane.add(picture)?))?;
-    lane.width().context(
-        "the drive shows no lane with markings on both sides for long enough, so that its width does not give the height; give \
-         --speed-mps or --distance-m instead; nothing was written",
-    )
-}
-
-fn say(calibration: &MountCalibration, args: &MountArgs) {
-    let MountCalibration { mount, pitch, yaw, roll, height, .. } = calibration;
-    let degrees = |what: &str, of: &Estimated| {
-        output::message(&format!("{what}: {:.2}° ± {:.2}°", of.value.to_degrees(), of.sigma.to_degrees()));
-    };
-    degrees("pitch (positive nose down)", pitch);
-    degrees("yaw (positive left)", yaw);
-    match roll {
-        Some(roll) if calibration.roll_taken_over => degrees("roll (positive left side up)", roll),
-        Some(roll) => output::message(&format!(
-            "roll kept at {:.2}°: the road shows {:.2}° ± {:.2}°, which a crowned road may do",
-            mount.roll_rad.to_degrees(),
-            roll.value.to_degrees(),
-            roll.sigma.to_degrees()
-        )),
-        None => output::message(&format!(
-            "roll kept at {:.2}°: too little of the road's surface was seen",
-            mount.roll_rad.to_degrees()
-        )),
-    }
-    match height {
-        Some(height) => output::message(&format!("height: {:.3} m ± {:.3} m", height.value, height.sigma)),
-        None => output::message(&format!(
-            "height kept at {:.3} m; --speed-mps, --distance-m or --lane-width-m would measure it",
-            mount.height_m
-        )),
-    }
-    if let Some(doubt) = calibration.cadence_doubt() {
-        output::message(&doubt.to_string());
-    }
-    output::message(&format!(
-        "{} frames: {} moving, {} of them straight, {} with the road's surface; mount in {}",
-        calibration.frames,
-        calibration.frames_moving,
-        calibration.frames_straight,
-        calibration.frames_with_road,
-        args.out.display()
-    ));
 }
 
 fn report(calibration: &MountCalibration) -> Report {
