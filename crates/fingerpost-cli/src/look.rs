@@ -29,15 +29,15 @@ const SAVED_CAMERA: &str = "set_up_camera.toml";
 /// alone.
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures, it shows the
-/// horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
+/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures or a video, it
+/// shows the horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "look run --camera camera.toml",
     "look drive --camera rough.toml --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
-    /// Folder that `run` has written, or a folder of pictures or drive folder.
+    /// Folder that `run` has written, or a drive: a folder of pictures, a drive folder, or a video file.
     #[arg(value_name = "RUN|DRIVE")]
     run: PathBuf,
     /// Where the run's pictures are: the folder of pictures or drive folder that it was given. By default those that the run has

@@ -17,7 +17,7 @@ mod shapes;
 
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
-pub use mount_page::{CameraKeeper, GroundViews, Kept, MountPage};
+pub use mount_page::{CameraKeeper, DriveFrames, DriveSources, GroundViews, Kept, MountPage};
 pub use overview::Overview;
 pub use run_page::{GroundArea, Records, RunPage};
 pub use shapes::{Shape, ShapeKind, metre_grid, shapes};

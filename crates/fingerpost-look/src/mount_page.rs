@@ -38,6 +38,27 @@ pub struct Kept {
     pub command: String,
 }
 
+/// The frames of a drive that the page shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DriveFrames {
+    /// What the drive is called.
+    pub title: String,
+    /// How many are shown.
+    pub count: u64,
+    /// From the number of one to that of the next: of a long video not every frame is shown.
+    pub step: u64,
+}
+
+/// What the page asks its program for.
+pub struct DriveSources {
+    /// The drive's pictures.
+    pub pictures: Box<dyn Pictures>,
+    /// The same from above.
+    pub ground_views: Box<dyn GroundViews>,
+    /// Where the camera goes.
+    pub keeper: Box<dyn CameraKeeper>,
+}
+
 /// A camera that is calibrated, so that it has a mount.
 #[derive(Debug, Clone)]
 struct MountedCamera {
@@ -76,36 +97,25 @@ impl PageMount {
 
 /// A drive whose camera's mount is set up.
 pub struct MountPage {
-    title: String,
-    frames: u64,
+    frames: DriveFrames,
     area: GroundArea,
     start: MountedCamera,
-    pictures: Box<dyn Pictures>,
-    ground_views: Box<dyn GroundViews>,
-    keeper: Box<dyn CameraKeeper>,
+    sources: DriveSources,
 }
 
 impl fmt::Debug for MountPage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("MountPage").field("title", &self.title).finish_non_exhaustive()
+        f.debug_struct("MountPage").field("frames", &self.frames).finish_non_exhaustive()
     }
 }
 
 impl MountPage {
-    /// A page of a drive of that title with so many frames, that begins with the mount of `camera`; none for a camera that is known
-    /// by points and has no mount. Ground views show `area`.
-    pub fn new(
-        title: &str,
-        frames: u64,
-        camera: Camera,
-        area: GroundArea,
-        pictures: Box<dyn Pictures>,
-        ground_views: Box<dyn GroundViews>,
-        keeper: Box<dyn CameraKeeper>,
-    ) -> Option<Self> {
+    /// A page of a drive that begins with the mount of `camera`; none for a camera that is known by points and has no mount. Ground
+    /// views show `area`.
+    pub fn new(frames: DriveFrames, camera: Camera, area: GroundArea, sources: DriveSources) -> Option<Self> {
         let View::Calibrated { intrinsics, mount, .. } = *camera.view() else { return None };
         let start = MountedCamera { camera, intrinsics, mount };
-        Some(Self { title: title.to_owned(), frames, area, start, pictures, ground_views, keeper })
+        Some(Self { frames, area, start, sources })
     }
 
     fn drive(&self) -> Answer {
@@ -113,8 +123,9 @@ impl MountPage {
         Answer::json(
             200,
             &json!({
-                "title": self.title,
-                "frames": self.frames,
+                "title": self.frames.title,
+                "frames": self.frames.count,
+                "frame_step": self.frames.step,
                 "picture_px": [camera.width(), camera.height()],
                 "focal_px": [intrinsics.fx, intrinsics.fy],
                 "ground_area": self.area,
@@ -143,11 +154,11 @@ impl MountPage {
     }
 
     fn with_frame(&self, frame: &str, picture: impl Fn(u64) -> Result<Picture, Cause>) -> Answer {
-        let Some(frame) = frame.parse().ok().filter(|frame| *frame < self.frames) else {
-            return Answer::refused(
-                404,
-                &format!("there is no frame {frame}; there are {}, from 0", self.frames),
-            );
+        let DriveFrames { count, step, .. } = self.frames;
+        let is_shown = |frame: &u64| frame.is_multiple_of(step) && frame / step < count;
+        let Some(frame) = frame.parse().ok().filter(is_shown) else {
+            let which = format!("there is no frame {frame}; there are {count}, from 0 in steps of {step}");
+            return Answer::refused(404, &which);
         };
         match picture(frame) {
             Ok(Picture { content_type, bytes }) => Answer { status: 200, content_type, body: bytes },
@@ -160,7 +171,7 @@ impl MountPage {
             Ok(mount) => mount,
             Err(cause) => return Answer::refused(400, &format!("this is no mount ({cause})")),
         };
-        match self.camera(mount).map(|camera| self.keeper.keep(&camera)) {
+        match self.camera(mount).map(|camera| self.sources.keeper.keep(&camera)) {
             Ok(Ok(kept)) => Answer::json(200, &kept),
             Ok(Err(cause)) => Answer::refused(500, &cause.to_string()),
             Err(refusal) => refusal,
@@ -176,13 +187,13 @@ impl Handler for MountPage {
             ("GET", [name]) if name.contains('.') => page_file(name),
             ("GET", ["api", "drive"]) => self.drive(),
             ("GET", ["api", "frames", frame, "picture"]) => {
-                self.with_frame(frame, |frame| self.pictures.picture(frame))
+                self.with_frame(frame, |frame| self.sources.pictures.picture(frame))
             }
             ("GET", ["api", "mounts", mount, "shapes"]) => {
                 self.with_camera(mount, |camera| Answer::json(200, &metre_grid(camera)))
             }
             ("GET", ["api", "mounts", mount, "frames", frame]) => self.with_camera(mount, |camera| {
-                self.with_frame(frame, |frame| self.ground_views.ground_view(frame, camera))
+                self.with_frame(frame, |frame| self.sources.ground_views.ground_view(frame, camera))
             }),
             ("POST", ["api", "camera"]) => self.keep(request.body),
             _ => Answer::refused(404, "there is no such page; open / instead"),

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, View};
-use fingerpost_look::{CameraKeeper, GroundArea, GroundViews, Kept, MountPage};
+use fingerpost_look::{CameraKeeper, DriveFrames, DriveSources, GroundArea, GroundViews, Kept, MountPage};
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use nalgebra::Point2;
 use serde_json::{Value, json};
@@ -51,11 +51,17 @@ impl CameraKeeper for Drive {
 
 const AREA: GroundArea = GroundArea { near_m: 4.0, far_m: 20.0, half_width_m: 10.0 };
 
+fn page_of(camera: Camera) -> Option<MountPage> {
+    let frames = DriveFrames { title: "drive".to_owned(), count: 3, step: 2 };
+    let sources =
+        DriveSources { pictures: Box::new(Drive), ground_views: Box::new(Drive), keeper: Box::new(Drive) };
+    MountPage::new(frames, camera, AREA, sources)
+}
+
 fn page() -> MountPage {
     let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 319.5, cy: 239.5 };
     let mount = Mount { pitch_rad: 0.05, x_m: 1.5, ..Mount::level(1.4) };
-    let camera = Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap();
-    MountPage::new("drive", 3, camera, AREA, Box::new(Drive), Box::new(Drive), Box::new(Drive)).unwrap()
+    page_of(Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap()).unwrap()
 }
 
 fn ask(method: &str, path: &str, body: &Value) -> Answer {
@@ -74,6 +80,7 @@ fn the_page_begins_with_the_cameras_mount() {
         json!({"height_m": 1.4, "pitch_deg": 2.864789, "yaw_deg": 0.0, "roll_deg": 0.0})
     );
     assert_eq!((&drive["picture_px"], &drive["frames"]), (&json!([640, 480]), &json!(3)));
+    assert_eq!(drive["frame_step"], json!(2));
     for path in ["/", "/mount.js", "/shapes.js", "/frames.js", "/look.css"] {
         assert_eq!(ask("GET", path, &Value::Null).status, 200, "{path}");
     }
@@ -90,7 +97,7 @@ fn another_mount_gives_another_grid_and_ground_view() {
     assert!((v - 239.5 - 500.0 * 1.5 / 8.5).abs() < 0.01, "{v}");
     let view = text(ask("GET", "/api/mounts/1.5,2,0,0/frames/2", &Value::Null));
     assert_eq!(view, "frame 2 from 1.5 m, 2.0 degrees, 1.5 m");
-    assert_eq!(text(ask("GET", "/api/frames/1/picture", &Value::Null)), "1");
+    assert_eq!(text(ask("GET", "/api/frames/4/picture", &Value::Null)), "4");
 }
 
 #[test]
@@ -101,7 +108,8 @@ fn what_is_no_mount_or_shows_nothing_is_said() {
         ("/api/mounts/NaN,0,0,0/shapes", 400, "mount.height_m"),
         ("/api/mounts/1.5,89,0,0/frames/0", 400, "mount.pitch_deg"),
         ("/api/mounts/1.5,-1,0,0/frames/0", 422, "elsewhere"),
-        ("/api/mounts/1.5,0,0,0/frames/3", 404, "there are 3"),
+        ("/api/mounts/1.5,0,0,0/frames/6", 404, "there are 3"),
+        ("/api/mounts/1.5,0,0,0/frames/1", 404, "in steps of 2"),
         ("/api/frames/-1/picture", 404, "there are 3"),
         ("/api/run", 404, "no such"),
     ] {
@@ -131,7 +139,5 @@ fn a_camera_that_is_known_by_points_has_no_mount() {
         pixels.map(|[u, v]| Pixel::new(u, v)),
         road.map(|[x, y]| Point2::new(x, y)),
     );
-    let page =
-        MountPage::new("drive", 3, camera.unwrap(), AREA, Box::new(Drive), Box::new(Drive), Box::new(Drive));
-    assert!(page.is_none());
+    assert!(page_of(camera.unwrap()).is_none());
 }

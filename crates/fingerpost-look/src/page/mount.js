@@ -81,8 +81,12 @@ function makeInputs() {
   }
 }
 
+/// The number of the last frame that is shown.
+const last = () => drive.frame_step * (drive.frames - 1);
+
 async function show(wanted) {
-  frame = Math.min(drive.frames - 1, Math.max(0, Number.isFinite(wanted) ? Math.round(wanted) : 0));
+  const { frames, frame_step } = drive;
+  frame = frame_step * Math.min(frames - 1, Math.max(0, Number.isFinite(wanted) ? Math.round(wanted / frame_step) : 0));
   $("frame").value = $("seek").value = frame;
   const mine = frame;
   const shown = await picture(`api/frames/${frame}/picture`);
@@ -91,7 +95,7 @@ async function show(wanted) {
   Object.assign(next, { id: "picture", alt: shown.picture ? `Camera's picture of frame ${frame}` : "", hidden: !shown.picture });
   $("picture").replaceWith(next);
   $("no-picture").textContent = shown.missing;
-  $("status").textContent = `frame ${frame}, of ${drive.frames}`;
+  $("status").textContent = `frame ${frame}; the last is ${last()}`;
   await draw();
 }
 
@@ -135,7 +139,8 @@ async function begin() {
   mount = { ...drive.mount };
   document.title = `Fingerpost: ${drive.title}`;
   $("title").textContent = drive.title;
-  $("seek").max = $("frame").max = drive.frames - 1;
+  $("seek").max = $("frame").max = last();
+  $("seek").step = $("frame").step = drive.frame_step;
   $("stage").style.aspectRatio = drive.picture_px.join(" / ");
   ground = new Ground($("ground"), REACH_M, drive.ground_area);
   makeInputs();
