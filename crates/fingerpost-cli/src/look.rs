@@ -18,23 +18,21 @@ use fingerpost_server::{Handler, Limits, LocalServer};
 
 use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
+use self::set_up::SetUpArgs;
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{camera_size, inputs, output};
 
-/// Where the camera of a drive is saved where nothing else is said.
-const SAVED_CAMERA: &str = "set_up_camera.toml";
-
-/// Step through a finished run frame by frame, or set the camera of a drive up by eye, on a web page that is served to this machine
-/// alone.
+/// Step through a finished run frame by frame, or set a drive up by eye, on a web page that is served to this machine alone.
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures or a video, it
-/// shows the horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
+/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures or a video, it shows
+/// the horizon, a metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can
+/// be dragged too; "Save" writes camera and route.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "look run --camera camera.toml",
-    "look drive --camera rough.toml --save camera.toml"
+    "look drive --camera rough.toml --map town.osm --route route.geojson --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
     /// Folder that `run` has written, or a drive: a folder of pictures, a drive folder, or a video file.
@@ -48,9 +46,8 @@ pub(crate) struct LookArgs {
     /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// File that "Save" writes the camera of a drive to; set_up_camera.toml by default.
-    #[arg(long, value_name = "FILE", conflicts_with = "input")]
-    save: Option<PathBuf>,
+    #[command(flatten)]
+    set_up: SetUpArgs,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
     #[arg(long, value_name = "N", default_value_t = 8421)]
     port: u16,
@@ -60,18 +57,15 @@ pub(crate) struct LookArgs {
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
     let is_run = args.run.join("frames.jsonl").exists();
-    match (is_run, &args.save, &args.input) {
-        (true, Some(_), _) => {
-            bail!("{} is a run, of which nothing is saved; leave --save out", args.run.display())
+    match (is_run, args.set_up.given(), &args.input) {
+        (true, Some(option), _) => {
+            bail!("{} is a run, of which nothing is set up; leave {option} out", args.run.display())
         }
         (true, None, _) => serve(server, run_page(args)?),
         (false, _, Some(_)) => {
             bail!("{} is no run, which has a frames.jsonl; of a drive leave --input out", args.run.display())
         }
-        (false, save, None) => {
-            let save = save.as_deref().unwrap_or(Path::new(SAVED_CAMERA));
-            serve(server, set_up::page(&args.run, args.camera.as_deref(), save)?)
-        }
+        (false, _, None) => serve(server, set_up::page(&args.run, args.camera.as_deref(), &args.set_up)?),
     }
 }
 

@@ -65,6 +65,15 @@ fn follows(line: &Polyline, map: &TangentPlane, gps: &[LatLon], gate_m: f64) -> 
     })
 }
 
+/// Refuses a start that is not on the route.
+pub(crate) fn check_on_route(line: &Polyline, start_m: f64) -> Result<()> {
+    let length_m = line.length_m();
+    if (0.0..=length_m).contains(&start_m) {
+        return Ok(());
+    }
+    bail!("--start-m {start_m} is not on the route, which is {length_m:.0} m long; give 0 to {length_m:.0}");
+}
+
 /// Refuses a start that is not on the route and a GPS track that never comes near it. The answer are contradictions that a run
 /// can begin with, each a sentence: one of the two is wrong, and nothing says which.
 pub(crate) fn check(
@@ -74,12 +83,7 @@ pub(crate) fn check(
     gps: &[LatLon],
 ) -> Result<Vec<String>> {
     let line = route.polyline()?;
-    let length_m = line.length_m();
-    if let Some(start_m) = start_m.filter(|start_m| !(0.0..=length_m).contains(start_m)) {
-        bail!(
-            "--start-m {start_m} is not on the route, which is {length_m:.0} m long; give 0 to {length_m:.0}"
-        );
-    }
+    start_m.map_or(Ok(()), |start_m| check_on_route(&line, start_m))?;
     let (Some(map), Some(first)) = (route.plane(), gps.first()) else { return Ok(Vec::new()) };
     let off_m = |at: &LatLon| {
         let p_in_map = map.map_from_wgs84(*at);

@@ -1,9 +1,10 @@
-//! A finished run stepped through frame by frame, and a camera's mount set up by eye, as local web pages.
+//! A finished run stepped through frame by frame, and a drive set up by eye, as local web pages.
 //!
 //! - [`Overview`]: the whole run in short, gathered record by record: curves over time, and the events to jump to.
 //! - [`shapes`]: what a frame's record knows of places, on the road in metres and in the camera's picture in pixels.
 //! - [`RunPage`]: the page, and its questions answered; `fingerpost_server` puts it on the loopback address.
-//! - [`MountPage`]: the page on which a mount is changed, with the horizon, [`metre_grid`] and the ground view that it gives.
+//! - [`MountPage`]: the page on which a drive is set up: its camera's mount, with the horizon, [`metre_grid`] and the ground view that it
+//!   gives, and with a [`RouteMap`] the start of its route.
 //!
 //! Nothing here opens a file: records come from [`Records`], pictures from [`fingerpost_server::Pictures`].
 
@@ -12,12 +13,14 @@ mod events;
 mod mount_page;
 mod overview;
 mod page_files;
+mod route_map;
 mod run_page;
 mod shapes;
 
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
-pub use mount_page::{CameraKeeper, DriveFrames, DriveSources, GroundViews, Kept, MountPage};
+pub use mount_page::{DriveFrames, DriveSources, GroundViews, Kept, MountPage, SetUpKeeper};
 pub use overview::Overview;
+pub use route_map::{RouteMap, RoutePlace};
 pub use run_page::{GroundArea, Records, RunPage};
 pub use shapes::{Shape, ShapeKind, metre_grid, shapes};

@@ -1,42 +1,21 @@
-//! The page on which a camera's mount is set up by eye: questions and the mount as they come from it, answered.
+//! The page on which a drive is set up by eye: its questions, its camera's mount and the start of its route, answered.
+
+mod page_mount;
+mod sources;
 
 use std::fmt;
 
 use fingerpost_geometry::{Camera, Intrinsics, Mount, View};
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::json;
 
+use self::page_mount::PageMount;
+pub use self::sources::{GroundViews, Kept, SetUpKeeper};
 use crate::page_files::page_file;
+use crate::route_map::RouteMap;
 use crate::run_page::GroundArea;
 use crate::shapes::metre_grid;
-
-/// Where ground views come from.
-pub trait GroundViews: Send + Sync {
-    /// What a frame shows from above when such a camera took it.
-    ///
-    /// # Errors
-    /// Why there is none.
-    fn ground_view(&self, frame: u64, camera: &Camera) -> Result<Picture, Cause>;
-}
-
-/// Where a camera goes that is kept.
-pub trait CameraKeeper: Send + Sync {
-    /// Keeps a camera in place of the one that was kept before.
-    ///
-    /// # Errors
-    /// Why it could not be kept.
-    fn keep(&self, camera: &Camera) -> Result<Kept, Cause>;
-}
-
-/// A camera that is kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Kept {
-    /// Its file.
-    pub file: String,
-    /// The command line that runs the drive with it.
-    pub command: String,
-}
 
 /// The frames of a drive that the page shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,8 +34,8 @@ pub struct DriveSources {
     pub pictures: Box<dyn Pictures>,
     /// The same from above.
     pub ground_views: Box<dyn GroundViews>,
-    /// Where the camera goes.
-    pub keeper: Box<dyn CameraKeeper>,
+    /// Where is saved what was set up.
+    pub keeper: Box<dyn SetUpKeeper>,
 }
 
 /// A camera that is calibrated, so that it has a mount.
@@ -67,40 +46,27 @@ struct MountedCamera {
     mount: Mount,
 }
 
-/// Height and angles of a mount as the page has them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct PageMount {
-    height_m: f64,
-    pitch_deg: f64,
-    yaw_deg: f64,
-    roll_deg: f64,
+/// A route and where on it the drive begins before anybody has moved it.
+#[derive(Debug, Clone)]
+struct BegunRoute {
+    map: RouteMap,
+    start_m: f64,
 }
 
-impl PageMount {
-    /// The four numbers of a path, with commas between them.
-    fn of_path(text: &str) -> Option<Self> {
-        let numbers: Vec<f64> = text.split(',').map(str::parse).collect::<Result<_, _>>().ok()?;
-        let [height_m, pitch_deg, yaw_deg, roll_deg] = numbers.try_into().ok()?;
-        Some(Self { height_m, pitch_deg, yaw_deg, roll_deg })
-    }
-
-    fn of(mount: &Mount) -> Self {
-        let degrees = |rad: f64| (rad.to_degrees() * 1e6).round() / 1e6;
-        Self {
-            height_m: mount.height_m,
-            pitch_deg: degrees(mount.pitch_rad),
-            yaw_deg: degrees(mount.yaw_rad),
-            roll_deg: degrees(mount.roll_rad),
-        }
-    }
-}
-
-/// A drive whose camera's mount is set up.
+/// A drive that is set up.
 pub struct MountPage {
     frames: DriveFrames,
     area: GroundArea,
-    start: MountedCamera,
+    begun: MountedCamera,
+    route: Option<BegunRoute>,
     sources: DriveSources,
+}
+
+/// What is to be kept.
+#[derive(Debug, Deserialize)]
+struct SetUp {
+    mount: PageMount,
+    start_m: Option<f64>,
 }
 
 impl fmt::Debug for MountPage {
@@ -114,12 +80,22 @@ impl MountPage {
     /// views show `area`.
     pub fn new(frames: DriveFrames, camera: Camera, area: GroundArea, sources: DriveSources) -> Option<Self> {
         let View::Calibrated { intrinsics, mount, .. } = *camera.view() else { return None };
-        let start = MountedCamera { camera, intrinsics, mount };
-        Some(Self { frames, area, start, sources })
+        let begun = MountedCamera { camera, intrinsics, mount };
+        Some(Self { frames, area, begun, route: None, sources })
+    }
+
+    /// With the route of the drive, whose first frame is taken `start_m` metres along it.
+    #[must_use]
+    pub fn with_route(mut self, map: RouteMap, start_m: f64) -> Self {
+        self.route = Some(BegunRoute { map, start_m });
+        self
     }
 
     fn drive(&self) -> Answer {
-        let MountedCamera { camera, intrinsics, mount } = &self.start;
+        let MountedCamera { camera, intrinsics, mount } = &self.begun;
+        let route = self.route.as_ref();
+        let route =
+            route.map(|BegunRoute { map, start_m }| json!({ "start_m": start_m, "map": map.page_map() }));
         Answer::json(
             200,
             &json!({
@@ -130,30 +106,25 @@ impl MountPage {
                 "focal_px": [intrinsics.fx, intrinsics.fy],
                 "ground_area": self.area,
                 "mount": PageMount::of(mount),
+                "route": route,
             }),
         )
     }
 
     /// The camera on a mount of the page, or the answer that says why there is none.
     fn camera(&self, mount: PageMount) -> Result<Camera, Answer> {
-        let mount = Mount {
-            height_m: mount.height_m,
-            pitch_rad: mount.pitch_deg.to_radians(),
-            yaw_rad: mount.yaw_deg.to_radians(),
-            roll_rad: mount.roll_deg.to_radians(),
-            ..self.start.mount
-        };
-        self.start.camera.with_mount(mount).map_err(|cause| Answer::refused(400, &cause.to_string()))
+        let mounted = self.begun.camera.with_mount(mount.in_place_of(self.begun.mount));
+        mounted.map_err(|cause| Answer::refused(400, &cause.to_string()))
     }
 
-    fn with_camera(&self, mount: &str, answer: impl Fn(&Camera) -> Answer) -> Answer {
+    fn with_camera(&self, mount: &str, answer: impl FnOnce(&Camera) -> Answer) -> Answer {
         match PageMount::of_path(mount) {
             None => Answer::refused(400, "a mount is HEIGHT_M,PITCH_DEG,YAW_DEG,ROLL_DEG"),
             Some(mount) => self.camera(mount).map_or_else(|refusal| refusal, |camera| answer(&camera)),
         }
     }
 
-    fn with_frame(&self, frame: &str, picture: impl Fn(u64) -> Result<Picture, Cause>) -> Answer {
+    fn with_frame(&self, frame: &str, picture: impl FnOnce(u64) -> Result<Picture, Cause>) -> Answer {
         let DriveFrames { count, step, .. } = self.frames;
         let is_shown = |frame: &u64| frame.is_multiple_of(step) && frame / step < count;
         let Some(frame) = frame.parse().ok().filter(is_shown) else {
@@ -166,12 +137,36 @@ impl MountPage {
         }
     }
 
-    fn keep(&self, body: &[u8]) -> Answer {
-        let mount: PageMount = match serde_json::from_slice(body) {
-            Ok(mount) => mount,
-            Err(cause) => return Answer::refused(400, &format!("this is no mount ({cause})")),
+    /// A place of the route, or the answer that says why it is none.
+    fn start(&self, start_m: f64) -> Result<(&RouteMap, f64), Answer> {
+        let Some(BegunRoute { map, .. }) = &self.route else {
+            return Err(Answer::refused(404, "the drive has no route; give one with --route"));
         };
-        match self.camera(mount).map(|camera| self.sources.keeper.keep(&camera)) {
+        let length_m = map.length_m();
+        if (0.0..=length_m).contains(&start_m) {
+            return Ok((map, start_m));
+        }
+        Err(Answer::refused(400, &format!("the route is {length_m:.1} m long; start_m is 0 to that")))
+    }
+
+    fn shapes_with_route(&self, camera: &Camera, start_m: &str) -> Answer {
+        match self.start(start_m.parse().unwrap_or(f64::NAN)) {
+            Ok((map, start_m)) => {
+                Answer::json(200, &[metre_grid(camera), map.shapes(camera, start_m)].concat())
+            }
+            Err(refusal) => refusal,
+        }
+    }
+
+    fn keep(&self, body: &[u8]) -> Answer {
+        let SetUp { mount, start_m } = match serde_json::from_slice(body) {
+            Ok(set_up) => set_up,
+            Err(cause) => return Answer::refused(400, &format!("this is no mount and start ({cause})")),
+        };
+        if let Some(Err(refusal)) = start_m.map(|start_m| self.start(start_m)) {
+            return refusal;
+        }
+        match self.camera(mount).map(|camera| self.sources.keeper.keep(&camera, start_m)) {
             Ok(Ok(kept)) => Answer::json(200, &kept),
             Ok(Err(cause)) => Answer::refused(500, &cause.to_string()),
             Err(refusal) => refusal,
@@ -192,10 +187,13 @@ impl Handler for MountPage {
             ("GET", ["api", "mounts", mount, "shapes"]) => {
                 self.with_camera(mount, |camera| Answer::json(200, &metre_grid(camera)))
             }
+            ("GET", ["api", "mounts", mount, "starts", start_m, "shapes"]) => {
+                self.with_camera(mount, |camera| self.shapes_with_route(camera, start_m))
+            }
             ("GET", ["api", "mounts", mount, "frames", frame]) => self.with_camera(mount, |camera| {
                 self.with_frame(frame, |frame| self.sources.ground_views.ground_view(frame, camera))
             }),
-            ("POST", ["api", "camera"]) => self.keep(request.body),
+            ("POST", ["api", "set_up"]) => self.keep(request.body),
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }
     }

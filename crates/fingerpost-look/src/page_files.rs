@@ -2,16 +2,21 @@
 
 use fingerpost_server::Answer;
 
+/// Type of a style sheet.
+const STYLE: &str = "text/css; charset=utf-8";
+
 /// A style sheet or module of a page.
 pub(crate) fn page_file(name: &str) -> Answer {
     let text = match name {
-        "look.css" => return Answer::text("text/css; charset=utf-8", include_str!("page/look.css")),
+        "look.css" => return Answer::text(STYLE, include_str!("page/look.css")),
+        "mount.css" => return Answer::text(STYLE, include_str!("page/mount.css")),
         "look.js" => include_str!("page/look.js"),
         "frames.js" => include_str!("page/frames.js"),
         "shapes.js" => include_str!("page/shapes.js"),
         "curves.js" => include_str!("page/curves.js"),
         "numbers.js" => include_str!("page/numbers.js"),
         "mount.js" => include_str!("page/mount.js"),
+        "route_map.js" => include_str!("page/route_map.js"),
         _ => return Answer::refused(404, "there is no such file of the page"),
     };
     Answer::text("text/javascript; charset=utf-8", text)

@@ -53,6 +53,10 @@ pub enum ShapeKind {
     Sought,
     /// A line of the metre grid on the road.
     MetreGrid,
+    /// A road of the map.
+    Road,
+    /// The route from the vehicle's place on.
+    Route,
 }
 
 /// A place or line of a frame.
@@ -198,12 +202,13 @@ impl RoadCurve {
 }
 
 /// The camera of a frame, where it is known.
-struct Lens {
-    camera: Option<Camera>,
+pub(crate) struct Lens {
+    pub(crate) camera: Option<Camera>,
 }
 
 impl Lens {
-    fn shape(&self, kind: ShapeKind, label: &str, ground_m: Vec<[f64; 2]>) -> Shape {
+    /// A place or line of the road with what of it the camera sees.
+    pub(crate) fn shape(&self, kind: ShapeKind, label: &str, ground_m: Vec<[f64; 2]>) -> Shape {
         let pixels = ground_m.iter().map(|&[x, y]| self.camera.as_ref()?.pixel_of_ground(Point2::new(x, y)));
         let picture_px = self.stretches(pixels);
         // Records have no more digits.

@@ -1,15 +1,17 @@
-//! What the page that sets a mount up asks, without a network.
+//! What the page that sets a drive up asks, without a network.
 
 // A helper that unwraps is part of the test that calls it.
 #![allow(clippy::unwrap_used)]
 
-use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, View};
-use fingerpost_look::{CameraKeeper, DriveFrames, DriveSources, GroundArea, GroundViews, Kept, MountPage};
+use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, Polyline, View};
+use fingerpost_look::{
+    DriveFrames, DriveSources, GroundArea, GroundViews, Kept, MountPage, RouteMap, RoutePlace, SetUpKeeper,
+};
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use nalgebra::Point2;
 use serde_json::{Value, json};
 
-/// Pictures, ground views and the file of a drive, each saying what it was asked for.
+/// Pictures, ground views, and files of a drive, each saying what it was asked for.
 struct Drive;
 
 fn picture(text: &str) -> Picture {
@@ -42,10 +44,10 @@ impl GroundViews for Drive {
     }
 }
 
-impl CameraKeeper for Drive {
-    fn keep(&self, camera: &Camera) -> Result<Kept, Cause> {
+impl SetUpKeeper for Drive {
+    fn keep(&self, camera: &Camera, start_m: Option<f64>) -> Result<Kept, Cause> {
         let pitch_deg = mount(camera).pitch_rad.to_degrees();
-        Ok(Kept { file: "camera.toml".to_owned(), command: format!("{pitch_deg:.2}") })
+        Ok(Kept { files: vec!["camera.toml".to_owned()], command: format!("{pitch_deg:.2} {start_m:?}") })
     }
 }
 
@@ -64,8 +66,20 @@ fn page() -> MountPage {
     page_of(Camera::calibrated(640, 480, intrinsics, Distortion::None, mount).unwrap()).unwrap()
 }
 
+/// A route of 100 m to the east with a junction in its middle.
+fn page_with_route() -> MountPage {
+    let line = Polyline::new([Point2::new(0.0, 0.0), Point2::new(100.0, 0.0)]).unwrap();
+    let road = vec![Point2::new(50.0, -80.0), Point2::new(50.0, 80.0)];
+    let junction = RoutePlace { p_in_map: Point2::new(50.0, 0.0), label: "junction".to_owned() };
+    page().with_route(RouteMap::new(line, vec![road], vec![junction]), 12.0)
+}
+
 fn ask(method: &str, path: &str, body: &Value) -> Answer {
-    page().answer(Request { method, path, body: body.to_string().as_bytes() })
+    asked(&page(), method, path, body)
+}
+
+fn asked(page: &MountPage, method: &str, path: &str, body: &Value) -> Answer {
+    page.answer(Request { method, path, body: body.to_string().as_bytes() })
 }
 
 fn text(answer: Answer) -> String {
@@ -80,8 +94,8 @@ fn the_page_begins_with_the_cameras_mount() {
         json!({"height_m": 1.4, "pitch_deg": 2.864789, "yaw_deg": 0.0, "roll_deg": 0.0})
     );
     assert_eq!((&drive["picture_px"], &drive["frames"]), (&json!([640, 480]), &json!(3)));
-    assert_eq!(drive["frame_step"], json!(2));
-    for path in ["/", "/mount.js", "/shapes.js", "/frames.js", "/look.css"] {
+    assert_eq!((&drive["frame_step"], &drive["route"]), (&json!(2), &Value::Null));
+    for path in ["/", "/mount.js", "/route_map.js", "/shapes.js", "/frames.js", "/look.css", "/mount.css"] {
         assert_eq!(ask("GET", path, &Value::Null).status, 200, "{path}");
     }
 }
@@ -110,6 +124,7 @@ fn what_is_no_mount_or_shows_nothing_is_said() {
         ("/api/mounts/1.5,-1,0,0/frames/0", 422, "elsewhere"),
         ("/api/mounts/1.5,0,0,0/frames/6", 404, "there are 3"),
         ("/api/mounts/1.5,0,0,0/frames/1", 404, "in steps of 2"),
+        ("/api/mounts/1.5,0,0,0/starts/5/shapes", 404, "--route"),
         ("/api/frames/-1/picture", 404, "there are 3"),
         ("/api/run", 404, "no such"),
     ] {
@@ -120,12 +135,45 @@ fn what_is_no_mount_or_shows_nothing_is_said() {
 }
 
 #[test]
-fn a_mount_is_kept_with_the_command_that_runs_it() {
+fn the_route_is_seen_from_its_start() {
+    let page = page_with_route();
+    let get = |path: &str| asked(&page, "GET", path, &Value::Null);
+    let drive: Value = serde_json::from_slice(&get("/api/drive").body).unwrap();
+    assert_eq!(
+        (&drive["route"]["start_m"], &drive["route"]["map"]["length_m"]),
+        (&json!(12.0), &json!(100.0))
+    );
+    for start_m in [0.0, 12.0, 20.5] {
+        let shapes = get(&format!("/api/mounts/1.5,0,0,0/starts/{start_m}/shapes"));
+        let shapes: Vec<Value> = serde_json::from_slice(&shapes.body).unwrap();
+        assert_eq!(shapes[0]["kind"], "horizon");
+        let junction = shapes.iter().find(|shape| shape["kind"] == "feature").unwrap();
+        assert_eq!(junction["ground_m"], json!([[50.0 - start_m, 0.0]]));
+        // As far before the camera as it is, and 1.5 m below it.
+        let v = junction["picture_px"][0][0][1].as_f64().unwrap();
+        assert!((v - 239.5 - 500.0 * 1.5 / (50.0 - start_m - 1.5)).abs() < 0.01, "{v}");
+    }
+    for start_m in ["-1", "100.1", "NaN", "x"] {
+        let refused = get(&format!("/api/mounts/1.5,0,0,0/starts/{start_m}/shapes"));
+        assert_eq!(refused.status, 400, "{start_m}");
+        assert!(text(refused).contains("100.0 m long"), "{start_m}");
+    }
+}
+
+#[test]
+fn what_was_set_up_is_kept_with_the_command_that_runs_it() {
     let mount = json!({"height_m": 1.5, "pitch_deg": 1.25, "yaw_deg": 0, "roll_deg": 0});
-    let kept: Value = serde_json::from_slice(&ask("POST", "/api/camera", &mount).body).unwrap();
-    assert_eq!(kept, json!({"file": "camera.toml", "command": "1.25"}));
-    for wrong in [json!({}), json!({"height_m": -1, "pitch_deg": 0, "yaw_deg": 0, "roll_deg": 0})] {
-        assert_eq!(ask("POST", "/api/camera", &wrong).status, 400);
+    let keep = |page: &MountPage, set_up: Value| asked(page, "POST", "/api/set_up", &set_up);
+    let kept = keep(&page(), json!({ "mount": mount, "start_m": null }));
+    let kept: Value = serde_json::from_slice(&kept.body).unwrap();
+    assert_eq!(kept, json!({"files": ["camera.toml"], "command": "1.25 None"}));
+    let kept = text(keep(&page_with_route(), json!({ "mount": mount, "start_m": 99.5 })));
+    assert!(kept.contains("1.25 Some(99.5)"), "{kept}");
+    assert_eq!(keep(&page_with_route(), json!({ "mount": mount, "start_m": 101 })).status, 400);
+    assert_eq!(keep(&page(), json!({ "mount": mount, "start_m": 5 })).status, 404);
+    let sunk = json!({"height_m": -1, "pitch_deg": 0, "yaw_deg": 0, "roll_deg": 0});
+    for wrong in [json!({}), json!({ "mount": sunk, "start_m": null })] {
+        assert_eq!(keep(&page(), wrong).status, 400);
     }
 }
 

@@ -1,36 +1,77 @@
-//! A drive whose camera is set up by eye.
+//! A drive that is set up by eye: its camera's mount, and where on its route it begins.
 
 mod footage;
+mod route;
+mod saved;
 
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
+use clap::Args;
 use fingerpost::ground_view::GroundViewConfig;
-use fingerpost_format::camera_to_toml;
-use fingerpost_geometry::Camera;
-use fingerpost_io::write_file;
-use fingerpost_look::{CameraKeeper, DriveFrames, DriveSources, Kept, MountPage};
-use fingerpost_server::Cause;
+use fingerpost_look::{DriveFrames, DriveSources, MountPage};
 
 use self::footage::{Footage, FootagePictures, FootageViews};
+use self::route::DrivenRoute;
+use self::saved::SavedFiles;
 use super::{area_of, folder_name};
+use crate::arguments::{InputLimit, number};
 use crate::output_path::{self, FileKind};
-use crate::{camera_size, inputs, made_from};
+use crate::{camera_size, inputs};
 
-/// The page of a drive whose camera's mount begins as `camera` has it; the one that is set up is saved as `save`.
-pub(super) fn page(drive: &Path, camera: Option<&Path>, save: &Path) -> Result<MountPage> {
+/// Where the camera of a drive is saved where nothing else is said.
+const SAVED_CAMERA: &str = "set_up_camera.toml";
+
+/// What is said of a drive that is set up.
+#[derive(Debug, Args)]
+pub(super) struct SetUpArgs {
+    /// Route of a drive, as written by `fingerpost route`: it is drawn into the picture from its start on, which can be moved along it.
+    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    route: Option<PathBuf>,
+    /// OpenStreetMap data of a drive, .osm (XML) or .osm.pbf, whose roads are drawn as well.
+    #[arg(long, value_name = "FILE", requires = "route")]
+    map: Option<PathBuf>,
+    /// Distance along the route at the first frame, metres, as it is before anybody moves it; 0 by default.
+    #[arg(long, value_name = "M", requires = "route", value_parser = number(0.0, 1e6, "place on a route", "metres"))]
+    start_m: Option<f64>,
+    /// File that "Save" writes the camera of a drive to; set_up_camera.toml by default.
+    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    save: Option<PathBuf>,
+    /// File that "Save" writes the route to; set_up_route.geojson by default.
+    #[arg(long, value_name = "FILE", requires = "route")]
+    save_route: Option<PathBuf>,
+    #[command(flatten)]
+    limit: InputLimit,
+}
+
+impl SetUpArgs {
+    /// The first of the options of a drive that was given.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let Self { route, save, .. } = self;
+        // The others need a route.
+        [("--route", route), ("--save", save)]
+            .into_iter()
+            .find_map(|(name, value)| value.as_ref().map(|_| name))
+    }
+}
+
+/// The page of a drive whose camera's mount begins as `camera` has it.
+pub(super) fn page(drive: &Path, camera: Option<&Path>, args: &SetUpArgs) -> Result<MountPage> {
     let name = drive.to_str().with_context(|| format!("{} has no name in UTF-8", drive.display()))?;
     let footage = Footage::open(name)
         .with_context(|| format!("{name} is no run, which has a frames.jsonl, and no drive"))?;
     let beside = drive.join("camera.toml");
     let camera_path = camera.unwrap_or(&beside);
-    output_path::check_file(save, FileKind::Camera, [camera_path, drive])?;
+    let save = args.save.clone().unwrap_or_else(|| SAVED_CAMERA.into());
+    output_path::check_file(&save, FileKind::Camera, [camera_path, drive])?;
     let size_px = footage.picture_size();
     let size_px = size_px.with_context(|| format!("no picture of {name} can be read; give another drive"))?;
     let source = camera_path.display().to_string();
     let camera = camera_size::of_pictures(inputs::camera(camera_path)?, size_px, &source)?;
+    let route = DrivenRoute::open(args, &[camera_path, drive])?;
+    let (route, to_save) =
+        route.map(|DrivenRoute { map, start_m, to_save }| ((map, start_m), to_save)).unzip();
     let view = GroundViewConfig::default();
     let area = area_of(&view);
     let frames = DriveFrames { title: folder_name(drive), count: footage.count(), step: footage.step() };
@@ -38,28 +79,13 @@ pub(super) fn page(drive: &Path, camera: Option<&Path>, save: &Path) -> Result<M
     let sources = DriveSources {
         pictures: Box::new(FootagePictures(Arc::clone(&footage))),
         ground_views: Box::new(FootageViews { footage, view }),
-        keeper: Box::new(CameraFile { path: save.to_owned(), drive: drive.to_owned() }),
+        keeper: Box::new(SavedFiles { drive: name.to_owned(), camera: save, route: to_save }),
     };
-    match MountPage::new(frames, camera, area, sources) {
-        Some(page) => Ok(page),
-        None => bail!(
-            "{source} knows the camera by points, which have no mount; give one with a lens and a mount"
-        ),
-    }
-}
-
-/// The file that the camera is saved in.
-struct CameraFile {
-    path: PathBuf,
-    drive: PathBuf,
-}
-
-impl CameraKeeper for CameraFile {
-    fn keep(&self, camera: &Camera) -> Result<Kept, Cause> {
-        write_file(&self.path, camera_to_toml(camera)?)?;
-        let words = ["fingerpost", "run"].map(OsString::from).into_iter();
-        let words = words.chain([self.drive.clone().into(), "--camera".into(), self.path.clone().into()]);
-        let command = format!("{} --out run", made_from::command_line(words));
-        Ok(Kept { file: self.path.display().to_string(), command })
-    }
+    let Some(page) = MountPage::new(frames, camera, area, sources) else {
+        bail!("{source} knows the camera by points, which have no mount; give one with a lens and a mount")
+    };
+    Ok(match route {
+        Some((map, start_m)) => page.with_route(map, start_m),
+        None => page,
+    })
 }

@@ -167,6 +167,21 @@ impl Page {
         assert_eq!(nameless, json!([]));
     }
 
+    /// Asserts that the page is no wider than windows of phones and of computers, and writes what each shows, light and dark, to
+    /// `NAME_SCHEME_WIDTH.png`.
+    pub(crate) fn is_shown_in_every_window(&mut self, name: &str) {
+        for scheme in ["light", "dark"] {
+            self.prefer(scheme);
+            for width in [1280, 390] {
+                self.resize([width, 800]);
+                let wide = self.value("document.documentElement.scrollWidth").as_f64().unwrap();
+                assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
+                let file = format!("{name}_{scheme}_{width}.png");
+                self.screenshot(&Path::new(env!("CARGO_TARGET_TMPDIR")).join(file));
+            }
+        }
+    }
+
     /// Writes the page, also what of it is out of sight, as a PNG file.
     pub(crate) fn screenshot(&mut self, path: &Path) {
         let params = json!({ "format": "png", "captureBeyondViewport": true });

@@ -51,7 +51,8 @@ fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
     with("--input", "frames.jsonl").refused(1, &["is no folder", "run.mcap"]);
     with("--input", "nowhere").refused(1, &["nowhere"]);
     with("--camera", "camera.toml").refused(1, &["640 x 360", "640 x 480"]);
-    with("--save", "saved.toml").refused(1, &["nothing is saved"]);
+    with("--save", "saved.toml").refused(1, &["nothing is set up", "leave --save out"]);
+    with("--route", "route.geojson").refused(1, &["nothing is set up", "leave --route out"]);
     assert!(!path("saved.toml").exists());
 }
 
@@ -71,4 +72,27 @@ fn a_camera_is_saved_over_nothing_that_may_be_the_users() {
     fs::write(path("camera.toml"), CAMERA.replace("480", "300")).unwrap();
     saved_as("new.toml").refused(1, &["640 x 480", "640 x 300"]);
     assert!(!path("new.toml").exists());
+}
+
+#[test]
+fn a_route_is_saved_over_nothing_that_may_be_the_users_and_begins_on_itself() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("drive")).unwrap();
+    write_png(&path("drive/0.png"), &RgbImage::new(640, 480)).unwrap();
+    fs::write(path("camera.toml"), CAMERA).unwrap();
+    fs::write(path("route.geojson"), fingerpost_sim::TOWN_ROUTE).unwrap();
+    fs::write(path("mine.geojson"), "{\"type\": \"FeatureCollection\", \"features\": []}").unwrap();
+    let [drive, camera, route] = ["drive", "camera.toml", "route.geojson"].map(path);
+    let (drive, camera, route) = (drive.display(), camera.display(), route.display());
+    let look = format!("look {drive} --port 0 --camera {camera} --save {}", path("new.toml").display());
+    let with = |options: &str| call_line(&format!("{look} --route {route} {options}"));
+    for (name, word) in [("mine.geojson", "may be yours"), ("route.geojson", "route.geojson")] {
+        with(&format!("--save-route {}", path(name).display())).refused(1, &[name, word]);
+    }
+    let new = path("new.geojson");
+    with(&format!("--save-route {} --start-m 1e5", new.display()))
+        .refused(1, &["--start-m 100000", "1028 m"]);
+    call_line(&format!("{look} --map {route}")).refused(2, &["--route"]);
+    assert!(!new.exists() && !path("new.toml").exists());
 }

@@ -3,11 +3,13 @@
 /// Frames that are kept: some seconds of stepping to and fro.
 const KEPT = 32;
 
-export async function call(path) {
-  const answer = await fetch(path);
-  const data = await answer.json();
-  if (!answer.ok) throw new Error(data.error);
-  return data;
+/// Asks for what is at a path; with data, sends it there.
+export async function call(path, data) {
+  const headers = { "Content-Type": "application/json" };
+  const answer = await fetch(path, data && { method: "POST", headers, body: JSON.stringify(data) });
+  const said = await answer.json();
+  if (!answer.ok) throw new Error(said.error);
+  return said;
 }
 
 /// A picture that cannot be shown takes nothing else with it.

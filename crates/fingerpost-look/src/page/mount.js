@@ -1,6 +1,8 @@
-// A mount changed by dragging and by sliders; horizon, grid and ground view of it, the program says.
+// A drive set up: a mount changed by dragging and by sliders, and the start of a route. Horizon, grid, ground view and what of
+// the route is seen, the program says.
 
 import { call, picture } from "./frames.js";
+import { RouteMap } from "./route_map.js";
 import { Ground, drawOverlay } from "./shapes.js";
 
 /// The mount's numbers: what people call them, and how far and how finely a slider goes about where it began.
@@ -12,12 +14,16 @@ const NUMBERS = {
 };
 /// How far the road from above reaches, metres.
 const REACH_M = 25;
+/// What of the map is drawn on it.
+const ON_GROUND = ["road", "route", "feature"];
 
 const $ = (id) => document.getElementById(id);
 const inputs = {};
 let drive = null;
 let ground = null;
 let mount = null;
+let map = null;
+let start_m = null;
 let frame = 0;
 let drawing = false;
 let isStale = false;
@@ -34,18 +40,30 @@ async function draw() {
     isStale = false;
     const since = performance.now();
     const path = `api/mounts/${Object.keys(NUMBERS).map((name) => mount[name]).join(",")}`;
+    // The start is that of the first frame; how far the vehicle has come in another is not known.
+    const start = map && frame === 0 ? `/starts/${start_m}` : "";
     try {
-      const [shapes, view] = await Promise.all([call(`${path}/shapes`), picture(`${path}/frames/${frame}`)]);
+      const asked = { ...mount, start_m, frame };
+      const coming = picture(`${path}/frames/${frame}`);
+      const shapes = await call(`${path}${start}/shapes`);
       drawOverlay($("overlay"), shapes, drive.picture_px);
+      const view = await coming;
       ground.lay(view.picture);
+      ground.draw(shapes.filter(({ kind }) => ON_GROUND.includes(kind)));
       say(view.missing);
       const ms = performance.now() - since;
-      document.body.dataset.drawn = JSON.stringify({ ...mount, frame, ms });
+      document.body.dataset.drawn = JSON.stringify({ ...asked, ms });
     } catch (cause) {
       say(cause.message);
     }
   }
   drawing = false;
+}
+
+function redraw() {
+  $("kept").textContent = "";
+  $("command").hidden = true;
+  draw();
 }
 
 function change(numbers) {
@@ -54,9 +72,39 @@ function change(numbers) {
     mount[name] = Math.round(value * 1e4) / 1e4;
     for (const input of inputs[name]) if (input !== document.activeElement || input.type === "range") input.value = mount[name];
   }
-  $("kept").textContent = "";
-  $("command").hidden = true;
-  draw();
+  redraw();
+}
+
+function moveStart(wanted_m) {
+  if (!Number.isFinite(wanted_m)) return;
+  start_m = Math.floor(Math.max(0, Math.min(map.length_m, wanted_m)) * 10) / 10;
+  for (const input of [$("start"), $("start-slider")]) if (input !== document.activeElement || input.type === "range") input.value = start_m;
+  map.show(start_m);
+  redraw();
+}
+
+function showRoute() {
+  document.querySelector("main").classList.add("with-route");
+  $("route").hidden = false;
+  map = new RouteMap($("map"), drive.route.map, moveStart);
+  for (const input of [$("start"), $("start-slider")]) {
+    input.max = map.length_m;
+    input.addEventListener("input", () => moveStart(input.valueAsNumber));
+  }
+  arrows($("start-slider"), 0.5, (by) => moveStart(start_m + by));
+  $("nearer").addEventListener("click", () => map.zoomBy(-1));
+  $("farther").addEventListener("click", () => map.zoomBy(1));
+  moveStart(drive.route.start_m);
+}
+
+/// Arrows of a slider go by the same steps as the number's.
+function arrows(slider, step, move) {
+  slider.addEventListener("keydown", (event) => {
+    const by = { ArrowLeft: -step, ArrowDown: -step, ArrowRight: step, ArrowUp: step }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    move(by);
+  });
 }
 
 function makeInputs() {
@@ -67,13 +115,7 @@ function makeInputs() {
     slider.setAttribute("aria-label", `${words}, by slider`);
     const number = Object.assign(document.createElement("input"), { type: "number", step, value: mount[name], id: name });
     for (const input of [slider, number]) input.addEventListener("input", () => change({ [name]: input.valueAsNumber }));
-    // Arrows go by the same steps as the number's.
-    slider.addEventListener("keydown", (event) => {
-      const by = { ArrowLeft: -step, ArrowDown: -step, ArrowRight: step, ArrowUp: step }[event.key];
-      if (!by) return;
-      event.preventDefault();
-      change({ [name]: mount[name] + by });
-    });
+    arrows(slider, step, (by) => change({ [name]: mount[name] + by }));
     const label = document.createElement("label");
     label.append(words, number);
     $("numbers-of-mount").append(label, slider);
@@ -96,6 +138,7 @@ async function show(wanted) {
   $("picture").replaceWith(next);
   $("no-picture").textContent = shown.missing;
   $("status").textContent = `frame ${frame}; the last is ${last()}`;
+  $("first-alone").hidden = frame === 0;
   await draw();
 }
 
@@ -119,14 +162,14 @@ for (const end of ["pointerup", "pointercancel"]) $("stage").addEventListener(en
 
 $("seek").addEventListener("input", () => show($("seek").valueAsNumber));
 $("frame").addEventListener("change", () => show($("frame").valueAsNumber));
-$("again").addEventListener("click", () => change(drive.mount));
+$("again").addEventListener("click", () => {
+  change(drive.mount);
+  if (map) moveStart(drive.route.start_m);
+});
 $("keep").addEventListener("click", async () => {
   try {
-    const headers = { "Content-Type": "application/json" };
-    const answer = await fetch("api/camera", { method: "POST", headers, body: JSON.stringify(mount) });
-    const kept = await answer.json();
-    if (!answer.ok) throw new Error(kept.error);
-    $("kept").textContent = `Saved in ${kept.file}. The drive is run with it by:`;
+    const kept = await call("api/set_up", { mount, start_m });
+    $("kept").textContent = `Saved in ${kept.files.join(" and ")}. The drive is run with it by:`;
     $("command").textContent = kept.command;
     $("command").hidden = false;
   } catch (cause) {
@@ -144,6 +187,7 @@ async function begin() {
   $("stage").style.aspectRatio = drive.picture_px.join(" / ");
   ground = new Ground($("ground"), REACH_M, drive.ground_area);
   makeInputs();
+  if (drive.route) showRoute();
   await show(0);
   document.body.dataset.ready = "yes";
 }

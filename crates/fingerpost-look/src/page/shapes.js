@@ -38,7 +38,7 @@ function drawn({ kind, label }, pieces, ring, rims) {
 }
 
 function say(svg, what, shapes) {
-  svg.setAttribute("aria-label", `${what}: ${shapes.map(({ label }) => label).join("; ") || "nothing"}`);
+  svg.setAttribute("aria-label", `${what}: ${[...new Set(shapes.map(({ label }) => label))].join("; ") || "nothing"}`);
 }
 
 /// Draws over a picture of such a size; its top-left pixel's middle is (0, 0).

@@ -1,0 +1,41 @@
+//! The files in which is saved what was set up.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use fingerpost_format::camera_to_toml;
+use fingerpost_geometry::Camera;
+use fingerpost_io::write_file;
+use fingerpost_look::{Kept, SetUpKeeper};
+use fingerpost_server::Cause;
+
+use super::route::RouteToSave;
+use crate::made_from;
+
+/// The files, and the drive that is run with them.
+pub(super) struct SavedFiles {
+    pub(super) drive: String,
+    pub(super) camera: PathBuf,
+    pub(super) route: Option<RouteToSave>,
+}
+
+impl SetUpKeeper for SavedFiles {
+    fn keep(&self, camera: &Camera, start_m: Option<f64>) -> Result<Kept, Cause> {
+        write_file(&self.camera, camera_to_toml(camera)?)?;
+        let mut files = vec![self.camera.display().to_string()];
+        let words = ["fingerpost", "run", self.drive.as_str(), "--camera"].map(OsString::from);
+        let mut words = Vec::from(words);
+        words.push(self.camera.clone().into());
+        if let (Some(route), Some(start_m)) = (&self.route, start_m) {
+            write_file(&route.path, &route.text)?;
+            files.push(route.path.display().to_string());
+            if let Some(map) = &route.map {
+                words.extend(["--map".into(), map.into()]);
+            }
+            words.extend(["--route".into(), route.path.clone().into()]);
+            words.extend(["--start-m".into(), format!("{start_m:.1}").into()]);
+        }
+        let command = format!("{} --out run", made_from::command_line(words));
+        Ok(Kept { files, command })
+    }
+}
