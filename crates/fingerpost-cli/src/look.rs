@@ -28,7 +28,7 @@ use crate::{camera_size, inputs, output};
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
 /// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures or a video, it shows
 /// the horizon, a metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can
-/// be dragged too; "Save" writes camera and route.
+/// be dragged too; "Calibrate from this drive" does what `calibrate mount` does, and "Save" writes camera and route.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "look run --camera camera.toml",

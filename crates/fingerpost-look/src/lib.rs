@@ -19,7 +19,9 @@ mod shapes;
 
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
-pub use mount_page::{DriveFrames, DriveSources, GroundViews, Kept, MountPage, SetUpKeeper};
+pub use mount_page::{
+    DriveFrames, DriveSources, GroundViews, Kept, MountPage, MountSearch, SearchState, SetUpKeeper,
+};
 pub use overview::Overview;
 pub use route_map::{RouteMap, RoutePlace};
 pub use run_page::{GroundArea, Records, RunPage};

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use self::page_mount::PageMount;
-pub use self::sources::{GroundViews, Kept, SetUpKeeper};
+pub use self::sources::{GroundViews, Kept, MountSearch, SearchState, SetUpKeeper};
 use crate::page_files::page_file;
 use crate::route_map::RouteMap;
 use crate::run_page::GroundArea;
@@ -36,6 +36,8 @@ pub struct DriveSources {
     pub ground_views: Box<dyn GroundViews>,
     /// Where is saved what was set up.
     pub keeper: Box<dyn SetUpKeeper>,
+    /// The search for the mount.
+    pub search: Box<dyn MountSearch>,
 }
 
 /// A camera that is calibrated, so that it has a mount.
@@ -172,6 +174,30 @@ impl MountPage {
             Err(refusal) => refusal,
         }
     }
+
+    fn search(&self, body: &[u8]) -> Answer {
+        let mount: PageMount = match serde_json::from_slice(body) {
+            Ok(mount) => mount,
+            Err(cause) => return Answer::refused(400, &format!("this is no mount ({cause})")),
+        };
+        match self.camera(mount).map(|camera| self.sources.search.begin(&camera)) {
+            Ok(Ok(())) => self.search_state(),
+            Ok(Err(cause)) => Answer::refused(409, &cause.to_string()),
+            Err(refusal) => refusal,
+        }
+    }
+
+    fn search_state(&self) -> Answer {
+        let state = match self.sources.search.state() {
+            SearchState::Idle => json!({ "is": "idle" }),
+            SearchState::Running { frames, of } => json!({ "is": "running", "frames": frames, "of": of }),
+            SearchState::Failed { cause } => json!({ "is": "failed", "cause": cause }),
+            SearchState::Found { mount, said } => {
+                json!({ "is": "found", "mount": PageMount::of(&mount), "said": said })
+            }
+        };
+        Answer::json(200, &state)
+    }
 }
 
 impl Handler for MountPage {
@@ -193,6 +219,12 @@ impl Handler for MountPage {
             ("GET", ["api", "mounts", mount, "frames", frame]) => self.with_camera(mount, |camera| {
                 self.with_frame(frame, |frame| self.sources.ground_views.ground_view(frame, camera))
             }),
+            ("GET", ["api", "search"]) => self.search_state(),
+            ("POST", ["api", "search"]) => self.search(request.body),
+            ("POST", ["api", "search", "stop"]) => {
+                self.sources.search.stop();
+                self.search_state()
+            }
             ("POST", ["api", "set_up"]) => self.keep(request.body),
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }

@@ -17,6 +17,7 @@ pub(crate) fn page_file(name: &str) -> Answer {
         "numbers.js" => include_str!("page/numbers.js"),
         "mount.js" => include_str!("page/mount.js"),
         "route_map.js" => include_str!("page/route_map.js"),
+        "search.js" => include_str!("page/search.js"),
         _ => return Answer::refused(404, "there is no such file of the page"),
     };
     Answer::text("text/javascript; charset=utf-8", text)

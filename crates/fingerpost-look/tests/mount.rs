@@ -5,13 +5,14 @@
 
 use fingerpost_geometry::{Camera, Distortion, Intrinsics, Mount, Pixel, Polyline, View};
 use fingerpost_look::{
-    DriveFrames, DriveSources, GroundArea, GroundViews, Kept, MountPage, RouteMap, RoutePlace, SetUpKeeper,
+    DriveFrames, DriveSources, GroundArea, GroundViews, Kept, MountPage, MountSearch, RouteMap, RoutePlace,
+    SearchState, SetUpKeeper,
 };
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use nalgebra::Point2;
 use serde_json::{Value, json};
 
-/// Pictures, ground views, and files of a drive, each saying what it was asked for.
+/// Pictures, ground views, files and search of a drive, each saying what it was asked for.
 struct Drive;
 
 fn picture(text: &str) -> Picture {
@@ -51,12 +52,29 @@ impl SetUpKeeper for Drive {
     }
 }
 
+impl MountSearch for Drive {
+    fn begin(&self, camera: &Camera) -> Result<(), Cause> {
+        if mount(camera).roll_rad == 0.0 { Ok(()) } else { Err("a calibration goes on already".into()) }
+    }
+
+    fn stop(&self) {}
+
+    fn state(&self) -> SearchState {
+        let said = vec!["pitch: 2 degrees".to_owned()];
+        SearchState::Found { mount: Mount { pitch_rad: 2.0_f64.to_radians(), ..Mount::level(1.4) }, said }
+    }
+}
+
 const AREA: GroundArea = GroundArea { near_m: 4.0, far_m: 20.0, half_width_m: 10.0 };
 
 fn page_of(camera: Camera) -> Option<MountPage> {
     let frames = DriveFrames { title: "drive".to_owned(), count: 3, step: 2 };
-    let sources =
-        DriveSources { pictures: Box::new(Drive), ground_views: Box::new(Drive), keeper: Box::new(Drive) };
+    let sources = DriveSources {
+        pictures: Box::new(Drive),
+        ground_views: Box::new(Drive),
+        keeper: Box::new(Drive),
+        search: Box::new(Drive),
+    };
     MountPage::new(frames, camera, AREA, sources)
 }
 
@@ -95,7 +113,16 @@ fn the_page_begins_with_the_cameras_mount() {
     );
     assert_eq!((&drive["picture_px"], &drive["frames"]), (&json!([640, 480]), &json!(3)));
     assert_eq!((&drive["frame_step"], &drive["route"]), (&json!(2), &Value::Null));
-    for path in ["/", "/mount.js", "/route_map.js", "/shapes.js", "/frames.js", "/look.css", "/mount.css"] {
+    for path in [
+        "/",
+        "/mount.js",
+        "/route_map.js",
+        "/search.js",
+        "/shapes.js",
+        "/frames.js",
+        "/look.css",
+        "/mount.css",
+    ] {
         assert_eq!(ask("GET", path, &Value::Null).status, 200, "{path}");
     }
 }
@@ -175,6 +202,18 @@ fn what_was_set_up_is_kept_with_the_command_that_runs_it() {
     for wrong in [json!({}), json!({ "mount": sunk, "start_m": null })] {
         assert_eq!(keep(&page(), wrong).status, 400);
     }
+}
+
+#[test]
+fn a_mount_is_searched_for_from_where_it_is() {
+    let mount = |roll_deg: f64| json!({"height_m": 1.5, "pitch_deg": 1, "yaw_deg": 0, "roll_deg": roll_deg});
+    let state: Value = serde_json::from_slice(&ask("POST", "/api/search", &mount(0.0)).body).unwrap();
+    let found = json!({"height_m": 1.4, "pitch_deg": 2.0, "yaw_deg": 0.0, "roll_deg": 0.0});
+    assert_eq!(state, json!({"is": "found", "mount": found, "said": ["pitch: 2 degrees"]}));
+    assert_eq!(ask("POST", "/api/search", &mount(1.0)).status, 409);
+    assert_eq!(ask("POST", "/api/search", &json!({})).status, 400);
+    assert_eq!(ask("POST", "/api/search/stop", &json!({})).status, 200);
+    assert_eq!(ask("GET", "/api/search", &Value::Null).status, 200);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod footage;
 mod route;
 mod saved;
+mod search;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,6 +16,7 @@ use fingerpost_look::{DriveFrames, DriveSources, MountPage};
 use self::footage::{Footage, FootagePictures, FootageViews};
 use self::route::DrivenRoute;
 use self::saved::SavedFiles;
+use self::search::SearchInDrive;
 use super::{area_of, folder_name};
 use crate::arguments::{InputLimit, number};
 use crate::output_path::{self, FileKind};
@@ -80,6 +82,7 @@ pub(super) fn page(drive: &Path, camera: Option<&Path>, args: &SetUpArgs) -> Res
         pictures: Box::new(FootagePictures(Arc::clone(&footage))),
         ground_views: Box::new(FootageViews { footage, view }),
         keeper: Box::new(SavedFiles { drive: name.to_owned(), camera: save, route: to_save }),
+        search: Box::new(SearchInDrive::new(name.to_owned(), source.clone())),
     };
     let Some(page) = MountPage::new(frames, camera, area, sources) else {
         bail!("{source} knows the camera by points, which have no mount; give one with a lens and a mount")

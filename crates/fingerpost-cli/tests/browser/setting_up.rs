@@ -1,4 +1,4 @@
-//! A drive set up by eye: a mount that is wrong is dragged right, its ground view follows, the start is dragged along the
+//! A drive set up by eye: a mount that is wrong is dragged right or calibrated, its ground view follows, the start is dragged along the
 //! route, and what is saved is what was set.
 
 use std::ffi::OsStr;
@@ -111,16 +111,23 @@ fn a_mount_that_is_wrong_is_dragged_right_and_saved() {
     page.is_shown_in_every_window("set_up");
 }
 
-/// The files of a drive of so many frames.
-struct DriveFiles {
+/// The files of a drive of so many frames, and its camera on a mount that is turned by so many degrees of pitch.
+struct RoughDrive {
     folder: TempDir,
+    truth: Mount,
 }
 
-impl DriveFiles {
-    fn simulate(frames: usize) -> Self {
+impl RoughDrive {
+    fn simulate(frames: usize, pitch_off_deg: f64) -> Self {
         let folder = TempDir::new().unwrap();
-        simulate(frames, &folder.path().join("drive"));
-        Self { folder }
+        let drive = folder.path().join("drive");
+        simulate(frames, &drive);
+        let camera = read_camera(&drive.join("camera.toml"));
+        let truth = mount(&camera);
+        let off = Mount { pitch_rad: truth.pitch_rad + pitch_off_deg.to_radians(), ..truth };
+        let rough = camera_to_toml(&camera.with_mount(off).unwrap()).unwrap();
+        fs::write(folder.path().join("rough.toml"), rough).unwrap();
+        Self { folder, truth }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -145,11 +152,11 @@ fn junction(page: &mut Page) -> (f64, [f64; 2]) {
 
 #[test]
 fn the_start_is_dragged_along_the_route() {
-    let files = DriveFiles::simulate(5);
+    let rough = RoughDrive::simulate(5, 0.0);
     let (map, route) = (town("town.osm"), town("town_route.geojson"));
     let first = read_route(&fs::read_to_string(&route).unwrap()).unwrap().features[0].route_m;
     let [drive, camera, saved, saved_route] =
-        ["drive", "drive/camera.toml", "camera.toml", "route.geojson"].map(|name| files.path(name));
+        ["drive", "rough.toml", "camera.toml", "route.geojson"].map(|name| rough.path(name));
     let arguments: [&OsStr; 12] = [
         "look".as_ref(),
         drive.as_ref(),
@@ -221,8 +228,8 @@ fn the_start_is_dragged_along_the_route() {
     let [kept, given] = [&saved_route, &route].map(|path| fs::read_to_string(path).unwrap());
     assert_eq!(read_route(&kept).unwrap(), read_route(&given).unwrap());
     let command = command.strip_prefix("fingerpost ").unwrap().strip_suffix("run").unwrap();
-    call(&format!("{command}{}", files.path("run").display()));
-    let report = fs::read_to_string(files.path("run").join("report.html")).unwrap();
+    call(&format!("{command}{}", rough.path("run").display()));
+    let report = fs::read_to_string(rough.path("run").join("report.html")).unwrap();
     assert!(report.contains(&format!("--start-m {moved_m:.1}")));
     page.has_names();
     page.value("document.activeElement.blur(), scrollTo(0, 0)");
@@ -235,6 +242,41 @@ fn wait_for_start(page: &mut Page) {
     page.wait_for(
         "JSON.parse(document.body.dataset.drawn).start_m === document.getElementById('start').valueAsNumber",
     );
+}
+
+#[test]
+fn a_mount_is_calibrated_from_the_drive() {
+    let rough = RoughDrive::simulate(60, 1.0);
+    let [drive, camera, saved] = ["drive", "rough.toml", "camera.toml"].map(|name| rough.path(name));
+    let arguments = [Path::new("look"), &drive, Path::new("--camera"), &camera, Path::new("--save"), &saved];
+    let served = Served::start(arguments);
+    let mut page = Page::open(&served.address);
+    page.wait_for("document.body.dataset.ready === 'yes' && document.body.dataset.drawn");
+    page.value("document.getElementById('search').click()");
+    page.wait_for("document.body.dataset.search === 'found'");
+    wait_for_drawing(&mut page, "pitch_deg");
+    let off_deg = drawn(&mut page)["pitch_deg"].as_f64().unwrap() - rough.truth.pitch_rad.to_degrees();
+    assert!(off_deg.abs() < 0.3, "off by {off_deg} degrees");
+    let said = page.value("document.getElementById('searched').textContent");
+    assert!(said.as_str().unwrap().contains("60 frames"), "{said}");
+    page.is_shown_in_every_window("set_up_calibrated");
+    // Pages of other sites begin no search and write nothing.
+    let post = |path: &str, more: &str| {
+        served.ask(&format!(
+            "POST {path} HTTP/1.1\r\nHost: 127.0.0.1:PORT\r\nConnection: close\r\nContent-Length: 2\r\n{more}\r\n{{}}"
+        ))
+    };
+    for path in ["/api/search", "/api/search/stop", "/api/set_up"] {
+        let json = "Content-Type: application/json\r\n";
+        assert!(post(path, &format!("{json}Origin: http://drive.example\r\n")).contains("403"), "{path}");
+        assert!(post(path, "Content-Type: text/plain\r\n").contains("415"), "{path}");
+    }
+    assert!(!saved.exists());
+    page.value("document.getElementById('keep').click()");
+    page.wait_for("!document.getElementById('command').hidden");
+    let kept_deg = mount(&read_camera(&saved)).pitch_rad.to_degrees();
+    assert!((kept_deg - rough.truth.pitch_rad.to_degrees() - off_deg).abs() < 1e-3, "{kept_deg}");
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }
 
 /// Of a long video every so many-th frame is shown.
@@ -277,5 +319,11 @@ fn a_video_is_set_up() {
     page.wait_for("!document.getElementById('command').hidden");
     let command = page.value("document.getElementById('command').textContent");
     assert!(command.as_str().unwrap().contains(&format!("run {} --camera", video.display())), "{command}");
+    // What shows no drive is said, and the mount stays.
+    page.value("document.getElementById('search').click()");
+    page.wait_for("document.body.dataset.search === 'failed'");
+    let said = page.value("document.getElementById('searched').textContent");
+    assert!(said.as_str().unwrap().contains("cannot be trusted"), "{said}");
+    assert_eq!(page.value("document.getElementById('pitch_deg').valueAsNumber"), json!(5.729578));
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }

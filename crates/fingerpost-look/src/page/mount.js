@@ -1,8 +1,9 @@
-// A drive set up: a mount changed by dragging and by sliders, and the start of a route. Horizon, grid, ground view and what of
+// A drive set up: a mount changed by dragging, by sliders and by calibration, and the start of a route. Horizon, grid, ground view and what of
 // the route is seen, the program says.
 
 import { call, picture } from "./frames.js";
 import { RouteMap } from "./route_map.js";
+import { searchWith } from "./search.js";
 import { Ground, drawOverlay } from "./shapes.js";
 
 /// The mount's numbers: what people call them, and how far and how finely a slider goes about where it began.
@@ -70,6 +71,9 @@ function change(numbers) {
   for (const [name, value] of Object.entries(numbers)) {
     if (!Number.isFinite(value)) continue;
     mount[name] = Math.round(value * 1e4) / 1e4;
+    const [slider] = inputs[name];
+    slider.min = Math.min(slider.min, mount[name]);
+    slider.max = Math.max(slider.max, mount[name]);
     for (const input of inputs[name]) if (input !== document.activeElement || input.type === "range") input.value = mount[name];
   }
   redraw();
@@ -187,6 +191,7 @@ async function begin() {
   $("stage").style.aspectRatio = drive.picture_px.join(" / ");
   ground = new Ground($("ground"), REACH_M, drive.ground_area);
   makeInputs();
+  searchWith(() => mount, change);
   if (drive.route) showRoute();
   await show(0);
   document.body.dataset.ready = "yes";

@@ -1,0 +1,40 @@
+// The search for the mount in the whole drive: begun, followed and taken over.
+
+import { call } from "./frames.js";
+
+/// How often it is asked how far the search is.
+const ASK_MS = 100;
+
+const $ = (id) => document.getElementById(id);
+const pause = () => new Promise((done) => setTimeout(done, ASK_MS));
+
+function show(state) {
+  const runs = state.is === "running";
+  $("search").disabled = runs;
+  $("stop").hidden = $("progress").hidden = !runs;
+  if (runs && state.of) Object.assign($("progress"), { max: state.of, value: state.frames });
+  // Who has the page read aloud is told of the end, not of every frame.
+  $("searching").textContent = runs ? `frame ${state.frames}${state.of ? ` of ${state.of}` : ""}` : "";
+  const end = { running: [], idle: ["Stopped: the mount is as it was."], failed: [state.cause], found: state.said }[state.is];
+  $("searched").replaceChildren(...end.map((text) => Object.assign(document.createElement("p"), { textContent: text })));
+  document.body.dataset.search = state.is;
+}
+
+/// The button begins a search about `mount()`; what is found goes to `found`.
+export function searchWith(mount, found) {
+  $("search").addEventListener("click", async () => {
+    try {
+      let state = await call("api/search", mount());
+      while (state.is === "running") {
+        show(state);
+        await pause();
+        state = await call("api/search");
+      }
+      if (state.is === "found") found(state.mount);
+      show(state);
+    } catch (cause) {
+      show({ is: "failed", cause: cause.message });
+    }
+  });
+  $("stop").addEventListener("click", () => call("api/search/stop", {}).catch(() => {}));
+}
