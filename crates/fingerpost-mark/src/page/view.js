@@ -12,20 +12,22 @@ export class View {
     this.y = 0;
   }
 
-  /// Fits the canvas to its place on the page; the picture is shown whole the first time.
+  /// Fits the canvas to its place on the page; the picture is shown whole the first time, and where it was.
   resize([width, height]) {
     const ratio = window.devicePixelRatio || 1;
     const { clientWidth, clientHeight } = this.canvas;
     this.canvas.width = Math.round(clientWidth * ratio);
     this.canvas.height = Math.round(clientHeight * ratio);
     this.ratio = ratio;
-    if (!this.scale) this.showAll([width, height]);
+    const { scale, x, y } = this.whole ?? this;
+    if (this.scale === scale && this.x === x && this.y === y) this.showAll([width, height]);
   }
 
   showAll([width, height]) {
     this.scale = Math.min(this.canvas.clientWidth / width, this.canvas.clientHeight / height);
     this.x = (this.canvas.clientWidth - width * this.scale) / 2;
     this.y = (this.canvas.clientHeight - height * this.scale) / 2;
+    this.whole = { scale: this.scale, x: this.x, y: this.y };
   }
 
   zoom(at, factor) {
