@@ -1,6 +1,6 @@
 //! Chromium without a window, driven through its DevTools protocol over a pair of pipes.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -167,8 +167,8 @@ impl Page {
         assert_eq!(nameless, json!([]));
     }
 
-    /// Asserts that the page is no wider than windows of phones and of computers, and writes what each shows, light and dark, to
-    /// `NAME_SCHEME_WIDTH.png`.
+    /// Asserts that the page is no wider than windows of phones and of computers and has no serious fault for those who see or
+    /// move otherwise, light and dark, and writes what each shows to `NAME_SCHEME_WIDTH.png`.
     pub(crate) fn is_shown_in_every_window(&mut self, name: &str) {
         for scheme in ["light", "dark"] {
             self.prefer(scheme);
@@ -178,8 +178,22 @@ impl Page {
                 assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
                 let file = format!("{name}_{scheme}_{width}.png");
                 self.screenshot(&Path::new(env!("CARGO_TARGET_TMPDIR")).join(file));
+                assert_eq!(self.serious_faults(), json!([]), "{name}, {scheme}, {width}");
             }
         }
+    }
+
+    /// What axe-core, the file that FINGERPOST_AXE names, finds serious or critical: each rule with the elements that break it.
+    fn serious_faults(&mut self) -> Value {
+        let path = std::env::var("FINGERPOST_AXE").unwrap();
+        if self.value("typeof axe") != "object" {
+            self.value(&format!("{}; 0", fs::read_to_string(path).unwrap()));
+        }
+        self.value(
+            "axe.run().then(({ violations }) => violations
+                 .filter(({ impact }) => impact === 'serious' || impact === 'critical')
+                 .map(({ id, nodes }) => [id, ...nodes.map(({ html, failureSummary }) => `${html}: ${failureSummary}`)]))",
+        )
     }
 
     /// Writes the page, also what of it is out of sight, as a PNG file.

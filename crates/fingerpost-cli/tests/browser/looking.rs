@@ -58,10 +58,6 @@ fn number(page: &mut Page, name: &str) -> f64 {
     text.as_str().unwrap().parse().unwrap()
 }
 
-fn screenshot(page: &mut Page, name: &str) {
-    page.screenshot(&Path::new(env!("CARGO_TARGET_TMPDIR")).join(name));
-}
-
 #[test]
 fn a_run_is_stepped_through() {
     let run = Run::make();
@@ -114,15 +110,7 @@ fn a_run_is_stepped_through() {
     page.value("scrollTo(0, 0)");
     page.value(&format!("location.hash = '#frame={}'", found + 4));
     wait_for_frame(&mut page, found + 4);
-    for scheme in ["light", "dark"] {
-        page.prefer(scheme);
-        for width in [1280, 390] {
-            page.resize([width, 800]);
-            let wide = page.value("document.documentElement.scrollWidth").as_f64().unwrap();
-            assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
-            screenshot(&mut page, &format!("look_{scheme}_{width}.png"));
-        }
-    }
+    page.is_shown_in_every_window("look");
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }
 

@@ -119,6 +119,8 @@ fn marking_with_mouse_and_keys() {
     assert!(truth[5].lane_right_px.is_empty());
     assert!(near(truth[10].lane_right_px[0], [230.0, 215.0]));
     assert!(out.join("tusimple.json").exists());
+    page.is_shown_in_every_window("marking");
+    page.resize([1280, 800]);
     page.key("PageDown", 0);
     wait_for_frame(&mut page, FRAMES - 1, "left marked (key), right marked (key)");
     page.key("ArrowLeft", 8);
