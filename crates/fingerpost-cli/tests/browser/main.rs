@@ -7,6 +7,7 @@ mod chromium;
 mod looking;
 mod marking;
 mod painted_drive;
+mod recorded;
 mod served;
 mod setting_up;
 mod simulated_drive;
