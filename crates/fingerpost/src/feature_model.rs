@@ -131,15 +131,18 @@ impl FeatureModel {
         self.arms.iter().find(|arm| arm.role == ArmRole::Exit)
     }
 
-    /// The road if the feature were not there: what stays on the line of the approach, which goes on straight where no arm does. Of a
-    /// bend the approach is straight too, because it is a part of the bend.
+    /// The road if the feature were not there: what stays on the line of the approach, which goes on straight where no arm does. Past a side
+    /// road the route's own road goes on as it does, round a curve too, which is no evidence of the side road. Of a bend the approach is
+    /// straight too, because it is a part of the bend.
     ///
     /// # Errors
     /// [`GeometryError`] as of [`Polyline::new`].
     pub fn without_feature(&self) -> Result<Self, GeometryError> {
         let straight = |x: f64| Polyline::new([Point2::origin(), Point2::new(x, 0.0)]);
-        let mut arms: Vec<ArmModel> =
-            self.arms.iter().filter(|arm| !arm.leaves_the_line()).cloned().collect();
+        let is_of_road = |arm: &&ArmModel| {
+            !arm.leaves_the_line() || (self.kind == FeatureKind::SideRoad && arm.role == ArmRole::Exit)
+        };
+        let mut arms: Vec<ArmModel> = self.arms.iter().filter(is_of_road).cloned().collect();
         if self.kind == FeatureKind::Bend {
             for arm in arms.iter_mut().filter(|arm| arm.role == ArmRole::Approach) {
                 arm.course = straight(-STRAIGHT_ROAD_M)?;

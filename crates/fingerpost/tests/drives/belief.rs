@@ -133,6 +133,22 @@ fn a_side_road_is_found_on_its_own_side_alone() {
 }
 
 #[test]
+fn that_the_road_bends_is_no_evidence_of_a_side_road() {
+    // By 35 degrees to the left.
+    const BENT: &[Place] = &[(0.0, 0.0), (-34.4, 49.1)];
+    let bend = [(SOUTH, WIDTH_M), (BENT, WIDTH_M)];
+    let with_side_road = [(SOUTH, WIDTH_M), (BENT, WIDTH_M), (EAST, WIDTH_M)];
+    for (roads, sides, is_there) in
+        [(&with_side_road[..], [EAST], true), (&bend[..], [EAST], false), (&bend[..], [WEST], false)]
+    {
+        let kind = FeatureKind::SideRoad;
+        let junction = Junction { kind, approach: SOUTH, exit: BENT, sides: &sides, width_m: WIDTH_M };
+        let found = drive(roads, &junction, 0.0).into_iter().find(|seen| seen.off_m.is_some());
+        assert_eq!(found.is_some(), is_there, "{sides:?}: {:?}", found.map(|seen| seen.why));
+    }
+}
+
+#[test]
 fn a_standing_vehicle_grows_no_surer() {
     let (camera, kind) = (camera(), FeatureKind::Junction);
     let world = World::new(&[(SOUTH, WIDTH_M), (EAST, WIDTH_M), (WEST, WIDTH_M)]);
