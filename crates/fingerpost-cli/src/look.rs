@@ -1,5 +1,6 @@
-//! `fingerpost look`: a finished run stepped through, or a drive's camera set up, on a local web page.
+//! `fingerpost look`: a finished run stepped through and its settings felt, or a drive's camera set up, on a local web page.
 
+mod feel;
 mod pictures;
 mod run_files;
 mod set_up;
@@ -14,7 +15,7 @@ use fingerpost::ground_view::GroundViewConfig;
 use fingerpost_geometry::Camera;
 use fingerpost_look::{GroundArea, RunPage};
 use fingerpost_record::recording::Channel;
-use fingerpost_server::{Handler, Limits, LocalServer};
+use fingerpost_server::{Handler, Limits, LocalServer, Pictures};
 
 use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
@@ -29,11 +30,12 @@ const SAVED_CAMERA: &str = "set_up_camera.toml";
 /// alone.
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures, it shows the
+/// frame, and curves over time with what happened, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
+/// other settings and shows each stage before and after; "Save" on it writes what was changed. Of a drive, a folder of pictures, it shows the
 /// horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
-    "look run --camera camera.toml",
+    "look run --input drive --camera camera.toml --route route.geojson",
     "look drive --camera rough.toml --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
@@ -48,8 +50,12 @@ pub(crate) struct LookArgs {
     /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
-    /// File that "Save" writes the camera of a drive to; set_up_camera.toml by default.
-    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    /// Route that the run followed: to run parts of it again with other settings. By default the route.geojson of --input, where one is.
+    #[arg(long, value_name = "FILE")]
+    route: Option<PathBuf>,
+    /// File that "Save" writes: of a run the changed settings, fingerpost.toml by default; of a drive the camera, set_up_camera.toml by
+    /// default.
+    #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
     #[arg(long, value_name = "N", default_value_t = 8421)]
@@ -60,19 +66,15 @@ pub(crate) struct LookArgs {
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
     let is_run = args.run.join("frames.jsonl").exists();
-    match (is_run, &args.save, &args.input) {
-        (true, Some(_), _) => {
-            bail!("{} is a run, of which nothing is saved; leave --save out", args.run.display())
-        }
-        (true, None, _) => serve(server, run_page(args)?),
-        (false, _, Some(_)) => {
-            bail!("{} is no run, which has a frames.jsonl; of a drive leave --input out", args.run.display())
-        }
-        (false, save, None) => {
-            let save = save.as_deref().unwrap_or(Path::new(SAVED_CAMERA));
-            serve(server, set_up::page(&args.run, args.camera.as_deref(), save)?)
-        }
+    if is_run {
+        return serve(server, run_page(args)?);
     }
+    let of_runs = [("--input", &args.input), ("--route", &args.route)];
+    if let Some((option, _)) = of_runs.iter().find(|(_, value)| value.is_some()) {
+        bail!("{} is no run, which has a frames.jsonl; of a drive leave {option} out", args.run.display());
+    }
+    let save = args.save.as_deref().unwrap_or(Path::new(SAVED_CAMERA));
+    serve(server, set_up::page(&args.run, args.camera.as_deref(), save)?)
 }
 
 fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
@@ -83,24 +85,33 @@ fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
 
 /// The page of a run.
 fn run_page(args: &LookArgs) -> Result<RunPage> {
-    let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
-    let recording = RunRecording::open(&args.run, &overview);
-    let ground_area = config_toml.as_deref().and_then(ground_area);
-    let picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
-    let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
-    if let Some(camera) = camera(args, picture_px)? {
+    let run = RunFiles::open(&args.run)?;
+    let recording = RunRecording::open(&args.run, &run.overview);
+    let picture_px = run.summary.as_ref().and_then(|summary| summary.picture_px);
+    let camera = camera(args, picture_px)?;
+    let feel = feel::open(args, &run, camera.as_ref(), pictures(args, recording.as_ref())?)?;
+    let ground_area = run.config_toml.as_deref().and_then(ground_area);
+    let RunFiles { title, overview, records, summary, config_toml } = run;
+    let page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
+    let mut page = page.with_feel(feel);
+    if let Some(camera) = camera {
         page = page.with_camera(camera);
     }
-    if let Some(recording) = &recording {
-        page = page.with_pictures(recording.pictures(Channel::CameraImage));
-        if let Some(area) = ground_area {
-            page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
-        }
+    if let Some(pictures) = pictures(args, recording.as_ref())? {
+        page = page.with_pictures(pictures);
     }
-    if let Some(input) = &args.input {
-        page = page.with_pictures(Box::new(FolderPictures::open(input)?));
+    if let Some((recording, area)) = recording.zip(ground_area) {
+        page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
     }
     Ok(page)
+}
+
+/// The pictures of the drive: those of --input, else those that the run has recorded.
+fn pictures(args: &LookArgs, recording: Option<&RunRecording>) -> Result<Option<Box<dyn Pictures>>> {
+    Ok(match &args.input {
+        Some(input) => Some(Box::new(FolderPictures::open(input)?)),
+        None => recording.map(|recording| recording.pictures(Channel::CameraImage)),
+    })
 }
 
 /// What the ground view showed by the run's settings; none where they are another program's.
@@ -121,8 +132,7 @@ fn folder_name(folder: &Path) -> String {
 
 /// The camera that took the pictures, at their size.
 fn camera(args: &LookArgs, picture_px: Option<[u32; 2]>) -> Result<Option<Camera>> {
-    let beside = args.input.as_ref().map(|drive| drive.join("camera.toml")).filter(|path| path.is_file());
-    let Some(path) = args.camera.clone().or(beside) else { return Ok(None) };
+    let Some(path) = args.beside_drive(args.camera.as_deref(), "camera.toml") else { return Ok(None) };
     let camera = inputs::camera(&path)?;
     let Some(size_px) = picture_px else { return Ok(Some(camera)) };
     let [width, height] = size_px.map(|side| side as usize);

@@ -3,12 +3,14 @@
 //! - [`Overview`]: the whole run in short, gathered record by record: curves over time, and the events to jump to.
 //! - [`shapes`]: what a frame's record knows of places, on the road in metres and in the camera's picture in pixels.
 //! - [`RunPage`]: the page, and its questions answered; `fingerpost_server` puts it on the loopback address.
+//! - [`FeelPage`]: its part on which settings are felt: the last seconds run again, each stage before and after.
 //! - [`MountPage`]: the page on which a mount is changed, with the horizon, [`metre_grid`] and the ground view that it gives.
 //!
 //! Nothing here opens a file: records come from [`Records`], pictures from [`fingerpost_server::Pictures`].
 
 mod curves;
 mod events;
+mod feel;
 mod mount_page;
 mod overview;
 mod page_files;
@@ -17,6 +19,7 @@ mod shapes;
 
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
+pub use feel::{Beginning, FeelPage, Feelable, Refusal, Reruns, SavedSettings, StageView, Stretch};
 pub use mount_page::{CameraKeeper, GroundViews, Kept, MountPage};
 pub use overview::Overview;
 pub use run_page::{GroundArea, Records, RunPage};

@@ -7,6 +7,7 @@ use fingerpost_geometry::Camera;
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use serde::Serialize;
 
+use crate::feel::FeelPage;
 use crate::overview::Overview;
 use crate::page_files::page_file;
 use crate::shapes::shapes;
@@ -38,6 +39,7 @@ pub struct RunPage {
     pictures: Option<Box<dyn Pictures>>,
     ground_views: Option<Box<dyn Pictures>>,
     camera: Option<Camera>,
+    feel: Result<FeelPage, String>,
 }
 
 /// What the page is told of the whole run.
@@ -74,7 +76,15 @@ impl RunPage {
             summary: None,
             config_toml: None,
         };
-        Self { run, records, pictures: None, ground_views: None, camera: None }
+        let feel = Err("settings cannot be felt here".to_owned());
+        Self { run, records, pictures: None, ground_views: None, camera: None, feel }
+    }
+
+    /// With the part on which settings are felt, or what it lacks.
+    #[must_use]
+    pub fn with_feel(mut self, feel: Result<FeelPage, String>) -> Self {
+        self.feel = feel;
+        self
     }
 
     /// With the drive's pictures.
@@ -149,6 +159,11 @@ impl Handler for RunPage {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
             ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/look.html")),
+            ("GET", ["feel"]) => Answer::text("text/html; charset=utf-8", include_str!("page/feel.html")),
+            (_, ["api", "feel", path @ ..]) => match &self.feel {
+                Ok(feel) => feel.answer(self.run.overview.frames().len(), request, path),
+                Err(lacking) => Answer::refused(404, lacking),
+            },
             ("GET", [name]) if name.contains('.') => page_file(name),
             ("GET", ["api", "run"]) => Answer::json(200, &self.run),
             ("GET", ["api", "records", index]) => self.with_index(index, |index| self.record(index)),

@@ -4,9 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod chromium;
+mod feeling;
 mod looking;
 mod marking;
 mod painted_drive;
 mod served;
 mod setting_up;
 mod simulated_drive;
+mod simulated_run;

@@ -3,11 +3,22 @@
 /// Frames that are kept: some seconds of stepping to and fro.
 const KEPT = 32;
 
-export async function call(path) {
-  const answer = await fetch(path);
+export async function call(path, request) {
+  const answer = await fetch(path, request);
   const data = await answer.json();
-  if (!answer.ok) throw new Error(data.error);
+  if (!answer.ok) throw Object.assign(new Error(data.error), { key: data.key });
   return data;
+}
+
+/// Sends data, and gives the answer.
+export function send(path, data) {
+  return call(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(data) });
+}
+
+/// Lets the links to the parts of a run's page lead to a frame.
+export function linkParts(frame) {
+  history.replaceState(null, "", `#frame=${frame}`);
+  for (const link of document.querySelectorAll("nav a")) link.hash = `frame=${frame}`;
 }
 
 /// A picture that cannot be shown takes nothing else with it.
@@ -65,6 +76,12 @@ export class Frames {
   indexOf(number) {
     const found = this.run.frames.findIndex((frame) => frame >= number);
     return found < 0 ? this.length - 1 : found;
+  }
+
+  /// The index of the frame that the address names.
+  linked() {
+    const number = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+    return this.indexOf(Number.isFinite(number) ? number : 0);
   }
 
   /// The index of the last frame that is no later than a time.

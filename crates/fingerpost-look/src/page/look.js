@@ -1,7 +1,7 @@
 // Steps through the run; what is to be seen in a frame, the program says.
 
 import { Curves } from "./curves.js";
-import { Frames, call } from "./frames.js";
+import { Frames, call, linkParts } from "./frames.js";
 import { showNumbers } from "./numbers.js";
 import { Ground, drawOverlay, legend } from "./shapes.js";
 
@@ -81,7 +81,7 @@ async function go(wanted) {
   $("seek").value = index;
   $("frame").value = run.frames[index];
   clearTimeout(linking);
-  linking = setTimeout(() => history.replaceState(null, "", `#frame=${run.frames[index]}`), LINK_AFTER_MS);
+  linking = setTimeout(() => linkParts(run.frames[index]), LINK_AFTER_MS);
   const mine = ++asked;
   const found = await frames.get(index);
   // A later step has overtaken this one.
@@ -100,12 +100,6 @@ function event(direction) {
   const found =
     direction < 0 ? run.events.findLast((event) => event.index < index) : run.events.find((event) => event.index > index);
   if (found) step(found.index);
-}
-
-/// The frame that the address names.
-function linked() {
-  const number = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
-  return frames.indexOf(Number.isFinite(number) ? number : 0);
 }
 
 function listEvents() {
@@ -151,7 +145,7 @@ const actions = {
 for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", action);
 $("frame").addEventListener("change", () => step(frames.indexOf($("frame").valueAsNumber)));
 $("seek").addEventListener("input", () => step($("seek").valueAsNumber));
-addEventListener("hashchange", () => step(linked()));
+addEventListener("hashchange", () => step(frames.linked()));
 
 addEventListener("keydown", (event) => {
   if (!run || event.target === $("frame") || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -178,7 +172,7 @@ async function begin() {
   chosen = legend($("legend"), drawShapes);
   listEvents();
   showRun();
-  await go(linked());
+  await go(frames.linked());
   document.body.dataset.ready = "yes";
 }
 begin().catch((cause) => say(cause.message));
