@@ -49,32 +49,44 @@ pub(crate) fn pointer(key: &str) -> String {
     format!("/{}", key.replace('.', "/"))
 }
 
+/// Settings that differ between two JSON objects of them: key, and the value in either; null where one has none.
+pub(crate) fn differing(one: &Value, other: &Value) -> Vec<(String, [Value; 2])> {
+    let mut found = Vec::new();
+    collect_differing("", one, other, &mut found);
+    found
+}
+
+fn collect_differing(key: &str, one: &Value, other: &Value, found: &mut Vec<(String, [Value; 2])>) {
+    match (one.as_object(), other.as_object()) {
+        (Some(fields), Some(of_other)) => {
+            let only_there = of_other.keys().filter(|name| !fields.contains_key(*name));
+            for name in fields.keys().chain(only_there) {
+                let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                collect_differing(&key, &one[name], &other[name], found);
+            }
+        }
+        _ if one != other => found.push((key.to_owned(), [one.clone(), other.clone()])),
+        _ => (),
+    }
+}
+
 /// The settings of `config` that differ from those of `base`, a table a stage, as TOML; a setting that is none stays out.
 pub(crate) fn differences_to_toml(config: &Config, base: &Config) -> String {
-    let differing =
-        differences(&config.to_json(), &base.to_json()).unwrap_or_else(|| Value::Object(Map::new()));
+    let mut tables = Value::Object(Map::new());
+    for (key, [value, _]) in differing(&config.to_json(), &base.to_json()) {
+        if !value.is_null() {
+            let place = key.split('.').fold(&mut tables, |table, name| &mut table[name]);
+            *place = value;
+        }
+    }
     // Numbers, texts, lists and tables of them all have a form in TOML.
-    toml::to_string(&differing).unwrap_or_default()
+    toml::to_string(&tables).unwrap_or_default()
 }
 
 /// Whether a text is a file of settings that this program wrote: signed in its first line, and without comments that would be lost.
 pub(crate) fn is_written_settings(text: &str) -> bool {
     let is_signed = text.starts_with("# Written by fingerpost ");
     is_signed && text.lines().skip(1).all(|line| !line.contains('#')) && Config::from_toml(text).is_ok()
-}
-
-fn differences(value: &Value, base: &Value) -> Option<Value> {
-    let (Value::Object(fields), Value::Object(of_base)) = (value, base) else {
-        return (value != base && !value.is_null()).then(|| value.clone());
-    };
-    let differing: Map<String, Value> = fields
-        .iter()
-        .filter_map(|(name, value)| {
-            let differing = differences(value, of_base.get(name).unwrap_or(&Value::Null))?;
-            Some((name.clone(), differing))
-        })
-        .collect();
-    (!differing.is_empty()).then_some(Value::Object(differing))
 }
 
 #[cfg(test)]

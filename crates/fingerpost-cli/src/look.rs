@@ -1,5 +1,6 @@
-//! `fingerpost look`: a finished run stepped through and its settings felt, or a drive's camera set up, on a local web page.
+//! `fingerpost look`: a finished run stepped through, felt and compared, or a drive's camera set up, on a local web page.
 
+mod compare;
 mod feel;
 mod pictures;
 mod run_files;
@@ -31,11 +32,12 @@ const SAVED_CAMERA: &str = "set_up_camera.toml";
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
 /// frame, and curves over time with what happened, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
-/// other settings and shows each stage before and after; "Save" on it writes what was changed. Of a drive, a folder of pictures, it shows the
+/// other settings and shows each stage before and after; "Save" on it writes what was changed. With another run of the same drive its
+/// part "Compare" shows both in each frame, and where they differ most. Of a drive, a folder of pictures, it shows the
 /// horizon, a metre grid and the ground view, which follow while the mount is dragged; "Save" on the page writes the camera.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
-    "look run --input drive --camera camera.toml --route route.geojson",
+    "look run --input drive --route route.geojson --with other",
     "look drive --camera rough.toml --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
@@ -50,6 +52,9 @@ pub(crate) struct LookArgs {
     /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
+    /// Another run of the same drive, to compare the two frame by frame.
+    #[arg(long, value_name = "OTHER_RUN")]
+    with: Option<PathBuf>,
     /// Route that the run followed: to run parts of it again with other settings. By default the route.geojson of --input, where one is.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
@@ -69,7 +74,7 @@ pub(crate) fn look(args: &LookArgs) -> Result<()> {
     if is_run {
         return serve(server, run_page(args)?);
     }
-    let of_runs = [("--input", &args.input), ("--route", &args.route)];
+    let of_runs = [("--input", &args.input), ("--with", &args.with), ("--route", &args.route)];
     if let Some((option, _)) = of_runs.iter().find(|(_, value)| value.is_some()) {
         bail!("{} is no run, which has a frames.jsonl; of a drive leave {option} out", args.run.display());
     }
@@ -83,21 +88,41 @@ fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
     Ok(server.serve(&Arc::new(page), interrupt.flag())?)
 }
 
-/// The page of a run.
+/// The page of a run, with another one where that is wanted.
 fn run_page(args: &LookArgs) -> Result<RunPage> {
     let run = RunFiles::open(&args.run)?;
     let recording = RunRecording::open(&args.run, &run.overview);
     let picture_px = run.summary.as_ref().and_then(|summary| summary.picture_px);
     let camera = camera(args, picture_px)?;
     let feel = feel::open(args, &run, camera.as_ref(), pictures(args, recording.as_ref())?)?;
+    let other = args.with.as_deref().map(|other| -> Result<_> {
+        let other_run = RunFiles::open(other)?;
+        let differences = compare::differences(&run, &other_run)?;
+        let recording = RunRecording::open(other, &other_run.overview);
+        Ok((plain_page(args, other_run, recording.as_ref(), camera.clone())?, differences))
+    });
+    let other = other.transpose()?;
+    let page = plain_page(args, run, recording.as_ref(), camera)?.with_feel(feel);
+    Ok(match other {
+        Some((other, differences)) => page.with_comparison(other, differences),
+        None => page,
+    })
+}
+
+/// The page on which a run is stepped through.
+fn plain_page(
+    args: &LookArgs,
+    run: RunFiles,
+    recording: Option<&RunRecording>,
+    camera: Option<Camera>,
+) -> Result<RunPage> {
     let ground_area = run.config_toml.as_deref().and_then(ground_area);
     let RunFiles { title, overview, records, summary, config_toml } = run;
-    let page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
-    let mut page = page.with_feel(feel);
+    let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
     if let Some(camera) = camera {
         page = page.with_camera(camera);
     }
-    if let Some(pictures) = pictures(args, recording.as_ref())? {
+    if let Some(pictures) = pictures(args, recording)? {
         page = page.with_pictures(pictures);
     }
     if let Some((recording, area)) = recording.zip(ground_area) {
@@ -106,7 +131,7 @@ fn run_page(args: &LookArgs) -> Result<RunPage> {
     Ok(page)
 }
 
-/// The pictures of the drive: those of --input, else those that the run has recorded.
+/// The pictures of the drive: those of --input, else those that a run has recorded.
 fn pictures(args: &LookArgs, recording: Option<&RunRecording>) -> Result<Option<Box<dyn Pictures>>> {
     Ok(match &args.input {
         Some(input) => Some(Box::new(FolderPictures::open(input)?)),

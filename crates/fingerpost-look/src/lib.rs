@@ -4,10 +4,12 @@
 //! - [`shapes`]: what a frame's record knows of places, on the road in metres and in the camera's picture in pixels.
 //! - [`RunPage`]: the page, and its questions answered; `fingerpost_server` puts it on the loopback address.
 //! - [`FeelPage`]: its part on which settings are felt: the last seconds run again, each stage before and after.
+//! - [`Differences`]: two runs of one drive, and the frames in which they differ most, for the part on which they are compared.
 //! - [`MountPage`]: the page on which a mount is changed, with the horizon, [`metre_grid`] and the ground view that it gives.
 //!
 //! Nothing here opens a file: records come from [`Records`], pictures from [`fingerpost_server::Pictures`].
 
+mod compare;
 mod curves;
 mod events;
 mod feel;
@@ -17,6 +19,7 @@ mod page_files;
 mod run_page;
 mod shapes;
 
+pub use compare::{Difference, DifferenceKind, Differences, Measure};
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
 pub use feel::{Beginning, FeelPage, Feelable, Refusal, Reruns, SavedSettings, StageView, Stretch};

@@ -12,6 +12,8 @@ pub(crate) fn page_file(name: &str) -> Answer {
         "curves.js" => include_str!("page/curves.js"),
         "parts.css" => return Answer::text("text/css; charset=utf-8", include_str!("page/parts.css")),
         "feel.js" => include_str!("page/feel.js"),
+        "compare.js" => include_str!("page/compare.js"),
+        "frame_view.js" => include_str!("page/frame_view.js"),
         "columns.js" => include_str!("page/columns.js"),
         "settings.js" => include_str!("page/settings.js"),
         "numbers.js" => include_str!("page/numbers.js"),

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod chromium;
+mod comparing;
 mod feeling;
 mod looking;
 mod marking;

@@ -3,10 +3,16 @@
 const isGroup = (value) => value !== null && typeof value === "object" && !Array.isArray(value);
 
 /// All numbers and texts of a record by their names, a group's with its name before.
-function leaves(group, before = "") {
-  return Object.entries(group).flatMap(([key, value]) =>
-    isGroup(value) ? leaves(value, `${before}${key}.`) : [[before + key, value]],
-  );
+export function leaves(group, before = "") {
+  return Object.entries(group).flatMap(([key, value]) => {
+    const name = before + key;
+    if (isGroup(value)) return leaves(value, `${name}.`);
+    // What has an identity is held against its like, wherever it stands in its list.
+    if (Array.isArray(value) && value.length && value.every((item) => isGroup(item) && "id" in item)) {
+      return value.flatMap((item) => leaves(item, `${name} ${item.id}.`));
+    }
+    return [[name, value]];
+  });
 }
 
 function text(value) {

@@ -35,8 +35,10 @@ export async function picture(path) {
 }
 
 export class Frames {
-  constructor(run) {
+  /// Of the run that the program tells of beneath `base`.
+  constructor(run, base = "api") {
     this.run = run;
+    this.base = base;
     this.kept = new Map();
   }
 
@@ -60,9 +62,9 @@ export class Frames {
     const { has_pictures, ground_area } = this.run;
     const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
     const [said, shown, ground] = await Promise.all([
-      call(`api/records/${index}`),
-      has_pictures ? picture(`api/records/${index}/picture`) : nothing,
-      ground_area ? picture(`api/records/${index}/ground_view`) : nothing,
+      call(`${this.base}/records/${index}`),
+      has_pictures ? picture(`${this.base}/records/${index}/picture`) : nothing,
+      ground_area ? picture(`${this.base}/records/${index}/ground_view`) : nothing,
     ]);
     return { ...said, ...shown, groundView: ground.picture };
   }

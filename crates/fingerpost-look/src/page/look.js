@@ -2,11 +2,10 @@
 
 import { Curves } from "./curves.js";
 import { Frames, call, linkParts } from "./frames.js";
+import { FrameView, reach } from "./frame_view.js";
 import { showNumbers } from "./numbers.js";
-import { Ground, drawOverlay, legend } from "./shapes.js";
+import { legend } from "./shapes.js";
 
-/// Nearest and farthest reach of the road from above, metres.
-const REACH_M = [25, 60];
 /// A browser takes so many changes of an address in a time; the link of a frame that is passed over is wanted by nobody.
 const LINK_AFTER_MS = 250;
 
@@ -15,7 +14,7 @@ const opened = new Set();
 let run = null;
 let frames = null;
 let curves = null;
-let ground = null;
+let view = null;
 let chosen = null;
 let index = 0;
 let shown = null;
@@ -28,26 +27,7 @@ function say(text) {
 }
 
 function drawShapes() {
-  if (!shown) return;
-  const wanted = chosen(shown.shapes);
-  const { picture } = shown;
-  // Pixels of records are those of the picture as it was taken, whatever size it is shown in.
-  const size = run.picture_px || (picture && [picture.naturalWidth, picture.naturalHeight]);
-  $("stage").hidden = !size;
-  if (size) {
-    $("stage").style.aspectRatio = `${size[0]} / ${size[1]}`;
-    drawOverlay($("overlay"), wanted, size);
-  }
-  ground.draw(wanted);
-}
-
-function showPicture({ picture, missing }) {
-  $("no-picture").textContent = missing;
-  const next = picture || new Image();
-  next.id = "picture";
-  next.alt = picture ? `Camera's picture of frame ${run.frames[index]}` : "";
-  next.hidden = !picture;
-  $("picture").replaceWith(next);
+  view.draw(chosen);
 }
 
 /// Marks the last event so far, and brings it into sight where it is another than before.
@@ -64,8 +44,7 @@ function showEvents() {
 
 function show() {
   const { record } = shown;
-  showPicture(shown);
-  ground.lay(shown.groundView);
+  view.show(shown, run.frames[index]);
   drawShapes();
   curves.show(index);
   showEvents();
@@ -116,14 +95,6 @@ function listEvents() {
   if (!run.events.length) $("events").append(Object.assign(document.createElement("li"), { textContent: nothing }));
 }
 
-/// What is farthest ahead in the run gives the reach of the road from above, so that it stays the same while stepping.
-function reach() {
-  const ahead = run.curves.find(({ quantity }) => quantity === "forward").values;
-  const farthest = ahead.reduce((a, b) => Math.max(a, b ?? 0), 0);
-  const least = Math.max(REACH_M[0], run.ground_area?.far_m ?? 0);
-  return Math.min(REACH_M[1], Math.max(least, 5 * Math.ceil(farthest / 5 + 0.4)));
-}
-
 function showRun() {
   document.title = `Fingerpost: ${run.title}`;
   $("title").textContent = run.title;
@@ -168,7 +139,7 @@ async function begin() {
   run = await call("api/run");
   frames = new Frames(run);
   curves = new Curves($("curves"), run, (time_s) => step(frames.indexAt(time_s)));
-  ground = new Ground($("ground"), reach(), run.ground_area);
+  view = new FrameView({ stage: $("stage"), missing: $("no-picture"), ground: $("ground") }, run, reach([run]));
   chosen = legend($("legend"), drawShapes);
   listEvents();
   showRun();
