@@ -55,6 +55,9 @@ pub(crate) struct LookArgs {
     /// Another run of the same drive, to compare the two frame by frame.
     #[arg(long, value_name = "OTHER_RUN")]
     with: Option<PathBuf>,
+    /// Folder that `tune` has written: each point of its front is taken over into "Feel" by a click.
+    #[arg(long, value_name = "DIR")]
+    tuned: Option<PathBuf>,
     /// Route that the run followed: to run parts of it again with other settings. By default the route.geojson of --input, where one is.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
@@ -74,7 +77,12 @@ pub(crate) fn look(args: &LookArgs) -> Result<()> {
     if is_run {
         return serve(server, run_page(args)?);
     }
-    let of_runs = [("--input", &args.input), ("--with", &args.with), ("--route", &args.route)];
+    let of_runs = [
+        ("--input", &args.input),
+        ("--with", &args.with),
+        ("--tuned", &args.tuned),
+        ("--route", &args.route),
+    ];
     if let Some((option, _)) = of_runs.iter().find(|(_, value)| value.is_some()) {
         bail!("{} is no run, which has a frames.jsonl; of a drive leave {option} out", args.run.display());
     }

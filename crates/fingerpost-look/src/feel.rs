@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use fingerpost_format::{FrameRecord, TriedSettings, TuningFront};
+use fingerpost_format::{FrameRecord, TriedSettings};
 use fingerpost_server::{Answer, Cause, Picture, Request};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -87,8 +87,19 @@ pub struct Feelable {
     pub schema: Value,
     /// The run's settings.
     pub values: Value,
-    /// Settings that a search has found, to be taken one by one.
-    pub front: Option<TuningFront>,
+    /// Settings that a search has found; none without one.
+    pub points: Vec<FoundPoint>,
+}
+
+/// Settings that a search has found, to be taken over all at once.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FoundPoint {
+    /// What it is called.
+    pub name: String,
+    /// What came of it on the search's drives, in words.
+    pub results: String,
+    /// The settings that were searched.
+    pub settings: TriedSettings,
 }
 
 /// The part of a run's page on which settings are felt.

@@ -22,7 +22,9 @@ mod shapes;
 pub use compare::{Difference, DifferenceKind, Differences, Measure};
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};
-pub use feel::{Beginning, FeelPage, Feelable, Refusal, Reruns, SavedSettings, StageView, Stretch};
+pub use feel::{
+    Beginning, FeelPage, Feelable, FoundPoint, Refusal, Reruns, SavedSettings, StageView, Stretch,
+};
 pub use mount_page::{CameraKeeper, GroundViews, Kept, MountPage};
 pub use overview::Overview;
 pub use run_page::{GroundArea, Records, RunPage};

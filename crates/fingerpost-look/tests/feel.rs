@@ -60,7 +60,7 @@ fn page() -> RunPage {
 }
 
 fn page_with_feel(runs: &Arc<AtomicUsize>) -> RunPage {
-    let feelable = Feelable { schema: json!({}), values: json!({}), front: None };
+    let feelable = Feelable { schema: json!({}), values: json!({}), points: Vec::new() };
     page().with_feel(Ok(FeelPage::new(feelable, Box::new(Counted(Arc::clone(runs))))))
 }
 

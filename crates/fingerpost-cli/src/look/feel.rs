@@ -1,5 +1,6 @@
 //! Settings felt on a run: its last seconds up to a frame are run again.
 
+mod front;
 mod open;
 mod remembered_road;
 mod save;

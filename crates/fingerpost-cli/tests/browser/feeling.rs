@@ -15,6 +15,13 @@ const FRAMES: usize = 200;
 /// How often a setting is moved to time it.
 const MOVES: usize = 9;
 
+/// What a search has found.
+const FRONT: &str = r#"{"objectives": ["missed", "false"], "trials": 9, "drives": [2, 1],
+    "defaults": {"trial": 0, "config": null, "settings": {"track.detect_present": 0.8}, "tuned": null, "held_back": null},
+    "front": [{"trial": 4, "config": "01.toml", "settings": {"track.detect_present": 0.65, "track.kerb_radius_m": 5},
+        "tuned": {"features": 9, "missed_share": 0.125, "false_per_drive": 0.5, "error_p50_m": null, "error_p95_m": null,
+            "error_per_sigma_p68": null}, "held_back": null}]}"#;
+
 /// What the page has run last.
 fn felt(page: &mut Page) -> Value {
     let text = page.value("document.body.dataset.felt ?? 'null'");
@@ -47,7 +54,11 @@ fn a_setting_that_is_moved_shows_each_stage_before_and_after() {
     let records = run.records();
     let frame = records.iter().rposition(|record| record.state == TrackState::Tracking).unwrap();
     let (camera, saved) = (run.drive().join("camera.toml"), run.path("fingerpost.toml"));
-    let served = run.serve_with(&[("--input", &run.drive()), ("--camera", &camera), ("--save", &saved)]);
+    let tuned = run.path("tuned");
+    fs::create_dir(&tuned).unwrap();
+    fs::write(tuned.join("front.json"), FRONT).unwrap();
+    let options = [("--input", &run.drive()), ("--camera", &camera), ("--save", &saved), ("--tuned", &tuned)];
+    let served = run.serve_with(&options.map(|(option, path)| (option, path.as_path())));
     let mut page = Page::open(&format!("{}feel#frame={frame}", served.address));
     page.wait_for("document.body.dataset.felt");
     println!("the first stretch: {:.0} ms", felt(&mut page)["ms"].as_f64().unwrap());
@@ -129,13 +140,19 @@ fn a_setting_that_is_moved_shows_each_stage_before_and_after() {
         "{command}"
     );
 
+    // A point of a search is taken over in place of it.
+    let points =
+        page.value("[...document.querySelectorAll('#points button b')].map((name) => name.textContent)");
+    assert_eq!(points, json!(["what the search began with", "01.toml"]));
+    page.value("document.querySelectorAll('#points button')[1].click()");
+    wait_for_changes(&mut page, &json!({ "track.detect_present": 0.65, "track.kerb_radius_m": 5 }));
+    page.value("document.querySelectorAll('#points button')[0].click()");
+    wait_for_changes(&mut page, &json!({}));
+
     page.has_names();
     set(&mut page, "road_surface.sample_width_m", "0.6");
     set(&mut page, "track.detect_present", "0.6");
-    wait_for_changes(
-        &mut page,
-        &json!({ "track.detect_sigma_m": 2, "road_surface.sample_width_m": 0.6, "track.detect_present": 0.6 }),
-    );
+    wait_for_changes(&mut page, &json!({ "road_surface.sample_width_m": 0.6, "track.detect_present": 0.6 }));
     page.value("document.getElementById('search').value = 'present'; document.getElementById('search').dispatchEvent(new Event('input'))");
     for scheme in ["light", "dark"] {
         page.prefer(scheme);

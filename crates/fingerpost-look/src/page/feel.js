@@ -123,6 +123,17 @@ function go(wanted) {
   feel();
 }
 
+/// What a search has found: a click takes a point over in place of all that is changed.
+function listPoints(points) {
+  $("points").hidden = !points.length;
+  for (const { name, results, settings: found } of points) {
+    const words = Object.entries(found).map(([key, value]) => `${key} ${value}`).join(", ");
+    const button = element("button", { className: "point" }, element("b", { textContent: name }), ` ${results}`, element("span", { className: "hint", textContent: words }));
+    button.addEventListener("click", () => settings.replace(found));
+    $("points").append(button);
+  }
+}
+
 async function begin() {
   run = await call("api/run");
   frames = new Frames(run);
@@ -141,6 +152,7 @@ async function begin() {
     drawChanged();
     feel();
   });
+  listPoints(feelable.points);
   $("search").addEventListener("input", () => settings.search($("search").value));
   index = frames.linked();
   settings.replace(JSON.parse(sessionStorage.getItem("feel") ?? "{}"));

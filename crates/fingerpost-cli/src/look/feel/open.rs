@@ -10,6 +10,7 @@ use fingerpost_geometry::Camera;
 use fingerpost_look::{FeelPage, Feelable};
 use fingerpost_server::Pictures;
 
+use super::front::points;
 use super::{Frames, Kept, RunAgain, SettingsFile, StretchPictures, schema};
 use crate::inputs;
 use crate::look::LookArgs;
@@ -57,7 +58,8 @@ pub(in crate::look) fn open(
     let scaling = sampling.map(|sampling| PictureScaling::to_width(camera, sampling.picture_px[0] as usize));
     let scaling = scaling.transpose()?.flatten();
     let camera = scaling.as_ref().map_or(camera, PictureScaling::camera).clone();
-    let feelable = Feelable { schema: schema(), values: config.to_json(), front: None };
+    let points = args.tuned.as_deref().map(points).transpose()?.unwrap_or_default();
+    let feelable = Feelable { schema: schema(), values: config.to_json(), points };
     let size_px = (camera.width(), camera.height());
     let run_again = RunAgain {
         config,
