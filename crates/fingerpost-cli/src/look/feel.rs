@@ -8,8 +8,9 @@ mod stretch;
 
 use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, bail};
 use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::RoadDetector;
 use fingerpost::{Config, ConfigError, PipelineError, Sensors};
@@ -36,8 +37,10 @@ use self::stretch::{Frames, StretchPictures};
 
 /// JPEG quality of the stages' pictures.
 const STAGE_QUALITY: u8 = 85;
+/// How long a stretch may take: settings that make a frame take more are not felt but waited for.
+const LONGEST: Duration = Duration::from_secs(20);
 /// Settings that name files, and those of what a stretch is run without: a page changes none of them.
-const NOT_FELT: [&str; 2] = ["road_surface.onnx.", "can."];
+const NOT_FELT: [&str; 2] = ["road_surface.onnx", "can"];
 
 /// A run whose stretches are run again.
 struct RunAgain {
@@ -63,13 +66,15 @@ struct Kept {
 impl RunAgain {
     /// The run's settings with these in place of its own.
     fn changed(&self, changed: &TriedSettings) -> Result<Config, Refusal> {
-        if let Some(key) = changed.keys().find(|key| NOT_FELT.iter().any(|table| key.starts_with(table))) {
-            let cause =
-                format!("{key} names a file, or is of the vehicle's bus; set it in the file of --config");
-            return Err(Refusal { key: Some(key.clone()), cause: cause.into() });
+        let config = with_changes(&self.config.to_json(), changed)
+            .map_err(|error| Refusal { key: error.key().map(str::to_owned), cause: error.into() })?;
+        // Whatever the keys are: a table may be given as a whole.
+        if (&config.road_surface.onnx, &config.can) != (&self.config.road_surface.onnx, &self.config.can) {
+            let key = changed.keys().find(|key| NOT_FELT.iter().any(|table| key.starts_with(table))).cloned();
+            let cause = "this names a file, or is of the vehicle's bus; set it in the file of --config";
+            return Err(Refusal { key, cause: cause.into() });
         }
-        with_changes(&self.config.to_json(), changed)
-            .map_err(|error| Refusal { key: error.key().map(str::to_owned), cause: error.into() })
+        Ok(config)
     }
 
     /// Where the vehicle was on the route by the record of a frame, with its standard deviation, metres.
@@ -112,9 +117,13 @@ impl RunAgain {
         };
         let mut driver =
             Driver::with_parts(setting, &Wishes::records_alone(), None, parts)?.without_key_frames();
+        let started = Instant::now();
         let mut frames = 0;
         let mut last = None;
         for (at, picture) in kept.pictures.loaded() {
+            if started.elapsed() > LONGEST {
+                bail!("the stretch takes more than {} s with this; give a coarser one", LONGEST.as_secs());
+            }
             let time = self.frames.time(at);
             let mut drawn = None;
             let mut draw = |scene: &Scene<'_>| drawn = (at == index).then(|| StagePictures::draw(scene));
@@ -168,7 +177,7 @@ impl Reruns for RunAgain {
 /// The schema of the settings that can be felt.
 fn schema() -> Value {
     let mut schema = Config::schema().clone();
-    for table in NOT_FELT.map(|table| table.trim_end_matches('.')) {
+    for table in NOT_FELT {
         let (place, name) = match table.rsplit_once('.') {
             Some((table, name)) => {
                 (format!("/properties/{}/properties", table.replace('.', "/properties/")), name)

@@ -83,8 +83,9 @@ fn two_runs_are_compared() {
     );
 
     page.has_names();
-    page.value(&format!("location.hash = '#frame={}'", peak["frame"]));
-    wait_for_frame(&mut page, peak["frame"].as_u64().unwrap());
+    let place = events.iter().find(|event| event["text"].as_str().unwrap().contains("place")).unwrap();
+    page.value(&format!("location.hash = '#frame={}'", place["frame"]));
+    wait_for_frame(&mut page, place["frame"].as_u64().unwrap());
     page.value("scrollTo(0, 0)");
     for scheme in ["light", "dark"] {
         page.prefer(scheme);

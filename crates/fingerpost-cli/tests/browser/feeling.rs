@@ -128,6 +128,18 @@ fn a_setting_that_is_moved_shows_each_stage_before_and_after() {
     ));
     assert_eq!(records[0], records[1]);
 
+    // No page makes the program load a library, however it names the setting.
+    let statuses = page.value(&format!(
+        "Promise.all(['road_surface.onnx.library', 'road_surface.onnx', 'road_surface'].map(async (key) => {{
+             const onnx = {{ library: '/tmp/a.so', model: '/tmp/a.onnx' }};
+             const value = {{ library: onnx.library, onnx, road_surface: {{ onnx }} }}[key.split('.').pop()];
+             const body = JSON.stringify({{ [key]: value }});
+             const headers = {{ 'Content-Type': 'application/json' }};
+             return (await fetch('api/feel/records/{frame}', {{ method: 'POST', headers, body }})).status;
+         }}))"
+    ));
+    assert_eq!(statuses, json!([400, 400, 400]));
+
     // What is saved is what was changed, and the program reads it.
     page.value("document.getElementById('save').click()");
     page.wait_for("document.querySelector('#saved pre')");
