@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow};
 use fingerpost::advice::Advice;
 use fingerpost::fix::NearPlace;
 use fingerpost::ground_view::GroundViewError;
+use fingerpost::pipeline::Parts;
 use fingerpost::road_surface::SurfaceFile;
 use fingerpost::track::State;
 use fingerpost::{Config, Pipeline, PipelineError, Sensors};
@@ -17,6 +18,7 @@ use fingerpost_record::recording::{FrameRecorder, RecordedFrame};
 use fingerpost_record::{FrameTime, feature_identities, frame_record};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
+use fingerpost_vision::road_network::RoadNetwork;
 
 use crate::parts::parts;
 use crate::picture_order::OutOfOrder;
@@ -43,6 +45,11 @@ pub(crate) struct RunSetting<'a> {
 impl RunSetting<'_> {
     /// The method before its first frame.
     pub(crate) fn pipeline(&self) -> Result<Pipeline> {
+        self.pipeline_of(parts(self.config)?)
+    }
+
+    /// The same with these stages in place of the configuration's.
+    fn pipeline_of(&self, parts: Parts) -> Result<Pipeline> {
         let Config { road_surface, motion, lanes, advice, .. } = self.config;
         log::debug!(
             "road detector {}, motion {:?}, lanes {:?}, controller {}",
@@ -51,7 +58,6 @@ impl RunSetting<'_> {
             lanes.finder,
             advice.controller.name()
         );
-        let parts = parts(self.config)?;
         Ok(Pipeline::with_parts(self.config, self.camera, self.route, self.start_m, parts)?)
     }
 }
@@ -113,7 +119,17 @@ pub(crate) struct Driver {
 impl Driver {
     /// Sets the method up for a run of about `frames` frames, where that is known.
     pub(crate) fn new(setting: RunSetting<'_>, wishes: &Wishes, frames: Option<u64>) -> Result<Self> {
-        let pipeline = setting.pipeline()?;
+        Self::with_parts(setting, wishes, frames, parts(setting.config)?)
+    }
+
+    /// The same with these stages in place of the configuration's.
+    pub(crate) fn with_parts(
+        setting: RunSetting<'_>,
+        wishes: &Wishes,
+        frames: Option<u64>,
+        parts: Parts,
+    ) -> Result<Self> {
+        let pipeline = setting.pipeline_of(parts)?;
         Ok(Self {
             drawing: Setting::new(setting.camera, &pipeline),
             sequence: setting.sequence,
@@ -136,7 +152,6 @@ impl Driver {
     }
 
     /// Draws no frame for the report: that takes as long as several frames.
-    #[cfg(feature = "ros2")]
     pub(crate) fn without_key_frames(self) -> Self {
         Self { key_frames: None, ..self }
     }
@@ -180,6 +195,11 @@ impl Driver {
     /// The surfaces that are known by now.
     pub(crate) fn known_surfaces(&self) -> Option<SurfaceFile> {
         self.pipeline.road_detector().known_surfaces()
+    }
+
+    /// The network that looked at the last frame; none of a road detector that asks none.
+    pub(crate) fn road_network(&self) -> Option<&RoadNetwork> {
+        self.pipeline.road_detector().network()
     }
 
     /// What is advised after the last frame, and what state the method is in.

@@ -7,7 +7,9 @@ use fingerpost_format::MapNoticeRecord;
 use fingerpost_geometry::{Camera, Distortion, View};
 use fingerpost_map::{MapNotice, RoadGraph, Route};
 use fingerpost_record::kind_name;
-use toml::{Table, Value};
+use serde_json::Value;
+
+use crate::changed_settings::differing;
 
 /// A camera: its pictures, its lens and how it is mounted.
 pub(crate) fn of_camera(camera: &Camera) -> String {
@@ -64,30 +66,11 @@ pub(crate) fn of_route(route: &Route) -> String {
 
 /// Settings that are not the default, each with the default: `track.detect_present = 0.9 (default 0.8)`.
 pub(crate) fn of_settings(config: &Config) -> Vec<String> {
-    // What cannot be written has no keys.
-    let table = |config: &Config| -> Table {
-        config.to_toml().ok().and_then(|text| text.parse().ok()).unwrap_or_default()
-    };
-    let mut changed = Vec::new();
-    compare("", &table(config), &table(&Config::default()), &mut changed);
-    changed
-}
-
-fn compare(path: &str, table: &Table, default: &Table, changed: &mut Vec<String>) {
-    let left_out = default.keys().filter(|key| !table.contains_key(*key));
-    for key in table.keys().chain(left_out) {
-        let name = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-        match (table.get(key), default.get(key)) {
-            (Some(Value::Table(inner)), Some(Value::Table(default))) => {
-                compare(&name, inner, default, changed)
-            }
-            (value, default) if value != default => {
-                let text = |value: Option<&Value>| value.map_or("none".to_owned(), Value::to_string);
-                changed.push(format!("{name} = {} (default {})", text(value), text(default)));
-            }
-            _ => (),
-        }
-    }
+    let text = |value: &Value| if value.is_null() { "none".to_owned() } else { value.to_string() };
+    differing(&config.to_json(), &Config::default().to_json())
+        .iter()
+        .map(|(key, [value, default])| format!("{key} = {} (default {})", text(value), text(default)))
+        .collect()
 }
 
 #[cfg(test)]

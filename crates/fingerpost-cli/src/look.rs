@@ -1,5 +1,7 @@
-//! `fingerpost look`: a finished run stepped through, or a drive's camera set up, on a local web page.
+//! `fingerpost look`: a finished run stepped through, felt and compared, or a drive's camera set up, on a local web page.
 
+mod compare;
+mod feel;
 mod pictures;
 mod run_files;
 mod set_up;
@@ -14,11 +16,11 @@ use fingerpost::ground_view::GroundViewConfig;
 use fingerpost_geometry::Camera;
 use fingerpost_look::{GroundArea, RunPage};
 use fingerpost_record::recording::Channel;
-use fingerpost_server::{Handler, Limits, LocalServer};
+use fingerpost_server::{Handler, Limits, LocalServer, Pictures};
 
 use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
-use self::set_up::SetUpArgs;
+use self::set_up::{SetUpArgs, SetUpFiles};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::{camera_size, inputs, output};
@@ -26,12 +28,14 @@ use crate::{camera_size, inputs, output};
 /// Step through a finished run frame by frame, or set a drive up by eye, on a web page that is served to this machine alone.
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened, to jump to; nothing is written. Of a drive, a folder of pictures or a video, it shows
-/// the horizon, a metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can
-/// be dragged too; "Calibrate from this drive" does what `calibrate mount` does, and "Save" writes camera and route.
+/// frame, and curves over time with what happened, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
+/// other settings and shows each stage before and after; "Save" on it writes what was changed. With another run of the same drive its
+/// part "Compare" shows both in each frame, and where they differ most. Of a drive, a folder of pictures or a video, it shows the horizon, a
+/// metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can be dragged
+/// too; "Calibrate from this drive" does what `calibrate mount` does, and "Save" writes camera and route.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
-    "look run --camera camera.toml",
+    "look run --input drive --route route.geojson --with other",
     "look drive --camera rough.toml --map town.osm --route route.geojson --save camera.toml"
 ))]
 pub(crate) struct LookArgs {
@@ -46,6 +50,20 @@ pub(crate) struct LookArgs {
     /// one is. Of a drive: what its mount begins as; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
+    /// Another run of the same drive, to compare the two frame by frame.
+    #[arg(long, value_name = "OTHER_RUN")]
+    with: Option<PathBuf>,
+    /// Folder that `tune` has written: each point of its front is taken over into "Feel" by a click.
+    #[arg(long, value_name = "DIR")]
+    tuned: Option<PathBuf>,
+    /// Route, as written by `fingerpost route`. Of a run: the one that it followed, to run parts of it again with other settings; by default
+    /// the route.geojson of --input, where one is. Of a drive: it is drawn into the picture from its start on, which can be moved along it.
+    #[arg(long, value_name = "FILE")]
+    route: Option<PathBuf>,
+    /// File that "Save" writes: of a run the changed settings, fingerpost.toml by default; of a drive the camera, set_up_camera.toml by
+    /// default.
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
     #[command(flatten)]
     set_up: SetUpArgs,
     /// Port of the page on 127.0.0.1; 0 for any that is free.
@@ -57,16 +75,19 @@ pub(crate) struct LookArgs {
 pub(crate) fn look(args: &LookArgs) -> Result<()> {
     let server = LocalServer::open(args.port, Limits::default())?;
     let is_run = args.run.join("frames.jsonl").exists();
-    match (is_run, args.set_up.given(), &args.input) {
-        (true, Some(option), _) => {
-            bail!("{} is a run, of which nothing is set up; leave {option} out", args.run.display())
+    if is_run {
+        if let Some(option) = args.set_up.given() {
+            bail!("{} is a run, of which nothing is set up; leave {option} out", args.run.display());
         }
-        (true, None, _) => serve(server, run_page(args)?),
-        (false, _, Some(_)) => {
-            bail!("{} is no run, which has a frames.jsonl; of a drive leave --input out", args.run.display())
-        }
-        (false, _, None) => serve(server, set_up::page(&args.run, args.camera.as_deref(), &args.set_up)?),
+        return serve(server, run_page(args)?);
     }
+    let of_runs = [("--input", &args.input), ("--with", &args.with), ("--tuned", &args.tuned)];
+    if let Some((option, _)) = of_runs.iter().find(|(_, value)| value.is_some()) {
+        bail!("{} is no run, which has a frames.jsonl; of a drive leave {option} out", args.run.display());
+    }
+    let LookArgs { camera, route, save, .. } = args;
+    let files = SetUpFiles { camera: camera.as_deref(), route: route.as_deref(), save: save.as_deref() };
+    serve(server, set_up::page(&args.run, &files, &args.set_up)?)
 }
 
 fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
@@ -75,26 +96,55 @@ fn serve<H: Handler>(server: LocalServer, page: H) -> Result<()> {
     Ok(server.serve(&Arc::new(page), interrupt.flag())?)
 }
 
-/// The page of a run.
+/// The page of a run, with another one where that is wanted.
 fn run_page(args: &LookArgs) -> Result<RunPage> {
-    let RunFiles { title, overview, records, summary, config_toml } = RunFiles::open(&args.run)?;
-    let recording = RunRecording::open(&args.run, &overview);
-    let ground_area = config_toml.as_deref().and_then(ground_area);
-    let picture_px = summary.as_ref().and_then(|summary| summary.picture_px);
+    let run = RunFiles::open(&args.run)?;
+    let recording = RunRecording::open(&args.run, &run.overview);
+    let picture_px = run.summary.as_ref().and_then(|summary| summary.picture_px);
+    let camera = camera(args, picture_px)?;
+    let feel = feel::open(args, &run, camera.as_ref(), pictures(args, recording.as_ref())?)?;
+    let other = args.with.as_deref().map(|other| -> Result<_> {
+        let other_run = RunFiles::open(other)?;
+        let differences = compare::differences(&run, &other_run)?;
+        let recording = RunRecording::open(other, &other_run.overview);
+        Ok((plain_page(args, other_run, recording.as_ref(), camera.clone())?, differences))
+    });
+    let other = other.transpose()?;
+    let page = plain_page(args, run, recording.as_ref(), camera)?.with_feel(feel);
+    Ok(match other {
+        Some((other, differences)) => page.with_comparison(other, differences),
+        None => page,
+    })
+}
+
+/// The page on which a run is stepped through.
+fn plain_page(
+    args: &LookArgs,
+    run: RunFiles,
+    recording: Option<&RunRecording>,
+    camera: Option<Camera>,
+) -> Result<RunPage> {
+    let ground_area = run.config_toml.as_deref().and_then(ground_area);
+    let RunFiles { title, overview, records, summary, config_toml } = run;
     let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
-    if let Some(camera) = camera(args, picture_px)? {
+    if let Some(camera) = camera {
         page = page.with_camera(camera);
     }
-    if let Some(recording) = &recording {
-        page = page.with_pictures(recording.pictures(Channel::CameraImage));
-        if let Some(area) = ground_area {
-            page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
-        }
+    if let Some(pictures) = pictures(args, recording)? {
+        page = page.with_pictures(pictures);
     }
-    if let Some(input) = &args.input {
-        page = page.with_pictures(Box::new(FolderPictures::open(input)?));
+    if let Some((recording, area)) = recording.zip(ground_area) {
+        page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
     }
     Ok(page)
+}
+
+/// The pictures of the drive: those of --input, else those that a run has recorded.
+fn pictures(args: &LookArgs, recording: Option<&RunRecording>) -> Result<Option<Box<dyn Pictures>>> {
+    Ok(match &args.input {
+        Some(input) => Some(Box::new(FolderPictures::open(input)?)),
+        None => recording.map(|recording| recording.pictures(Channel::CameraImage)),
+    })
 }
 
 /// What the ground view showed by the run's settings; none where they are another program's.
@@ -115,8 +165,7 @@ fn folder_name(folder: &Path) -> String {
 
 /// The camera that took the pictures, at their size.
 fn camera(args: &LookArgs, picture_px: Option<[u32; 2]>) -> Result<Option<Camera>> {
-    let beside = args.input.as_ref().map(|drive| drive.join("camera.toml")).filter(|path| path.is_file());
-    let Some(path) = args.camera.clone().or(beside) else { return Ok(None) };
+    let Some(path) = args.beside_drive(args.camera.as_deref(), "camera.toml") else { return Ok(None) };
     let camera = inputs::camera(&path)?;
     let Some(size_px) = picture_px else { return Ok(Some(camera)) };
     let [width, height] = size_px.map(|side| side as usize);

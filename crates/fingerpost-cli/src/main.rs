@@ -11,6 +11,7 @@ mod camera_size;
 mod campaign;
 mod can;
 mod can_signals;
+mod changed_settings;
 #[cfg(feature = "completions")]
 mod completions;
 mod convert;

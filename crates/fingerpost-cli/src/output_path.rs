@@ -12,6 +12,7 @@ use fingerpost_map::read_route;
 use fingerpost_report::is_surface_svg;
 
 use crate::can::CSV_HEAD;
+use crate::changed_settings::is_written_settings;
 
 /// What a single file that a command writes holds; by it a file of this program is told from the user's, as folders are by their marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,8 @@ pub(crate) enum FileKind {
     Route,
     /// A camera's calibration.
     Camera,
+    /// Settings.
+    Settings,
     /// Samples of the bus's signals.
     Signals,
     /// A surface of accuracies.
@@ -39,6 +42,7 @@ impl FileKind {
             || match self {
                 Self::Route => is_text(|text| read_route(text).is_ok()),
                 Self::Camera => is_text(is_written_camera),
+                Self::Settings => is_text(is_written_settings),
                 Self::Signals => is_text(|text| text.starts_with(CSV_HEAD)),
                 Self::Plot => is_text(is_surface_svg),
                 Self::Sheet => is_signed_png(bytes),
@@ -53,6 +57,7 @@ impl fmt::Display for FileKind {
         f.write_str(match self {
             Self::Route => "route",
             Self::Camera => "camera",
+            Self::Settings => "file of settings",
             Self::Signals => "table of signals",
             Self::Plot => "plot",
             Self::Sheet => "sheet",

@@ -75,6 +75,17 @@ pub(crate) struct Wishes {
 }
 
 impl Wishes {
+    /// Nothing beside them.
+    pub(crate) const fn records_alone() -> Self {
+        Self {
+            title: String::new(),
+            pictures: Pictures::None,
+            video: None,
+            recording: RecordingWish::None,
+            live: None,
+        }
+    }
+
     /// Whether anybody wants a frame as messages.
     pub(crate) fn messages(&self) -> bool {
         self.live.is_some() || self.recording == RecordingWish::Mcap

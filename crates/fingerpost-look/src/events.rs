@@ -129,7 +129,7 @@ fn followed_text(record: &FrameRecord) -> String {
     )
 }
 
-const fn state_text(state: TrackState) -> &'static str {
+pub(crate) const fn state_text(state: TrackState) -> &'static str {
     match state {
         TrackState::NoRoute => "no route",
         TrackState::Searching => "searching",

@@ -7,6 +7,8 @@ use fingerpost_geometry::Camera;
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use serde::Serialize;
 
+use crate::compare::Differences;
+use crate::feel::FeelPage;
 use crate::overview::Overview;
 use crate::page_files::page_file;
 use crate::shapes::shapes;
@@ -38,6 +40,14 @@ pub struct RunPage {
     pictures: Option<Box<dyn Pictures>>,
     ground_views: Option<Box<dyn Pictures>>,
     camera: Option<Camera>,
+    feel: Result<FeelPage, String>,
+    comparison: Option<Comparison>,
+}
+
+/// Another run of the same drive.
+struct Comparison {
+    other: Box<RunPage>,
+    differences: Differences,
 }
 
 /// What the page is told of the whole run.
@@ -74,7 +84,22 @@ impl RunPage {
             summary: None,
             config_toml: None,
         };
-        Self { run, records, pictures: None, ground_views: None, camera: None }
+        let feel = Err("settings cannot be felt here".to_owned());
+        Self { run, records, pictures: None, ground_views: None, camera: None, feel, comparison: None }
+    }
+
+    /// With another run of the same drive, and what differs between the two.
+    #[must_use]
+    pub fn with_comparison(mut self, other: Self, differences: Differences) -> Self {
+        self.comparison = Some(Comparison { other: Box::new(other), differences });
+        self
+    }
+
+    /// With the part on which settings are felt, or what it lacks.
+    #[must_use]
+    pub fn with_feel(mut self, feel: Result<FeelPage, String>) -> Self {
+        self.feel = feel;
+        self
     }
 
     /// With the drive's pictures.
@@ -114,6 +139,13 @@ impl RunPage {
         }
     }
 
+    fn compared(&self, answer: impl Fn(&Comparison) -> Answer) -> Answer {
+        match &self.comparison {
+            Some(comparison) => answer(comparison),
+            None => Answer::refused(404, "To compare two runs, give the other one with --with."),
+        }
+    }
+
     fn record(&self, index: usize) -> Answer {
         let line = match self.records.line(index) {
             Ok(line) => line,
@@ -149,6 +181,21 @@ impl Handler for RunPage {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
             ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/look.html")),
+            ("GET", ["compare"]) => {
+                Answer::text("text/html; charset=utf-8", include_str!("page/compare.html"))
+            }
+            ("GET", ["api", "differences"]) => {
+                self.compared(|compared| Answer::json(200, &compared.differences))
+            }
+            (_, ["api", "other", path @ ..]) => self.compared(|compared| {
+                let path = format!("/api/{}", path.join("/"));
+                compared.other.answer(Request { path: &path, ..request })
+            }),
+            ("GET", ["feel"]) => Answer::text("text/html; charset=utf-8", include_str!("page/feel.html")),
+            (_, ["api", "feel", path @ ..]) => match &self.feel {
+                Ok(feel) => feel.answer(self.run.overview.frames().len(), request, path),
+                Err(lacking) => Answer::refused(404, lacking),
+            },
             ("GET", [name]) if name.contains('.') => page_file(name),
             ("GET", ["api", "run"]) => Answer::json(200, &self.run),
             ("GET", ["api", "records", index]) => self.with_index(index, |index| self.record(index)),

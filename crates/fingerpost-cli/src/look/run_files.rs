@@ -1,6 +1,7 @@
 //! The files of a finished run.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use fingerpost_format::{FrameRecord, Summary};
@@ -46,7 +47,7 @@ impl RunFiles {
         Ok(Self {
             title: folder_name(run),
             overview,
-            records: RecordFile(file),
+            records: RecordFile(Arc::new(file)),
             summary: summary.transpose().with_context(|| run.join("summary.json").display().to_string())?,
             config_toml: optional("config.toml")?,
         })
@@ -54,11 +55,18 @@ impl RunFiles {
 }
 
 /// `frames.jsonl`.
-#[derive(Debug)]
-pub(super) struct RecordFile(LineFile);
+#[derive(Debug, Clone)]
+pub(super) struct RecordFile(Arc<LineFile>);
+
+impl RecordFile {
+    /// The line of an index from zero.
+    pub(super) fn bytes(&self, index: usize) -> Result<Vec<u8>> {
+        self.0.line(index)?.context("the run has no such frame")
+    }
+}
 
 impl Records for RecordFile {
     fn line(&self, index: usize) -> Result<Vec<u8>, Cause> {
-        Ok(self.0.line(index)?.ok_or("the run has no such frame")?)
+        Ok(self.bytes(index)?)
     }
 }

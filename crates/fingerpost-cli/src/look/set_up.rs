@@ -28,18 +28,12 @@ const SAVED_CAMERA: &str = "set_up_camera.toml";
 /// What is said of a drive that is set up.
 #[derive(Debug, Args)]
 pub(super) struct SetUpArgs {
-    /// Route of a drive, as written by `fingerpost route`: it is drawn into the picture from its start on, which can be moved along it.
-    #[arg(long, value_name = "FILE", conflicts_with = "input")]
-    route: Option<PathBuf>,
     /// OpenStreetMap data of a drive, .osm (XML) or .osm.pbf, whose roads are drawn as well.
     #[arg(long, value_name = "FILE", requires = "route")]
     map: Option<PathBuf>,
     /// Distance along the route at the first frame, metres, as it is before anybody moves it; 0 by default.
     #[arg(long, value_name = "M", requires = "route", value_parser = number(0.0, 1e6, "place on a route", "metres"))]
     start_m: Option<f64>,
-    /// File that "Save" writes the camera of a drive to; set_up_camera.toml by default.
-    #[arg(long, value_name = "FILE", conflicts_with = "input")]
-    save: Option<PathBuf>,
     /// File that "Save" writes the route to; set_up_route.geojson by default.
     #[arg(long, value_name = "FILE", requires = "route")]
     save_route: Option<PathBuf>,
@@ -48,30 +42,41 @@ pub(super) struct SetUpArgs {
 }
 
 impl SetUpArgs {
-    /// The first of the options of a drive that was given.
+    /// The first of them that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let Self { route, save, .. } = self;
-        // The others need a route.
-        [("--route", route), ("--save", save)]
-            .into_iter()
-            .find_map(|(name, value)| value.as_ref().map(|_| name))
+        let Self { map, start_m, save_route, .. } = self;
+        let options = [
+            ("--map", map.is_some()),
+            ("--start-m", start_m.is_some()),
+            ("--save-route", save_route.is_some()),
+        ];
+        options.into_iter().find_map(|(name, is_given)| is_given.then_some(name))
     }
 }
 
-/// The page of a drive whose camera's mount begins as `camera` has it.
-pub(super) fn page(drive: &Path, camera: Option<&Path>, args: &SetUpArgs) -> Result<MountPage> {
+/// The files that are named of a run as well.
+pub(super) struct SetUpFiles<'a> {
+    /// What the mount begins as.
+    pub(super) camera: Option<&'a Path>,
+    pub(super) route: Option<&'a Path>,
+    /// Where the camera is saved.
+    pub(super) save: Option<&'a Path>,
+}
+
+/// The page of a drive.
+pub(super) fn page(drive: &Path, files: &SetUpFiles<'_>, args: &SetUpArgs) -> Result<MountPage> {
     let name = drive.to_str().with_context(|| format!("{} has no name in UTF-8", drive.display()))?;
     let footage = Footage::open(name)
         .with_context(|| format!("{name} is no run, which has a frames.jsonl, and no drive"))?;
     let beside = drive.join("camera.toml");
-    let camera_path = camera.unwrap_or(&beside);
-    let save = args.save.clone().unwrap_or_else(|| SAVED_CAMERA.into());
+    let camera_path = files.camera.unwrap_or(&beside);
+    let save = files.save.unwrap_or(Path::new(SAVED_CAMERA)).to_owned();
     output_path::check_file(&save, FileKind::Camera, [camera_path, drive])?;
     let size_px = footage.picture_size();
     let size_px = size_px.with_context(|| format!("no picture of {name} can be read; give another drive"))?;
     let source = camera_path.display().to_string();
     let camera = camera_size::of_pictures(inputs::camera(camera_path)?, size_px, &source)?;
-    let route = DrivenRoute::open(args, &[camera_path, drive])?;
+    let route = DrivenRoute::open(files.route, args, &[camera_path, drive])?;
     let (route, to_save) =
         route.map(|DrivenRoute { map, start_m, to_save }| ((map, start_m), to_save)).unzip();
     let view = GroundViewConfig::default();

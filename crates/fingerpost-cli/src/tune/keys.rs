@@ -10,6 +10,8 @@ use serde::Serialize;
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::changed_settings::{pointer, with_changes};
+
 /// Keys that are searched where none are named: how probable a feature and how sure its
 /// place must be to be followed, and how roads may differ from the map.
 pub(super) const DEFAULT_KEYS: [&str; 5] = [
@@ -152,12 +154,7 @@ impl SearchedSettings {
 
     /// All settings with these among them; none where they contradict each other.
     pub(crate) fn config(&self, settings: &TriedSettings) -> Option<Config> {
-        let mut json = self.base_json.clone();
-        for (name, value) in settings {
-            *json.pointer_mut(&pointer(name))? = value.clone();
-        }
-        let config = Config::from_json(json).ok()?;
-        config.check().is_ok().then_some(config)
+        with_changes(&self.base_json, settings).ok()
     }
 }
 
@@ -220,11 +217,6 @@ impl Key {
             Kind::Choice(choices) => choices.get(value as usize).cloned().unwrap_or_default(),
         }
     }
-}
-
-/// Where a key's value stands in the settings as JSON.
-fn pointer(key: &str) -> String {
-    format!("/{}", key.replace('.', "/"))
 }
 
 /// What the schema says of a key.

@@ -18,7 +18,7 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::inputs;
 use crate::interrupt::Interrupt;
 use crate::output;
-use crate::recorder::{Pictures, RecordingWish, Wishes};
+use crate::recorder::Wishes;
 use crate::side_by_side;
 
 /// What trials are done with.
@@ -118,14 +118,7 @@ impl Bench<'_> {
         let threads = Some(std::num::NonZeroUsize::MIN);
         let options = SourceOptions { threads, programs: inputs::ffmpeg(), ..SourceOptions::default() };
         let source = FrameSource::open(&drive.folder.to_string_lossy(), &options)?;
-        let wishes = Wishes {
-            title: String::new(),
-            pictures: Pictures::None,
-            video: None,
-            recording: RecordingWish::None,
-            live: None,
-        };
-        let mut driver = match Driver::new(setting, &wishes, source.length()) {
+        let mut driver = match Driver::new(setting, &Wishes::records_alone(), source.length()) {
             Ok(driver) => driver,
             Err(refused) => return Ok(Some(Err(refused))),
         };

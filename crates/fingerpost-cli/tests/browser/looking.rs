@@ -1,51 +1,17 @@
 //! Stepping through a run: by keys, slider, number, link, curve and event, at two widths, and what the page shows of a frame.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use fingerpost_format::{FrameRecord, TrackState, from_json_lines, to_json_line};
+use fingerpost_format::{FrameRecord, TrackState, to_json_line};
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
 use crate::chromium::Page;
-use crate::served::Served;
-use crate::simulated_drive::{call, simulate, town};
+use crate::simulated_run::Run;
 
 /// Frames of the drive: the town's first feature is found, arrived at and passed.
 const FRAMES: usize = 80;
-
-/// A simulated drive and the run that was made of it.
-struct Run {
-    folder: TempDir,
-}
-
-impl Run {
-    fn make() -> Self {
-        let run = Self { folder: TempDir::new().unwrap() };
-        simulate(FRAMES, &run.drive());
-        let (drive, route, out) = (run.drive(), town("town_route.geojson"), run.out());
-        let (drive, route, out) = (drive.display(), route.display(), out.display());
-        call(&format!("run {drive} --camera {drive}/camera.toml --route {route} --start-m 0 --out {out}"));
-        run
-    }
-
-    fn drive(&self) -> PathBuf {
-        self.folder.path().join("drive")
-    }
-
-    fn out(&self) -> PathBuf {
-        self.folder.path().join("run")
-    }
-
-    fn records(&self) -> Vec<FrameRecord> {
-        from_json_lines(&fs::read_to_string(self.out().join("frames.jsonl")).unwrap()).unwrap()
-    }
-
-    fn serve(&self, option: &str, path: &Path) -> Served {
-        Served::start([Path::new("look"), &self.out(), Path::new(option), path])
-    }
-}
 
 fn wait_for_frame(page: &mut Page, frame: u64) {
     page.wait_for(&format!("document.body.dataset.frame === '{frame}'"));
@@ -60,7 +26,7 @@ fn number(page: &mut Page, name: &str) -> f64 {
 
 #[test]
 fn a_run_is_stepped_through() {
-    let run = Run::make();
+    let run = Run::make(FRAMES);
     let records = run.records();
     let found = records.iter().position(|record| record.state == TrackState::Tracking).unwrap();
     let arrived = records.iter().position(|record| record.state == TrackState::Arrived).unwrap();
@@ -165,7 +131,7 @@ fn shows_shapes_in_the_picture(page: &mut Page, address: &str) {
 /// How long it takes is printed: it has to open in 2 s and step 20 times a second where the program is optimised.
 #[test]
 fn a_long_run_opens_and_steps_to_its_end() {
-    let run = Run::make();
+    let run = Run::make(FRAMES);
     let frames_path = run.out().join("frames.jsonl");
     let mut records = run.records();
     let short = records.clone();
@@ -213,7 +179,7 @@ fn a_long_run_opens_and_steps_to_its_end() {
 
 #[test]
 fn other_sites_are_refused() {
-    let run = Run::make();
+    let run = Run::make(FRAMES);
     let served = run.serve("--input", &run.drive());
     let get = |path: &str, more: &str| {
         served.ask(&format!("GET {path} HTTP/1.1\r\nConnection: close\r\n{more}\r\n"))

@@ -4,6 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 mod chromium;
+mod comparing;
+mod feeling;
 mod looking;
 mod marking;
 mod painted_drive;
@@ -11,3 +13,4 @@ mod recorded;
 mod served;
 mod setting_up;
 mod simulated_drive;
+mod simulated_run;

@@ -21,7 +21,10 @@ fn what_is_no_run_is_refused() {
     let run = folder.path().display();
     let look = format!("look {run} --port 0");
     call_line(&look).refused(1, &["no run, which has a frames.jsonl", "holds no picture"]);
-    call_line(&format!("{look} --input {run}")).refused(1, &["no run", "leave --input out"]);
+    for option in ["--input", "--with", "--tuned", "--route"] {
+        let leave_out = format!("leave {option} out");
+        call_line(&format!("{look} {option} {run}")).refused(1, &["no run", &leave_out]);
+    }
     let frames = folder.path().join("frames.jsonl");
     // What a killed run left of its first frame.
     for text in ["", "{\"frame\": 0"] {
@@ -51,9 +54,14 @@ fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
     with("--input", "frames.jsonl").refused(1, &["is no folder", "run.mcap"]);
     with("--input", "nowhere").refused(1, &["nowhere"]);
     with("--camera", "camera.toml").refused(1, &["640 x 360", "640 x 480"]);
-    with("--save", "saved.toml").refused(1, &["nothing is set up", "leave --save out"]);
-    with("--route", "route.geojson").refused(1, &["nothing is set up", "leave --route out"]);
-    assert!(!path("saved.toml").exists());
+    with("--start-m", "3").refused(1, &["nothing is set up", "leave --start-m out"]);
+    with("--with", "nowhere").refused(1, &["nowhere"]);
+    fs::create_dir(path("other")).unwrap();
+    let of_another_drive = BARE.replace("\"frame\": 0", "\"frame\": 7");
+    fs::write(path("other/frames.jsonl"), format!("{of_another_drive}\n")).unwrap();
+    with("--with", "other").refused(1, &["no frame in common", "one drive"]);
+    fs::write(path("mine.toml"), "# Tried on the hill.\n[track]\ndetect_present = 0.7\n").unwrap();
+    with("--save", "mine.toml").refused(1, &["mine.toml", "may be yours"]);
 }
 
 #[test]

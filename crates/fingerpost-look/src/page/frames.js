@@ -3,13 +3,22 @@
 /// Frames that are kept: some seconds of stepping to and fro.
 const KEPT = 32;
 
-/// Asks for what is at a path; with data, sends it there.
-export async function call(path, data) {
-  const headers = { "Content-Type": "application/json" };
-  const answer = await fetch(path, data && { method: "POST", headers, body: JSON.stringify(data) });
-  const said = await answer.json();
-  if (!answer.ok) throw new Error(said.error);
-  return said;
+export async function call(path, request) {
+  const answer = await fetch(path, request);
+  const data = await answer.json();
+  if (!answer.ok) throw Object.assign(new Error(data.error), { key: data.key });
+  return data;
+}
+
+/// Sends data, and gives the answer.
+export function send(path, data) {
+  return call(path, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(data) });
+}
+
+/// Lets the links to the parts of a run's page lead to a frame.
+export function linkParts(frame) {
+  history.replaceState(null, "", `#frame=${frame}`);
+  for (const link of document.querySelectorAll("nav a")) link.hash = `frame=${frame}`;
 }
 
 /// A picture that cannot be shown takes nothing else with it.
@@ -26,8 +35,10 @@ export async function picture(path) {
 }
 
 export class Frames {
-  constructor(run) {
+  /// Of the run that the program tells of beneath `base`.
+  constructor(run, base = "api") {
     this.run = run;
+    this.base = base;
     this.kept = new Map();
   }
 
@@ -51,9 +62,9 @@ export class Frames {
     const { has_pictures, ground_area } = this.run;
     const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
     const [said, shown, ground] = await Promise.all([
-      call(`api/records/${index}`),
-      has_pictures ? picture(`api/records/${index}/picture`) : nothing,
-      ground_area ? picture(`api/records/${index}/ground_view`) : nothing,
+      call(`${this.base}/records/${index}`),
+      has_pictures ? picture(`${this.base}/records/${index}/picture`) : nothing,
+      ground_area ? picture(`${this.base}/records/${index}/ground_view`) : nothing,
     ]);
     return { ...said, ...shown, groundView: ground.picture };
   }
@@ -67,6 +78,12 @@ export class Frames {
   indexOf(number) {
     const found = this.run.frames.findIndex((frame) => frame >= number);
     return found < 0 ? this.length - 1 : found;
+  }
+
+  /// The index of the frame that the address names.
+  linked() {
+    const number = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
+    return this.indexOf(Number.isFinite(number) ? number : 0);
   }
 
   /// The index of the last frame that is no later than a time.

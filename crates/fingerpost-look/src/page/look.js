@@ -1,12 +1,11 @@
 // Steps through the run; what is to be seen in a frame, the program says.
 
 import { Curves } from "./curves.js";
-import { Frames, call } from "./frames.js";
+import { Frames, call, linkParts } from "./frames.js";
+import { FrameView, reach } from "./frame_view.js";
 import { showNumbers } from "./numbers.js";
-import { Ground, drawOverlay, legend } from "./shapes.js";
+import { legend } from "./shapes.js";
 
-/// Nearest and farthest reach of the road from above, metres.
-const REACH_M = [25, 60];
 /// A browser takes so many changes of an address in a time; the link of a frame that is passed over is wanted by nobody.
 const LINK_AFTER_MS = 250;
 
@@ -15,7 +14,7 @@ const opened = new Set();
 let run = null;
 let frames = null;
 let curves = null;
-let ground = null;
+let view = null;
 let chosen = null;
 let index = 0;
 let shown = null;
@@ -28,26 +27,7 @@ function say(text) {
 }
 
 function drawShapes() {
-  if (!shown) return;
-  const wanted = chosen(shown.shapes);
-  const { picture } = shown;
-  // Pixels of records are those of the picture as it was taken, whatever size it is shown in.
-  const size = run.picture_px || (picture && [picture.naturalWidth, picture.naturalHeight]);
-  $("stage").hidden = !size;
-  if (size) {
-    $("stage").style.aspectRatio = `${size[0]} / ${size[1]}`;
-    drawOverlay($("overlay"), wanted, size);
-  }
-  ground.draw(wanted);
-}
-
-function showPicture({ picture, missing }) {
-  $("no-picture").textContent = missing;
-  const next = picture || new Image();
-  next.id = "picture";
-  next.alt = picture ? `Camera's picture of frame ${run.frames[index]}` : "";
-  next.hidden = !picture;
-  $("picture").replaceWith(next);
+  view.draw(chosen);
 }
 
 /// Marks the last event so far, and brings it into sight where it is another than before.
@@ -64,8 +44,7 @@ function showEvents() {
 
 function show() {
   const { record } = shown;
-  showPicture(shown);
-  ground.lay(shown.groundView);
+  view.show(shown, run.frames[index]);
   drawShapes();
   curves.show(index);
   showEvents();
@@ -81,7 +60,7 @@ async function go(wanted) {
   $("seek").value = index;
   $("frame").value = run.frames[index];
   clearTimeout(linking);
-  linking = setTimeout(() => history.replaceState(null, "", `#frame=${run.frames[index]}`), LINK_AFTER_MS);
+  linking = setTimeout(() => linkParts(run.frames[index]), LINK_AFTER_MS);
   const mine = ++asked;
   const found = await frames.get(index);
   // A later step has overtaken this one.
@@ -102,12 +81,6 @@ function event(direction) {
   if (found) step(found.index);
 }
 
-/// The frame that the address names.
-function linked() {
-  const number = Number(new URLSearchParams(location.hash.slice(1)).get("frame"));
-  return frames.indexOf(Number.isFinite(number) ? number : 0);
-}
-
 function listEvents() {
   eventButtons = run.events.map(({ index, frame, kind, text }) => {
     const button = document.createElement("button");
@@ -120,14 +93,6 @@ function listEvents() {
   });
   const nothing = "Nothing: no feature was found or lost, and the camera was clear.";
   if (!run.events.length) $("events").append(Object.assign(document.createElement("li"), { textContent: nothing }));
-}
-
-/// What is farthest ahead in the run gives the reach of the road from above, so that it stays the same while stepping.
-function reach() {
-  const ahead = run.curves.find(({ quantity }) => quantity === "forward").values;
-  const farthest = ahead.reduce((a, b) => Math.max(a, b ?? 0), 0);
-  const least = Math.max(REACH_M[0], run.ground_area?.far_m ?? 0);
-  return Math.min(REACH_M[1], Math.max(least, 5 * Math.ceil(farthest / 5 + 0.4)));
 }
 
 function showRun() {
@@ -151,7 +116,7 @@ const actions = {
 for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", action);
 $("frame").addEventListener("change", () => step(frames.indexOf($("frame").valueAsNumber)));
 $("seek").addEventListener("input", () => step($("seek").valueAsNumber));
-addEventListener("hashchange", () => step(linked()));
+addEventListener("hashchange", () => step(frames.linked()));
 
 addEventListener("keydown", (event) => {
   if (!run || event.target === $("frame") || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -174,11 +139,11 @@ async function begin() {
   run = await call("api/run");
   frames = new Frames(run);
   curves = new Curves($("curves"), run, (time_s) => step(frames.indexAt(time_s)));
-  ground = new Ground($("ground"), reach(), run.ground_area);
+  view = new FrameView({ stage: $("stage"), missing: $("no-picture"), ground: $("ground") }, run, reach([run]));
   chosen = legend($("legend"), drawShapes);
   listEvents();
   showRun();
-  await go(linked());
+  await go(frames.linked());
   document.body.dataset.ready = "yes";
 }
 begin().catch((cause) => say(cause.message));

@@ -1,7 +1,7 @@
 // A drive set up: a mount changed by dragging, by sliders and by calibration, and the start of a route. Horizon, grid, ground view and what of
 // the route is seen, the program says.
 
-import { call, picture } from "./frames.js";
+import { call, picture, send } from "./frames.js";
 import { RouteMap } from "./route_map.js";
 import { searchWith } from "./search.js";
 import { Ground, drawOverlay } from "./shapes.js";
@@ -172,7 +172,7 @@ $("again").addEventListener("click", () => {
 });
 $("keep").addEventListener("click", async () => {
   try {
-    const kept = await call("api/set_up", { mount, start_m });
+    const kept = await send("api/set_up", { mount, start_m });
     $("kept").textContent = `Saved in ${kept.files.join(" and ")}. The drive is run with it by:`;
     $("command").textContent = kept.command;
     $("command").hidden = false;

@@ -1,6 +1,6 @@
 // The search for the mount in the whole drive: begun, followed and taken over.
 
-import { call } from "./frames.js";
+import { call, send } from "./frames.js";
 
 /// How often it is asked how far the search is.
 const ASK_MS = 100;
@@ -24,7 +24,7 @@ function show(state) {
 export function searchWith(mount, found) {
   $("search").addEventListener("click", async () => {
     try {
-      let state = await call("api/search", mount());
+      let state = await send("api/search", mount());
       while (state.is === "running") {
         show(state);
         await pause();
@@ -36,5 +36,5 @@ export function searchWith(mount, found) {
       show({ is: "failed", cause: cause.message });
     }
   });
-  $("stop").addEventListener("click", () => call("api/search/stop", {}).catch(() => {}));
+  $("stop").addEventListener("click", () => send("api/search/stop", {}).catch(() => {}));
 }

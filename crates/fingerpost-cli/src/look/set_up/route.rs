@@ -33,13 +33,17 @@ pub(super) struct DrivenRoute {
 
 impl DrivenRoute {
     /// Reads route and map; none where there is no route. None of `inputs` is written over.
-    pub(super) fn open(args: &SetUpArgs, inputs: &[&Path]) -> Result<Option<Self>> {
-        let Some(route_path) = &args.route else { return Ok(None) };
+    pub(super) fn open(
+        route_path: Option<&Path>,
+        args: &SetUpArgs,
+        inputs: &[&Path],
+    ) -> Result<Option<Self>> {
+        let Some(route_path) = route_path else { return Ok(None) };
         let route = inputs::route(route_path)?;
         let start_m = args.start_m.unwrap_or(0.0);
         start_check::check_on_route(&route.polyline()?, start_m)?;
         let path = args.save_route.clone().unwrap_or_else(|| SAVED_ROUTE.into());
-        let read = [Some(route_path), args.map.as_ref()].into_iter().flatten().map(PathBuf::as_path);
+        let read = [Some(route_path), args.map.as_deref()].into_iter().flatten();
         output_path::check_file(&path, FileKind::Route, read.chain(inputs.iter().copied()))?;
         let map = RouteMap::new(route.polyline()?, roads(args, &route)?, places(&route));
         let text = write_route(&route).with_context(|| route_path.display().to_string())?;

@@ -1,0 +1,82 @@
+//! What settings are felt with: given by arguments, or found beside the drive.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use anyhow::Result;
+use fingerpost::Config;
+use fingerpost_format::{FrameRecord, TrackState};
+use fingerpost_geometry::Camera;
+use fingerpost_look::{FeelPage, Feelable};
+use fingerpost_server::Pictures;
+
+use super::front::points;
+use super::{Frames, Kept, RunAgain, SettingsFile, StretchPictures, schema};
+use crate::inputs;
+use crate::look::LookArgs;
+use crate::look::run_files::RunFiles;
+use crate::picture_scaling::PictureScaling;
+
+/// Where settings are saved where nothing else is said.
+const SAVED_SETTINGS: &str = "fingerpost.toml";
+
+/// The part of a run's page on which settings are felt, or what it lacks.
+pub(in crate::look) fn open(
+    args: &LookArgs,
+    run: &RunFiles,
+    camera: Option<&Camera>,
+    pictures: Option<Box<dyn Pictures>>,
+) -> Result<Result<FeelPage, String>> {
+    let route_path = args.beside_drive(args.route.as_deref(), "route.geojson");
+    let file = SettingsFile::at(
+        args.save.as_deref().unwrap_or(Path::new(SAVED_SETTINGS)),
+        args.input.as_deref(),
+        args.beside_drive(args.camera.as_deref(), "camera.toml").as_deref(),
+        route_path.as_deref(),
+    );
+    // One that nobody named may be there, as long as nothing is saved.
+    if args.save.is_some() {
+        file.check()?;
+    }
+    let lacking = |what: &str| Ok(Err(format!("To feel settings, {what}.")));
+    let Some(config) = run.config_toml.as_deref().and_then(|text| Config::from_toml(text).ok()) else {
+        return lacking("the run needs a config.toml of this version of the program");
+    };
+    let Some(camera) = camera else {
+        return lacking("give the calibration with --camera");
+    };
+    let Some(pictures) = pictures else {
+        return lacking("say where the pictures are with --input");
+    };
+    let route = route_path.as_deref().map(inputs::route).transpose()?;
+    let records = run.records.clone();
+    let first: FrameRecord = serde_json::from_slice(&records.bytes(0)?)?;
+    if first.state != TrackState::NoRoute && route.is_none() {
+        return lacking("give the route that the run followed with --route");
+    }
+    let sampling = run.summary.as_ref().and_then(|summary| summary.sampling);
+    let scaling = sampling.map(|sampling| PictureScaling::to_width(camera, sampling.picture_px[0] as usize));
+    let scaling = scaling.transpose()?.flatten();
+    let camera = scaling.as_ref().map_or(camera, PictureScaling::camera).clone();
+    let points = args.tuned.as_deref().map(points).transpose()?.unwrap_or_default();
+    let feelable = Feelable { schema: schema(), values: config.to_json(), points };
+    let size_px = (camera.width(), camera.height());
+    let run_again = RunAgain {
+        config,
+        camera,
+        route: route.filter(|_| first.state != TrackState::NoRoute),
+        frames: Frames::of(&run.overview),
+        records,
+        kept: Mutex::new(Kept { pictures: StretchPictures::new(pictures, size_px, scaling), road: None }),
+        file,
+    };
+    Ok(Ok(FeelPage::new(feelable, Box::new(run_again))))
+}
+
+impl LookArgs {
+    /// A file that is given, or else the one of that name in the folder of --input.
+    pub(in crate::look) fn beside_drive(&self, given: Option<&Path>, name: &str) -> Option<PathBuf> {
+        let beside = || self.input.as_ref().map(|drive| drive.join(name)).filter(|path| path.is_file());
+        given.map(Path::to_owned).or_else(beside)
+    }
+}

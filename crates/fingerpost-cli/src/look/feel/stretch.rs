@@ -1,0 +1,103 @@
+//! The last seconds of a run up to a frame, decoded once and kept in memory.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use fingerpost_io::decode_picture;
+use fingerpost_look::Overview;
+use fingerpost_record::FrameTime;
+use fingerpost_server::Pictures;
+use fingerpost_vision::picture::RgbImage;
+use rayon::prelude::*;
+
+use crate::picture_scaling::PictureScaling;
+
+/// How long a stretch is, seconds.
+const DURATION_S: f64 = 5.0;
+/// What its pictures may take in memory, bytes: five seconds of 20 pictures of 1280 x 720 are 276 MB.
+const MOST_BYTES: usize = 512 << 20;
+
+/// The frames of a run.
+#[derive(Debug)]
+pub(in crate::look) struct Frames {
+    numbers: Vec<u64>,
+    times_s: Vec<f64>,
+}
+
+impl Frames {
+    /// Those of a run.
+    pub(in crate::look) fn of(overview: &Overview) -> Self {
+        Self { numbers: overview.frames().to_vec(), times_s: overview.times_s().to_vec() }
+    }
+
+    /// Number and time of a frame by its index in the run.
+    pub(super) fn time(&self, index: usize) -> FrameTime {
+        FrameTime { frame: self.numbers[index], t_s: self.times_s[index] }
+    }
+
+    /// Where the stretch of at most so many frames up to `index` begins.
+    fn first(&self, index: usize, most: usize) -> usize {
+        let from_s = self.times_s[index] - DURATION_S;
+        let before = self.times_s[..index].iter().rev().take_while(|t_s| **t_s >= from_s).count();
+        index - before.min(most.saturating_sub(1))
+    }
+}
+
+/// The pictures of one stretch, as the method gets them.
+pub(in crate::look) struct StretchPictures {
+    source: Box<dyn Pictures>,
+    /// What makes them those of the camera, where they come larger.
+    scaling: Option<PictureScaling>,
+    size_px: (usize, usize),
+    /// By their index in the run; none of a frame whose picture cannot be read.
+    loaded: BTreeMap<usize, Option<RgbImage>>,
+}
+
+impl StretchPictures {
+    /// Pictures of `source` of that size, to which `scaling` makes larger ones.
+    pub(in crate::look) fn new(
+        source: Box<dyn Pictures>,
+        size_px: (usize, usize),
+        scaling: Option<PictureScaling>,
+    ) -> Self {
+        Self { source, scaling, size_px, loaded: BTreeMap::new() }
+    }
+
+    /// Loads those of the stretch up to `index` that are not there yet, drops the others, and says where it begins.
+    pub(super) fn load_up_to(&mut self, index: usize, frames: &Frames) -> Result<usize> {
+        let (width, height) = self.size_px;
+        let first = frames.first(index, MOST_BYTES / (3 * width * height).max(1));
+        self.loaded.retain(|at, _| (first..=index).contains(at));
+        let missing: Vec<usize> = (first..=index).filter(|at| !self.loaded.contains_key(at)).collect();
+        let source = &*self.source;
+        let decoded: Vec<Option<RgbImage>> = missing
+            .par_iter()
+            .map(|at| {
+                let frame = frames.time(*at).frame;
+                let file = source.picture(frame).ok()?;
+                decode_picture(&file.bytes, &PathBuf::from(format!("frame {frame}"))).ok()
+            })
+            .collect();
+        for (at, picture) in missing.into_iter().zip(decoded) {
+            let picture = picture.map(|picture| self.scaled(picture));
+            self.loaded.insert(at, picture);
+        }
+        Ok(first)
+    }
+
+    /// A picture at the size at which the method gets it; one that fits neither is left to the method to refuse.
+    fn scaled(&mut self, picture: RgbImage) -> RgbImage {
+        if let Some(scaling) = self.scaling.as_mut().filter(|_| picture.size() != self.size_px)
+            && scaling.shrink(&picture)
+        {
+            return scaling.picture().clone();
+        }
+        picture
+    }
+
+    /// Index and picture of each frame that can be read, in the order of the run.
+    pub(super) fn loaded(&self) -> impl Iterator<Item = (usize, &RgbImage)> {
+        self.loaded.iter().filter_map(|(at, picture)| Some((*at, picture.as_ref()?)))
+    }
+}
