@@ -1,7 +1,6 @@
 //! Stepping through a run: by keys, slider, number, link, curve and event, at two widths, and what the page shows of a frame.
 
 use std::fs;
-use std::path::Path;
 use std::time::Instant;
 
 use fingerpost_format::{FrameRecord, TrackState, to_json_line};

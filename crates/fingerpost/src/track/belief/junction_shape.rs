@@ -34,6 +34,9 @@ pub(in crate::track) const STRETCHES: usize = ARM_STRETCHES * MOST_ARMS;
 /// Neighbouring arms at a larger angle than this run straight on, radians (150 degrees).
 const STRAIGHT_RAD: f64 = 2.618;
 
+/// What is shorter has no direction, metres.
+const LEAST_LENGTH: f64 = 1e-9;
+
 /// The outline is drawn in steps of so many metres along each arm, to this error and so far from its axis, metres.
 const OUTLINE_STEP_M: f64 = 0.5;
 const OUTLINE_STEPS: u32 = 40;
@@ -55,8 +58,9 @@ pub(in crate::track) struct Outline<'a> {
     half_m: [f64; MOST_ARMS],
     offset_m: [f64; MOST_ARMS],
     radius_m: [f64; MOST_ARMS],
-    /// The least half width of all: no arm reaches farther behind the node, where the others' road is.
-    end_m: f64,
+    /// How much wider each arm is than the narrowest: no arm reaches farther behind the node than that one's half width, where the
+    /// others' road is.
+    widened: [f64; MOST_ARMS],
 }
 
 /// Signed distance of a place from the road's edge, negative on the road, and how it changes.
@@ -106,13 +110,17 @@ impl JunctionShape {
             half_m: [0.0; MOST_ARMS],
             offset_m: [0.0; MOST_ARMS],
             radius_m: [0.0; MOST_ARMS],
-            end_m: f64::INFINITY,
+            widened: [1.0; MOST_ARMS],
         };
+        let mut narrowest_m = f64::INFINITY;
         for (i, arm) in self.arms.iter().enumerate() {
             outline.half_m[i] = arm.half_width_m * libm::exp(unknowns[WIDTHS + i]);
             outline.offset_m[i] = unknowns[OFFSETS + i];
             outline.radius_m[i] = libm::exp(unknowns[CORNERS + i]);
-            outline.end_m = outline.end_m.min(outline.half_m[i]);
+            narrowest_m = narrowest_m.min(outline.half_m[i]);
+        }
+        for (widened, half_m) in outline.widened.iter_mut().zip(outline.half_m).take(self.arms.len()) {
+            *widened = half_m / narrowest_m;
         }
         outline
     }
@@ -130,7 +138,7 @@ impl Outline<'_> {
             let distance_m = if beside.along_m >= 0.0 {
                 beside.left_m.abs() - self.half_m[i]
             } else {
-                self.end(i, &beside).0
+                self.distance_from_end(i, &beside, nearest_m)
             };
             if distance_m < nearest_m {
                 (nearest, nearest_m) = (i, distance_m);
@@ -175,7 +183,7 @@ impl Outline<'_> {
         let by_place = if beside.along_m >= 0.0 {
             if is_left { beside.left } else { -beside.left }
         } else {
-            self.end(nearest, &beside).1
+            self.away_from_end(nearest, &beside)
         };
         Some(EdgeDistance { distance_m: nearest_m, stretch, by_place, edges, corner: None })
     }
@@ -224,19 +232,29 @@ impl Outline<'_> {
         }
     }
 
-    /// Signed distance of a place behind the node from the end of an arm, and how it changes with the place. The end is half of an
-    /// ellipse as wide as the arm and as deep as the narrowest arm's half width, so that a wide arm does not reach across a narrow
-    /// road; the distance is that of first order (Taubin: Estimation of planar curves, surfaces and nonplanar space curves defined
-    /// by implicit equations, 1991).
-    fn end(&self, arm: usize, beside: &Beside) -> (f64, Vector2<f64>) {
-        let half_m = self.half_m[arm];
-        let stretched = half_m / self.end_m;
-        let (left_m, along_m) = (beside.left_m, stretched * beside.along_m);
-        let from_node_m = libm::hypot(left_m, along_m).max(1e-9);
+    /// Signed distance of a place behind the node from the end of an arm, or something that is no less than `least_m` where that is no more.
+    /// The end is half of an ellipse as wide as the arm and as deep as the narrowest arm's half width, so that a wide arm does not reach
+    /// across a narrow road; the distance is that of first order (Taubin: Estimation of planar curves, surfaces and nonplanar space
+    /// curves defined by implicit equations, 1991).
+    fn distance_from_end(&self, arm: usize, beside: &Beside, least_m: f64) -> f64 {
+        let widened = self.widened[arm];
+        let (left_m, along_m) = (beside.left_m, widened * beside.along_m);
+        let from_node_m = (left_m * left_m + along_m * along_m).sqrt().max(LEAST_LENGTH);
+        let outside_m = from_node_m - self.half_m[arm];
+        // The ellipse is no steeper than it is widened.
+        if outside_m >= least_m.max(0.0) * widened {
+            return f64::INFINITY;
+        }
+        let steep_m = widened * along_m;
+        outside_m * from_node_m / (left_m * left_m + steep_m * steep_m).sqrt().max(LEAST_LENGTH)
+    }
+
+    /// How that distance changes with the place.
+    fn away_from_end(&self, arm: usize, beside: &Beside) -> Vector2<f64> {
+        let widened = self.widened[arm];
         let along = Vector2::new(beside.left.y, -beside.left.x);
-        let slope = (left_m * beside.left + stretched * along_m * along) / from_node_m;
-        let steepness = slope.norm().max(1e-9);
-        ((from_node_m - half_m) / steepness, slope / steepness)
+        let slope = beside.left_m * beside.left + widened * widened * beside.along_m * along;
+        slope / slope.norm().max(LEAST_LENGTH)
     }
 
     /// Gives the outline, piece by piece from the ends of the arms as far as they go, feature frame, metres.
