@@ -1,7 +1,6 @@
 //! Two runs of one drive held against each other: their summaries, each frame of both, and the frames in which they differ most.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -87,17 +86,7 @@ fn two_runs_are_compared() {
     page.value(&format!("location.hash = '#frame={}'", place["frame"]));
     wait_for_frame(&mut page, place["frame"].as_u64().unwrap());
     page.value("scrollTo(0, 0)");
-    for scheme in ["light", "dark"] {
-        page.prefer(scheme);
-        for width in [1280, 390] {
-            page.resize([width, 800]);
-            let wide = page.value("document.documentElement.scrollWidth").as_f64().unwrap();
-            assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
-            page.screenshot(
-                &Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("compare_{scheme}_{width}.png")),
-            );
-        }
-    }
+    page.is_shown_in_every_window("compare");
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }
 

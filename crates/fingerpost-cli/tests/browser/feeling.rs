@@ -1,7 +1,6 @@
 //! Settings felt: moved, refused, reset and saved, each with what it changes in the last five seconds.
 
 use std::fs;
-use std::path::Path;
 
 use fingerpost::Config;
 use fingerpost_format::TrackState;
@@ -166,16 +165,6 @@ fn a_setting_that_is_moved_shows_each_stage_before_and_after() {
     set(&mut page, "track.detect_present", "0.6");
     wait_for_changes(&mut page, &json!({ "road_surface.sample_width_m": 0.6, "track.detect_present": 0.6 }));
     page.value("document.getElementById('search').value = 'present'; document.getElementById('search').dispatchEvent(new Event('input'))");
-    for scheme in ["light", "dark"] {
-        page.prefer(scheme);
-        for width in [1280, 390] {
-            page.resize([width, 800]);
-            let wide = page.value("document.documentElement.scrollWidth").as_f64().unwrap();
-            assert!(wide <= f64::from(width), "the page is {wide} pixels wide in a window of {width}");
-            page.screenshot(
-                &Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("feel_{scheme}_{width}.png")),
-            );
-        }
-    }
+    page.is_shown_in_every_window("feel");
     assert!(page.complaints.iter().all(|complaint| complaint.contains("400")), "{:?}", page.complaints);
 }
