@@ -28,7 +28,7 @@ use crate::{camera_size, inputs, output};
 /// Step through a finished run frame by frame, or set a drive up by eye, on a web page that is served to this machine alone.
 ///
 /// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
+/// frame, and curves over time with what happened and the worst frames, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
 /// other settings and shows each stage before and after; "Save" on it writes what was changed. With another run of the same drive its
 /// part "Compare" shows both in each frame, and where they differ most. Of a drive, a folder of pictures or a video, it shows the horizon, a
 /// metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can be dragged

@@ -5,11 +5,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::events::state_text;
-
-/// Frames that are named for each measure.
-const PEAKS: usize = 3;
-/// How far apart they are at least, seconds: nearer ones are of the same event.
-const APART_S: f64 = 2.0;
+use crate::peaks::greatest_apart;
 
 /// In what two records differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -181,23 +177,11 @@ impl Differences {
     /// Names the frames in which the runs differ most, once all are there, in the order of the drive.
     pub fn finish(&mut self) {
         for curve in &self.curves {
-            let mut greatest: Vec<(usize, f64)> =
-                curve.values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?))).collect();
-            // Of equal ones the earlier first.
-            greatest.sort_by(|a, b| b.1.total_cmp(&a.1));
-            let mut chosen: Vec<usize> = Vec::new();
-            for (index, value) in greatest.into_iter().take_while(|(_, value)| *value > 0.0) {
-                let is_near = |at: &usize| (self.times_s[*at] - self.times_s[index]).abs() < APART_S;
-                if chosen.iter().any(is_near) {
-                    continue;
-                }
-                chosen.push(index);
+            let known = curve.values.iter().enumerate().filter_map(|(index, value)| Some((index, (*value)?)));
+            for (index, value) in greatest_apart(known.filter(|(_, value)| *value > 0.0), &self.times_s) {
                 let text = format!("{} {value:.2} {} apart", curve.name, curve.unit).replace("  ", " ");
                 let (frame, kind) = (self.frames[index], DifferenceKind::Peak);
                 self.events.push(Difference { index, frame, kind, text });
-                if chosen.len() == PEAKS {
-                    break;
-                }
             }
         }
         self.events.sort_by_key(|event| event.index);

@@ -17,6 +17,8 @@ pub enum EventKind {
     State,
     /// The camera showed nothing, nothing new or something again, was turned, or its picture could not be read.
     Camera,
+    /// Much speaks against what is claimed, or the frame took long.
+    Worst,
 }
 
 /// Something that happened in a frame.

@@ -1,6 +1,6 @@
 //! A finished run stepped through frame by frame, and a drive set up by eye, as local web pages.
 //!
-//! - [`Overview`]: the whole run in short, gathered record by record: curves over time, and the events to jump to.
+//! - [`Overview`]: the whole run in short, gathered record by record: curves over time, and the events and worst frames to jump to.
 //! - [`shapes`]: what a frame's record knows of places, on the road in metres and in the camera's picture in pixels.
 //! - [`RunPage`]: the page, and its questions answered; `fingerpost_server` puts it on the loopback address.
 //! - [`FeelPage`]: its part on which settings are felt: the last seconds run again, each stage before and after.
@@ -17,9 +17,11 @@ mod feel;
 mod mount_page;
 mod overview;
 mod page_files;
+mod peaks;
 mod route_map;
 mod run_page;
 mod shapes;
+mod worst;
 
 pub use compare::{Difference, DifferenceKind, Differences, Measure};
 pub use curves::{Curve, Quantity};

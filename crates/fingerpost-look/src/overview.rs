@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use crate::curves::{Curve, Quantity};
 use crate::events::{Event, Standing, happened};
+use crate::worst::Worst;
 
 /// Curves and events of a run, gathered record by record. A record's place in the run is its index; the number of its frame
 /// in the input differs from it where not every frame was used.
@@ -18,6 +19,8 @@ pub struct Overview {
     events: Vec<Event>,
     #[serde(skip)]
     standing: Option<Standing>,
+    #[serde(skip)]
+    worst: Worst,
 }
 
 impl Default for Overview {
@@ -28,6 +31,7 @@ impl Default for Overview {
             curves: Quantity::ALL.map(Curve::of).into(),
             events: Vec::new(),
             standing: None,
+            worst: Worst::default(),
         }
     }
 }
@@ -39,9 +43,16 @@ impl Overview {
         self.curves.iter_mut().for_each(|curve| curve.add(record, before_s));
         let (events, standing) = happened(self.standing, self.frames.len(), record);
         self.events.extend(events);
+        self.worst.add(self.frames.len(), record);
         self.standing = Some(standing);
         self.frames.push(record.frame);
         self.times_s.push(record.t_s);
+    }
+
+    /// Names the frames in which most speaks against the run, once all are there.
+    pub fn finish(&mut self) {
+        self.events.extend(std::mem::take(&mut self.worst).events(&self.times_s));
+        self.events.sort_by_key(|event| event.index);
     }
 
     /// Number of each frame in the input.
@@ -59,7 +70,7 @@ impl Overview {
         &self.curves
     }
 
-    /// What happened, in the order of the run.
+    /// What happened, and what speaks against the run once it is finished, in the order of the run.
     pub fn events(&self) -> &[Event] {
         &self.events
     }

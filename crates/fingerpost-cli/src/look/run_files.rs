@@ -36,6 +36,7 @@ impl RunFiles {
                 .with_context(|| format!("{}, line {}", path.display(), index + 1))?;
             overview.add(&record);
         }
+        overview.finish();
         if file.lines() == 0 {
             bail!("{} holds no frame; name a folder that `fingerpost run` has written", path.display());
         }

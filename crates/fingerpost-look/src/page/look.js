@@ -91,7 +91,7 @@ function listEvents() {
     $("events").append(item);
     return button;
   });
-  const nothing = "Nothing: no feature was found or lost, and the camera was clear.";
+  const nothing = "Nothing: no feature was found, lost or in doubt, and the camera was clear.";
   if (!run.events.length) $("events").append(Object.assign(document.createElement("li"), { textContent: nothing }));
 }
 
