@@ -135,6 +135,9 @@ fn plain_page(
     }
     if let Some((recording, area)) = recording.zip(ground_area) {
         page = page.with_ground_views(recording.pictures(Channel::GroundView), area);
+        if let Some(surfaces) = recording.road_surfaces() {
+            page = page.with_road_surfaces(surfaces);
+        }
     }
     Ok(page)
 }

@@ -67,6 +67,15 @@ impl IndexedRecording {
         Ok(Self { path: path.to_owned(), file: Mutex::new(file), summary })
     }
 
+    /// Whether there is any message of a topic.
+    pub fn holds(&self, topic: &str) -> bool {
+        let of_topic = self.summary.channels.values().filter(|channel| channel.topic == topic);
+        let counts = self.summary.stats.as_ref().map(|stats| &stats.channel_message_counts);
+        of_topic
+            .map(|channel| counts.and_then(|counts| counts.get(&channel.id)))
+            .any(|count| count.is_some_and(|count| *count > 0))
+    }
+
     /// The message of a topic with that sequence number, recorded at about that time; none where there is none.
     ///
     /// # Errors
@@ -191,6 +200,7 @@ mod tests {
         assert!(message("/camera/image", 57, 5.8).is_none());
         assert!(message("/camera/image", 100, 10.0).is_none());
         assert!(message("/nobody", 57, 5.7).is_none());
+        assert!(recording.holds("/camera/image") && !recording.holds("/nobody"));
     }
 
     #[test]

@@ -39,6 +39,7 @@ pub struct RunPage {
     records: Box<dyn Records>,
     pictures: Option<Box<dyn Pictures>>,
     ground_views: Option<Box<dyn Pictures>>,
+    road_surfaces: Option<Box<dyn Pictures>>,
     camera: Option<Camera>,
     feel: Result<FeelPage, String>,
     comparison: Option<Comparison>,
@@ -58,6 +59,8 @@ struct Run {
     has_pictures: bool,
     /// What ground views show; none where there are none.
     ground_area: Option<GroundArea>,
+    /// Whether the probability of road in that area can be asked for.
+    has_road_surfaces: bool,
     /// Width and height of the pictures, pixels; none where the run does not say.
     picture_px: Option<[u32; 2]>,
     #[serde(flatten)]
@@ -79,13 +82,23 @@ impl RunPage {
             title: title.to_owned(),
             has_pictures: false,
             ground_area: None,
+            has_road_surfaces: false,
             picture_px: None,
             overview,
             summary: None,
             config_toml: None,
         };
         let feel = Err("settings cannot be felt here".to_owned());
-        Self { run, records, pictures: None, ground_views: None, camera: None, feel, comparison: None }
+        Self {
+            run,
+            records,
+            pictures: None,
+            ground_views: None,
+            road_surfaces: None,
+            camera: None,
+            feel,
+            comparison: None,
+        }
     }
 
     /// With another run of the same drive, and what differs between the two.
@@ -113,6 +126,13 @@ impl RunPage {
     #[must_use]
     pub fn with_ground_views(mut self, views: Box<dyn Pictures>, area: GroundArea) -> Self {
         (self.run.ground_area, self.ground_views) = (Some(area), Some(views));
+        self
+    }
+
+    /// With the probability of road in the area of the ground views, as pictures of it.
+    #[must_use]
+    pub fn with_road_surfaces(mut self, surfaces: Box<dyn Pictures>) -> Self {
+        (self.run.has_road_surfaces, self.road_surfaces) = (true, Some(surfaces));
         self
     }
 
@@ -204,6 +224,9 @@ impl Handler for RunPage {
             }
             ("GET", ["api", "records", index, "ground_view"]) => {
                 self.with_index(index, |index| self.picture(index, self.ground_views.as_deref()))
+            }
+            ("GET", ["api", "records", index, "road_surface"]) => {
+                self.with_index(index, |index| self.picture(index, self.road_surfaces.as_deref()))
             }
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }

@@ -3,7 +3,7 @@
 //! [`FrameRecorder`] turns a frame with its evidence into messages while the evidence is there, [`MessageEncoder`] makes bytes of
 //! them, later and elsewhere if need be, because pictures compress slowly, and [`Recording`] writes these to whatever takes
 //! bytes. Times are those of the drive, from zero, so that the same run gives the same bytes. [`Odometry`], [`feature_entities`] and
-//! [`position_covariance`] serve other formats of messages too.
+//! [`position_covariance`] serve other formats of messages too. [`RecordedSurface`] reads a road surface back.
 //!
 //! | topic | schema | frame |
 //! |---|---|---|
@@ -43,6 +43,7 @@ pub use channel::Channel;
 pub use entities::feature_entities;
 pub use frame_messages::{FrameMessages, MessageEncoder, route_message};
 pub use frame_recorder::{FrameRecorder, RecordedFrame};
+pub use ground::{RecordedSurface, SurfaceError};
 pub use mcap_writer::{Recording, RecordingError};
 pub use odometry::{Odometry, OdometryEstimate, Velocity};
 pub use place::position_covariance;

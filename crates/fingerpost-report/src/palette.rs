@@ -3,7 +3,7 @@
 //! The arms' hues are those of Okabe and Ito ("Color universal design", 2008), which people with any colour vision can
 //! tell apart, lightened where they have to stand on dark asphalt.
 
-use fingerpost::road_surface::NetworkOutput;
+use fingerpost::road_surface::{Knowledge, NetworkOutput};
 use fingerpost::track::State;
 use fingerpost_format::{FixStatus, TrackState};
 use fingerpost_locate::Status;
@@ -133,6 +133,15 @@ pub(crate) fn heat(probability: u8) -> Rgb {
 /// Colour of a road probability that is remembered, not seen: dark to light violet, unlike any colour of [`heat`].
 pub(crate) fn remembered(probability: u8) -> Rgb {
     mix([44, 26, 50], [214, 140, 240], f64::from(probability) / 255.0)
+}
+
+/// The colour of a road probability by what is known of it.
+pub fn road_colour(probability: u8, knowledge: Knowledge) -> Rgb {
+    match knowledge {
+        Knowledge::Seen => heat(probability),
+        Knowledge::Remembered => remembered(probability),
+        Knowledge::Unknown => UNSEEN,
+    }
 }
 
 /// Grey of a road probability, as the ground for coloured masks.

@@ -6,11 +6,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
+use fingerpost::road_surface::Knowledge;
 use fingerpost_io::bag::{self, Content, Schema};
-use fingerpost_io::{IndexedRecording, picture_paths};
+use fingerpost_io::{IndexedRecording, encode_png, picture_paths};
 use fingerpost_look::Overview;
-use fingerpost_record::recording::Channel;
+use fingerpost_record::recording::{Channel, RecordedSurface};
+use fingerpost_report::road_colour;
 use fingerpost_server::{Cause, Picture, Pictures};
+use fingerpost_vision::picture::RgbImage;
 
 use crate::{output, picture_for_page};
 
@@ -70,6 +73,21 @@ impl RunRecording {
         }
     }
 
+    /// The message of a channel in a frame.
+    fn message(&self, channel: Channel, frame: u64) -> Result<Vec<u8>, Cause> {
+        let no_such = || format!("run.mcap holds no {} of frame {frame}", channel.topic());
+        let time = self.times.get(&frame).ok_or_else(no_such)?;
+        // Numbers of messages wrap as they did when they were written.
+        let message = self.recording.message(channel.topic(), frame as u32, *time)?;
+        Ok(message.ok_or_else(no_such)?)
+    }
+
+    /// The probability of road in each frame, as pictures of the ground view's size; none where it was not recorded.
+    pub(super) fn road_surfaces(&self) -> Option<Box<dyn Pictures>> {
+        let is_recorded = self.recording.holds(Channel::RoadSurface.topic());
+        is_recorded.then(|| Box::new(RecordedRoadSurfaces(self.clone())) as Box<dyn Pictures>)
+    }
+
     /// The pictures of one of its channels.
     pub(super) fn pictures(&self, channel: Channel) -> Box<dyn Pictures> {
         Box::new(RecordedPictures { run: self.clone(), channel })
@@ -84,13 +102,32 @@ struct RecordedPictures {
 
 impl Pictures for RecordedPictures {
     fn picture(&self, frame: u64) -> Result<Picture, Cause> {
-        let no_such = || format!("run.mcap holds no {} of frame {frame}", self.channel.topic());
-        let time = self.run.times.get(&frame).ok_or_else(no_such)?;
-        // Numbers of messages wrap as they did when they were written.
-        let message = self.run.recording.message(self.channel.topic(), frame as u32, *time)?;
-        match bag::decode(Schema::FoxgloveCompressedImage, &message.ok_or_else(no_such)?)?.content {
+        let message = self.run.message(self.channel, frame)?;
+        match bag::decode(Schema::FoxgloveCompressedImage, &message)?.content {
             Content::Picture(bag::Picture::Jpeg(bytes)) => Ok(Picture { content_type: "image/jpeg", bytes }),
-            _ => Err(no_such().into()),
+            _ => Err(format!("{} of frame {frame} is no JPEG picture", self.channel.topic()).into()),
         }
+    }
+}
+
+/// The road surfaces of a recording, in the colours of the report.
+struct RecordedRoadSurfaces(RunRecording);
+
+impl Pictures for RecordedRoadSurfaces {
+    fn picture(&self, frame: u64) -> Result<Picture, Cause> {
+        let message = self.0.message(Channel::RoadSurface, frame)?;
+        let RecordedSurface { probability, known } = RecordedSurface::from_message(&message)?;
+        let (width, height) = probability.size();
+        let cells = probability.as_slice().iter().zip(known.as_slice());
+        let colours = cells.flat_map(|(probability, known)| {
+            let knowledge = match known {
+                0 => Knowledge::Unknown,
+                1 => Knowledge::Remembered,
+                _ => Knowledge::Seen,
+            };
+            road_colour(*probability, knowledge)
+        });
+        let picture = RgbImage::from_vec(width, height, colours.collect())?;
+        Ok(Picture { content_type: "image/png", bytes: encode_png(&picture)? })
     }
 }

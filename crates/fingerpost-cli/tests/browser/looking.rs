@@ -74,12 +74,29 @@ fn a_run_is_stepped_through() {
     page.click([0, 1].map(|axis| place[axis].as_f64().unwrap()), "left");
     wait_for_frame(&mut page, (FRAMES as u64 - 1) / 2);
 
+    // The probability of road lies over the ground view.
+    page.value("document.querySelector('#surface input').click()");
+    page.wait_for("document.querySelectorAll('#ground img').length === 2");
+    let sizes = page.value(
+        "[...document.querySelectorAll('#ground img')].map((one) => [one.naturalWidth, one.naturalHeight])",
+    );
+    assert_eq!(sizes[0], sizes[1], "of the same area");
+
     page.has_names();
     page.value("scrollTo(0, 0)");
     page.value(&format!("location.hash = '#frame={}'", found + 4));
     wait_for_frame(&mut page, found + 4);
     page.is_shown_in_every_window("look");
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
+
+/// The frames of the events that are listed, each once.
+fn event_frames(page: &mut Page) -> Vec<u64> {
+    let events = page.value("fetch('api/run').then((run) => run.json()).then(({ events }) => events)");
+    let mut frames: Vec<u64> =
+        events.as_array().unwrap().iter().map(|event| event["frame"].as_u64().unwrap()).collect();
+    frames.dedup();
+    frames
 }
 
 fn shows_what_the_record_says(page: &mut Page, record: &FrameRecord) {
@@ -90,15 +107,6 @@ fn shows_what_the_record_says(page: &mut Page, record: &FrameRecord) {
         ("frame.t_s", record.t_s),
         ("stage_ms.road", record.stage_ms["road"]),
     ];
-/// The frames of the events that are listed, each once.
-fn event_frames(page: &mut Page) -> Vec<u64> {
-    let events = page.value("fetch('api/run').then((run) => run.json()).then(({ events }) => events)");
-    let mut frames: Vec<u64> =
-        events.as_array().unwrap().iter().map(|event| event["frame"].as_u64().unwrap()).collect();
-    frames.dedup();
-    frames
-}
-
     for (name, recorded) in numbers {
         assert_eq!(number(page, name).to_bits(), recorded.to_bits(), "{name}");
     }

@@ -29,7 +29,7 @@ export class FrameView {
     Object.assign(next, { id: before.id, alt: shown.picture ? `Camera's picture of frame ${number}` : "", hidden: !shown.picture });
     before.replaceWith(next);
     this.missing.textContent = shown.missing;
-    this.ground.lay(shown.groundView);
+    this.ground.lay(shown.groundViews);
   }
 
   /// Draws those of the frame's shapes that are `chosen`.

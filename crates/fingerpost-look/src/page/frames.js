@@ -40,6 +40,13 @@ export class Frames {
     this.run = run;
     this.base = base;
     this.kept = new Map();
+    this.withSurface = false;
+  }
+
+  /// Whether the probability of road is asked for as well.
+  showSurface(isWanted) {
+    this.withSurface = isWanted;
+    this.kept.clear();
   }
 
   get length() {
@@ -61,12 +68,13 @@ export class Frames {
   async load(index) {
     const { has_pictures, ground_area } = this.run;
     const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
-    const [said, shown, ground] = await Promise.all([
+    const [said, shown, ground, surface] = await Promise.all([
       call(`${this.base}/records/${index}`),
       has_pictures ? picture(`${this.base}/records/${index}/picture`) : nothing,
       ground_area ? picture(`${this.base}/records/${index}/ground_view`) : nothing,
+      this.withSurface ? picture(`${this.base}/records/${index}/road_surface`) : nothing,
     ]);
-    return { ...said, ...shown, groundView: ground.picture };
+    return { ...said, ...shown, groundViews: [ground.picture, surface.picture].filter((one) => one) };
   }
 
   /// Asks for the neighbours, so that the next step finds them.

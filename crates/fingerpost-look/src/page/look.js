@@ -116,6 +116,10 @@ const actions = {
 for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", action);
 $("frame").addEventListener("change", () => step(frames.indexOf($("frame").valueAsNumber)));
 $("seek").addEventListener("input", () => step($("seek").valueAsNumber));
+$("surface").addEventListener("change", ({ target }) => {
+  frames.showSurface(target.checked);
+  step(index);
+});
 addEventListener("hashchange", () => step(frames.linked()));
 
 addEventListener("keydown", (event) => {
@@ -141,6 +145,7 @@ async function begin() {
   curves = new Curves($("curves"), run, (time_s) => step(frames.indexAt(time_s)));
   view = new FrameView({ stage: $("stage"), missing: $("no-picture"), ground: $("ground") }, run, reach([run]));
   chosen = legend($("legend"), drawShapes);
+  $("surface").hidden = !run.has_road_surfaces;
   listEvents();
   showRun();
   await go(frames.linked());

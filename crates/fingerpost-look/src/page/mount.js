@@ -49,7 +49,7 @@ async function draw() {
       const shapes = await call(`${path}${start}/shapes`);
       drawOverlay($("overlay"), shapes, drive.picture_px);
       const view = await coming;
-      ground.lay(view.picture);
+      ground.lay(view.picture ? [view.picture] : []);
       ground.draw(shapes.filter(({ kind }) => ON_GROUND.includes(kind)));
       say(view.missing);
       const ms = performance.now() - since;

@@ -81,17 +81,19 @@ export class Ground {
     return back;
   }
 
-  /// Lays a frame's ground view where it belongs; without one the last goes.
-  lay(view) {
-    this.box.querySelector("img")?.remove();
-    if (!view || !this.area) return;
+  /// Lays pictures of the area where they belong, each over the one before; without any the last go.
+  lay(views) {
+    for (const image of this.box.querySelectorAll("img")) image.remove();
+    if (!this.area) return;
     const { near_m, far_m, half_width_m } = this.area;
     const [width, height] = [2 * this.half_m, this.reach_m + BEHIND_M];
     const share = (metres, of) => `${(100 * metres) / of}%`;
     const place = { left: share(this.half_m - half_width_m, width), top: share(this.reach_m - far_m, height) };
-    Object.assign(view.style, place, { width: share(2 * half_width_m, width), height: share(far_m - near_m, height) });
-    view.alt = "";
-    this.box.prepend(view);
+    for (const view of views) {
+      Object.assign(view.style, place, { width: share(2 * half_width_m, width), height: share(far_m - near_m, height) });
+      view.alt = "";
+    }
+    this.box.prepend(...views);
   }
 
   draw(shapes) {

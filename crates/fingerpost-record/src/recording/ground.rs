@@ -4,9 +4,11 @@ use fingerpost::feature_masks::PlacedMasks;
 use fingerpost::road_surface::RoadSurface;
 use fingerpost_geometry::{GroundGrid, GroundPixel};
 use fingerpost_vision::picture::{Plane, Rect};
+use foxglove::Decode;
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{Grid, PackedElementField, Pose, Timestamp, Vector2, Vector3};
 use nalgebra::UnitQuaternion;
+use thiserror::Error;
 
 use super::transforms::{VEHICLE, quaternion};
 
@@ -44,6 +46,53 @@ pub(crate) fn road_surface(
     }
     let fields = vec![field("road", 0, NumericType::Uint8), field("known", 1, NumericType::Uint8)];
     message(timestamp, grid, Cells { columns, rows, fields, bytes, cell_bytes: 2 })
+}
+
+/// A road surface as it was recorded, its farthest row first, as in the ground view.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordedSurface {
+    /// Probability of road; 255 stands for 1.
+    pub probability: Plane<u8>,
+    /// 0 where nothing is known, 1 where it is remembered, 2 where it is seen.
+    pub known: Plane<u8>,
+}
+
+/// A message that is no road surface.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SurfaceError {
+    /// It is no grid.
+    #[error("the recorded road surface cannot be read ({0}); record the run again")]
+    Damaged(String),
+    /// It is another grid.
+    #[error(
+        "the recorded grid has not the two bytes a cell of a road surface; record the run again with this program"
+    )]
+    OtherGrid,
+}
+
+impl RecordedSurface {
+    /// Reads a message of [`Channel::RoadSurface`](super::Channel::RoadSurface).
+    ///
+    /// # Errors
+    /// [`SurfaceError`] when it holds none.
+    pub fn from_message(bytes: &[u8]) -> Result<Self, SurfaceError> {
+        let grid = Grid::decode(bytes).map_err(|cause| SurfaceError::Damaged(cause.to_string()))?;
+        let columns = grid.column_count as usize;
+        let is_surface = grid.cell_stride == 2 && columns > 0 && grid.row_stride as usize == 2 * columns;
+        if !is_surface || grid.data.len() % (2 * columns) != 0 {
+            return Err(SurfaceError::OtherGrid);
+        }
+        let rows = grid.data.len() / (2 * columns);
+        let mut surface =
+            Self { probability: Plane::new(columns, rows, 0), known: Plane::new(columns, rows, 0) };
+        for (row, cells) in (0..rows).rev().zip(grid.data.chunks_exact(2 * columns)) {
+            let written = surface.probability.row_mut(row).iter_mut().zip(surface.known.row_mut(row));
+            for ((probability, known), cell) in written.zip(cells.as_chunks::<2>().0) {
+                [*probability, *known] = *cell;
+            }
+        }
+        Ok(surface)
+    }
 }
 
 /// The sub-masks by their numbers from 1; where they lie on each other, the last.
@@ -93,6 +142,7 @@ fn message(timestamp: Timestamp, grid: &GroundGrid, cells: Cells) -> Grid {
 mod tests {
     use nalgebra::{Point2, Quaternion, Vector3 as Offset};
 
+    use super::super::frame_recorder::encoded;
     use super::*;
 
     /// Where a viewer puts the middle of a cell: by the pose, columns along its x axis and rows along its y axis.
@@ -124,5 +174,21 @@ mod tests {
         let shown = cell_in_vehicle(&grid, column, row);
         assert!((shown - Point2::new(10.0, 2.0)).norm() < 0.04, "{shown}");
         assert!(grid.data.chunks_exact(2).all(|cell| cell[1] == 2), "all of it is seen");
+
+        let read = RecordedSurface::from_message(&encoded(&grid).unwrap()).unwrap();
+        assert_eq!(
+            read,
+            RecordedSurface { probability: surface.probability, known: Plane::new(400, 320, 2) }
+        );
+    }
+
+    #[test]
+    fn what_is_no_road_surface_is_refused() {
+        let ground = GroundGrid::new(4.0, 20.0, 10.0, 0.05).unwrap();
+        let cells = Cells { columns: 4, rows: 3, fields: Vec::new(), bytes: vec![0; 12], cell_bytes: 1 };
+        let masks = encoded(&message(Timestamp::MIN, &ground, cells)).unwrap();
+        assert_eq!(RecordedSurface::from_message(&masks), Err(SurfaceError::OtherGrid));
+        assert_eq!(RecordedSurface::from_message(&[]), Err(SurfaceError::OtherGrid));
+        assert!(matches!(RecordedSurface::from_message(&[7; 9]), Err(SurfaceError::Damaged(_))));
     }
 }
