@@ -4,6 +4,7 @@ mod compare;
 mod feel;
 mod pictures;
 mod run_files;
+mod run_map;
 mod set_up;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use fingerpost_server::{Handler, Limits, LocalServer, Pictures};
 
 use self::pictures::{FolderPictures, RunRecording};
 use self::run_files::RunFiles;
+use self::run_map::run_map;
 use self::set_up::{SetUpArgs, SetUpFiles};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
@@ -27,12 +29,13 @@ use crate::{camera_size, inputs, output};
 
 /// Step through a finished run frame by frame, or set a drive up by eye, on a web page that is served to this machine alone.
 ///
-/// Of a run it shows the camera's picture with what was found in it, the road from above, why it was decided so, every number of the
-/// frame, and curves over time with what happened and the worst frames, to jump to. Its part "Feel" runs the last five seconds up to a frame again with
-/// other settings and shows each stage before and after; "Save" on it writes what was changed. With another run of the same drive its
-/// part "Compare" shows both in each frame, and where they differ most. Of a drive, a folder of pictures or a video, it shows the horizon, a
-/// metre grid and the ground view, which follow while the mount is dragged, and with --route the route, whose start can be dragged
-/// too; "Calibrate from this drive" does what `calibrate mount` does, and "Save" writes camera and route.
+/// Of a run it shows the camera's picture with what was found in it, the road from above, where the vehicle is on the map, why it was
+/// decided so, every number of the frame, and curves over time with what happened and the worst frames, to jump to. Its part "Feel"
+/// runs the last five seconds up to a frame again with other settings and shows each stage before and after; "Save" on it writes what
+/// was changed. With another run of the same drive its part "Compare" shows both in each frame, and where they differ most. Of a
+/// drive, a folder of pictures or a video, it shows the horizon, a metre grid and the ground view, which follow while the mount is
+/// dragged, and with --route the route, whose start can be dragged too; "Calibrate from this drive" does what `calibrate mount` does,
+/// and "Save" writes camera and route.
 #[derive(Debug, Args)]
 #[command(before_long_help = examples!(
     "look run --input drive --route route.geojson --with other",
@@ -56,7 +59,7 @@ pub(crate) struct LookArgs {
     /// Folder that `tune` has written: each point of its front is taken over into "Feel" by a click.
     #[arg(long, value_name = "DIR")]
     tuned: Option<PathBuf>,
-    /// Route, as written by `fingerpost route`. Of a run: the one that it followed, to run parts of it again with other settings; by default
+    /// Route, as written by `fingerpost route`. Of a run: the one that it followed, to show it on the map and to run parts of it again with other settings; by default
     /// the route.geojson of --input, where one is. Of a drive: it is drawn into the picture from its start on, which can be moved along it.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
@@ -125,8 +128,11 @@ fn plain_page(
     camera: Option<Camera>,
 ) -> Result<RunPage> {
     let ground_area = run.config_toml.as_deref().and_then(ground_area);
-    let RunFiles { title, overview, records, summary, config_toml } = run;
+    let RunFiles { title, overview, records, fixes, summary, config_toml } = run;
     let mut page = RunPage::new(&title, overview, Box::new(records)).with_results(summary, config_toml);
+    if let Some(map) = run_map(args, &fixes)? {
+        page = page.with_map(&map);
+    }
     if let Some(camera) = camera {
         page = page.with_camera(camera);
     }

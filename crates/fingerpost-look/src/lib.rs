@@ -33,6 +33,6 @@ pub use mount_page::{
     DriveFrames, DriveSources, GroundViews, Kept, MountPage, MountSearch, SearchState, SetUpKeeper,
 };
 pub use overview::Overview;
-pub use route_map::{RouteMap, RoutePlace};
+pub use route_map::{RouteMap, RoutePlace, RunMap};
 pub use run_page::{GroundArea, Records, RunPage};
 pub use shapes::{Shape, ShapeKind, metre_grid, shapes};

@@ -22,6 +22,8 @@ pub(crate) fn page_file(name: &str) -> Answer {
         "settings.js" => include_str!("page/settings.js"),
         "numbers.js" => include_str!("page/numbers.js"),
         "mount.js" => include_str!("page/mount.js"),
+        "map_view.js" => include_str!("page/map_view.js"),
+        "fix_map.js" => include_str!("page/fix_map.js"),
         "route_map.js" => include_str!("page/route_map.js"),
         "search.js" => include_str!("page/search.js"),
         _ => return Answer::refused(404, "there is no such file of the page"),

@@ -39,6 +39,37 @@ pub(crate) struct PageMap {
     places: Vec<PagePlace>,
 }
 
+/// Where a run has the vehicle on the map, metres in the route's map frame, or east and north of its first place.
+#[derive(Debug, Clone, Default)]
+pub struct RunMap {
+    /// The route with the roads about it, where it is known.
+    pub route: Option<RouteMap>,
+    /// The vehicle's place in each frame; none where it is not known.
+    pub fixes: Vec<Option<Point2<f64>>>,
+}
+
+/// What the page is told of that.
+#[derive(Debug, Serialize)]
+pub(crate) struct PageRunMap {
+    route: Option<PageMap>,
+    fixes_m: Vec<Option<[f64; 2]>>,
+}
+
+impl RunMap {
+    /// The map as the page draws it.
+    pub(crate) fn page_map(&self) -> PageRunMap {
+        PageRunMap {
+            route: self.route.as_ref().map(RouteMap::page_map),
+            fixes_m: self.fixes.iter().map(|fix| fix.as_ref().map(rounded)).collect(),
+        }
+    }
+}
+
+/// A place to the centimetre.
+fn rounded(point: &Point2<f64>) -> [f64; 2] {
+    [point.x, point.y].map(|m| (m * 100.0).round() / 100.0)
+}
+
 #[derive(Debug, Serialize)]
 struct PagePlace {
     at_m: [f64; 2],
@@ -68,9 +99,8 @@ impl RouteMap {
 
     /// The map as the page draws it.
     pub(crate) fn page_map(&self) -> PageMap {
-        let place = |point: &Point2<f64>| [point.x, point.y].map(|m| (m * 100.0).round() / 100.0);
-        let line = |points: &[Point2<f64>]| points.iter().map(place).collect();
-        let of_place = |of: &RoutePlace| PagePlace { at_m: place(&of.p_in_map), label: of.label.clone() };
+        let line = |points: &[Point2<f64>]| points.iter().map(rounded).collect();
+        let of_place = |of: &RoutePlace| PagePlace { at_m: rounded(&of.p_in_map), label: of.label.clone() };
         PageMap {
             length_m: self.length_m(),
             line_m: line(self.line.points()),

@@ -11,6 +11,7 @@ use crate::compare::Differences;
 use crate::feel::FeelPage;
 use crate::overview::Overview;
 use crate::page_files::page_file;
+use crate::route_map::{PageRunMap, RunMap};
 use crate::shapes::shapes;
 
 /// Where records come from.
@@ -67,6 +68,8 @@ struct Run {
     overview: Overview,
     summary: Option<Summary>,
     config_toml: Option<String>,
+    /// Where the vehicle is on the map; none where the run never says it.
+    map: Option<PageRunMap>,
 }
 
 impl fmt::Debug for RunPage {
@@ -87,6 +90,7 @@ impl RunPage {
             overview,
             summary: None,
             config_toml: None,
+            map: None,
         };
         let feel = Err("settings cannot be felt here".to_owned());
         Self {
@@ -133,6 +137,13 @@ impl RunPage {
     #[must_use]
     pub fn with_road_surfaces(mut self, surfaces: Box<dyn Pictures>) -> Self {
         (self.run.has_road_surfaces, self.road_surfaces) = (true, Some(surfaces));
+        self
+    }
+
+    /// With the vehicle's places on the map.
+    #[must_use]
+    pub fn with_map(mut self, map: &RunMap) -> Self {
+        self.run.map = Some(map.page_map());
         self
     }
 

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use fingerpost_format::{FrameRecord, Summary};
 use fingerpost_io::{LineFile, read_text};
 use fingerpost_look::{Overview, Records};
+use fingerpost_map::LatLon;
 use fingerpost_server::Cause;
 
 use super::folder_name;
@@ -18,6 +19,8 @@ pub(super) struct RunFiles {
     pub(super) title: String,
     pub(super) overview: Overview,
     pub(super) records: RecordFile,
+    /// Where each frame has the vehicle on the map.
+    pub(super) fixes: Vec<Option<LatLon>>,
     /// None of a run that was killed.
     pub(super) summary: Option<Summary>,
     /// Its settings.
@@ -30,11 +33,13 @@ impl RunFiles {
         let path = run.join("frames.jsonl");
         let file = LineFile::open(&path)?;
         let mut overview = Overview::default();
+        let mut fixes = Vec::with_capacity(file.lines());
         for index in 0..file.lines() {
             let line = file.line(index)?.unwrap_or_default();
             let record: FrameRecord = serde_json::from_slice(&line)
                 .with_context(|| format!("{}, line {}", path.display(), index + 1))?;
             overview.add(&record);
+            fixes.push(record.fix.and_then(|fix| LatLon::new(fix.lat, fix.lon).ok()));
         }
         overview.finish();
         if file.lines() == 0 {
@@ -49,6 +54,7 @@ impl RunFiles {
             title: folder_name(run),
             overview,
             records: RecordFile(Arc::new(file)),
+            fixes,
             summary: summary.transpose().with_context(|| run.join("summary.json").display().to_string())?,
             config_toml: optional("config.toml")?,
         })

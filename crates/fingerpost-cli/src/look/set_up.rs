@@ -1,7 +1,7 @@
 //! A drive that is set up by eye: its camera's mount, and where on its route it begins.
 
 mod footage;
-mod route;
+pub(super) mod route;
 mod saved;
 mod search;
 
@@ -28,7 +28,7 @@ const SAVED_CAMERA: &str = "set_up_camera.toml";
 /// What is said of a drive that is set up.
 #[derive(Debug, Args)]
 pub(super) struct SetUpArgs {
-    /// OpenStreetMap data of a drive, .osm (XML) or .osm.pbf, whose roads are drawn as well.
+    /// OpenStreetMap data, .osm (XML) or .osm.pbf, whose roads are drawn about the route as well.
     #[arg(long, value_name = "FILE", requires = "route")]
     map: Option<PathBuf>,
     /// Distance along the route at the first frame, metres, as it is before anybody moves it; 0 by default.
@@ -42,14 +42,10 @@ pub(super) struct SetUpArgs {
 }
 
 impl SetUpArgs {
-    /// The first of them that was given.
+    /// The first of those that a run has no use for that was given.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let Self { map, start_m, save_route, .. } = self;
-        let options = [
-            ("--map", map.is_some()),
-            ("--start-m", start_m.is_some()),
-            ("--save-route", save_route.is_some()),
-        ];
+        let Self { start_m, save_route, .. } = self;
+        let options = [("--start-m", start_m.is_some()), ("--save-route", save_route.is_some())];
         options.into_iter().find_map(|(name, is_given)| is_given.then_some(name))
     }
 }

@@ -1,12 +1,16 @@
 //! Stepping through a run: by keys, slider, number, link, curve and event, at two widths, and what the page shows of a frame.
 
 use std::fs;
+use std::path::Path;
 use std::time::Instant;
 
 use fingerpost_format::{FrameRecord, TrackState, to_json_line};
+use fingerpost_map::read_route;
 use serde_json::{Value, json};
 
 use crate::chromium::Page;
+use crate::served::Served;
+use crate::simulated_drive::town;
 use crate::simulated_run::Run;
 
 /// Frames of the drive: the town's first feature is found, arrived at and passed.
@@ -145,6 +149,46 @@ fn shows_shapes_in_the_picture(page: &mut Page, address: &str) {
     page.value("document.querySelector('#legend input[data-kind=driving_line]').click()");
     assert_eq!(page.value("document.querySelectorAll('polyline.driving_line').length"), json!(0));
     page.value("document.querySelector('#legend input[data-kind=driving_line]').click()");
+}
+
+#[test]
+fn the_fix_is_shown_on_the_map() {
+    let run = Run::make(30);
+    let (map, route) = (town("town.osm"), town("town_route.geojson"));
+    let start = read_route(&fs::read_to_string(&route).unwrap()).unwrap().line[0].at;
+    run.again("located", &format!("--map {} --near {},{}", map.display(), start.lat_deg, start.lon_deg));
+    let located = run.path("located");
+    // So early several places are possible still: a protection level is written in by hand.
+    let frames = located.join("frames.jsonl");
+    let bounded = fs::read_to_string(&frames).unwrap().replace("\"bound_m\":null", "\"bound_m\":7.5");
+    fs::write(&frames, bounded).unwrap();
+    let files = [("--camera", &run.drive().join("camera.toml")), ("--map", &map), ("--route", &route)];
+    let arguments = files.iter().flat_map(|(option, path)| [Path::new(option), path.as_path()]);
+    let served = Served::start([Path::new("look"), &located].into_iter().chain(arguments));
+    let mut page = Page::open(&format!("{}#frame=25", served.address));
+    wait_for_frame(&mut page, 25);
+
+    // The arrow is at the fix, 0.8 m a frame along the route, in a ring as large as its protection level, and the map moves with it.
+    let middle = |page: &mut Page| {
+        let places = page.value(
+            "(() => { const ring = document.querySelector('#map .bound'), { x, y, width, height } = document.getElementById('map').viewBox.baseVal;
+                 return [ring.cx.baseVal.value, ring.cy.baseVal.value, ring.r.baseVal.value, x + width / 2, y + height / 2]; })()",
+        );
+        [0, 1, 2, 3, 4].map(|index| places[index].as_f64().unwrap())
+    };
+    let [x, y, radius, middle_x, middle_y] = middle(&mut page);
+    assert!(libm::hypot(x - middle_x, y - middle_y) < 0.01 && radius > 0.0, "{radius}");
+    assert!((number(&mut page, "fix.bound_m") - radius).abs() < 0.01);
+    page.key("ArrowLeft", 8);
+    wait_for_frame(&mut page, 15);
+    let [before_x, before_y, ..] = middle(&mut page);
+    let moved_m = libm::hypot(x - before_x, y - before_y);
+    assert!((6.0..10.0).contains(&moved_m), "{moved_m}");
+    let drawn = page.value("['.map-road', '.route', '.track'].map((kind) => document.querySelectorAll(`#map ${kind}`).length > 0)");
+    assert_eq!(drawn, json!([true, true, true]));
+    page.has_names();
+    page.is_shown_in_every_window("look_map");
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }
 
 /// How long it takes is printed: it has to open in 2 s and step 20 times a second where the program is optimised.

@@ -1,6 +1,7 @@
 // Steps through the run; what is to be seen in a frame, the program says.
 
 import { Curves } from "./curves.js";
+import { FixMap } from "./fix_map.js";
 import { Frames, call, linkParts } from "./frames.js";
 import { FrameView, reach } from "./frame_view.js";
 import { showNumbers } from "./numbers.js";
@@ -15,6 +16,7 @@ let run = null;
 let frames = null;
 let curves = null;
 let view = null;
+let map = null;
 let chosen = null;
 let index = 0;
 let shown = null;
@@ -47,6 +49,7 @@ function show() {
   view.show(shown, run.frames[index]);
   drawShapes();
   curves.show(index);
+  map?.show(index, record.fix);
   showEvents();
   showNumbers($("numbers"), "frame", record, opened);
   $("why").textContent = record.why;
@@ -139,6 +142,14 @@ addEventListener("keydown", (event) => {
   action();
 });
 
+function showMap() {
+  $("place").hidden = false;
+  $("of-osm").hidden = !run.map.route;
+  map = new FixMap($("map"), $("fix"), run.map);
+  $("nearer").addEventListener("click", () => map.zoomBy(-1));
+  $("farther").addEventListener("click", () => map.zoomBy(1));
+}
+
 async function begin() {
   run = await call("api/run");
   frames = new Frames(run);
@@ -146,6 +157,7 @@ async function begin() {
   view = new FrameView({ stage: $("stage"), missing: $("no-picture"), ground: $("ground") }, run, reach([run]));
   chosen = legend($("legend"), drawShapes);
   $("surface").hidden = !run.has_road_surfaces;
+  if (run.map) showMap();
   listEvents();
   showRun();
   await go(frames.linked());

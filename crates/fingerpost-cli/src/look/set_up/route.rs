@@ -45,10 +45,15 @@ impl DrivenRoute {
         let path = args.save_route.clone().unwrap_or_else(|| SAVED_ROUTE.into());
         let read = [Some(route_path), args.map.as_deref()].into_iter().flatten();
         output_path::check_file(&path, FileKind::Route, read.chain(inputs.iter().copied()))?;
-        let map = RouteMap::new(route.polyline()?, roads(args, &route)?, places(&route));
+        let map = route_map(&route, args)?;
         let text = write_route(&route).with_context(|| route_path.display().to_string())?;
         Ok(Some(Self { map, start_m, to_save: RouteToSave { map: args.map.clone(), path, text } }))
     }
+}
+
+/// A route with its features, and the roads of the map about it.
+pub(in crate::look) fn route_map(route: &Route, args: &SetUpArgs) -> Result<RouteMap> {
+    Ok(RouteMap::new(route.polyline()?, roads(args, route)?, places(route)))
 }
 
 /// The roads of the map in the route's plane.
