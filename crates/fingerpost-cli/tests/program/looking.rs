@@ -21,7 +21,7 @@ fn what_is_no_run_is_refused() {
     let run = folder.path().display();
     let look = format!("look {run} --port 0");
     call_line(&look).refused(1, &["no run, which has a frames.jsonl", "holds no picture"]);
-    for option in ["--input", "--with", "--tuned", "--route"] {
+    for option in ["--input", "--with", "--tuned"] {
         let leave_out = format!("leave {option} out");
         call_line(&format!("{look} {option} {run}")).refused(1, &["no run", &leave_out]);
     }
@@ -54,7 +54,8 @@ fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
     with("--input", "frames.jsonl").refused(1, &["is no folder", "run.mcap"]);
     with("--input", "nowhere").refused(1, &["nowhere"]);
     with("--camera", "camera.toml").refused(1, &["640 x 360", "640 x 480"]);
-    with("--start-m", "3").refused(1, &["nothing is set up", "leave --start-m out"]);
+    call_line(&format!("{look} --route route.geojson --start-m 3"))
+        .refused(1, &["nothing is set up", "leave --start-m out"]);
     with("--with", "nowhere").refused(1, &["nowhere"]);
     fs::create_dir(path("other")).unwrap();
     let of_another_drive = BARE.replace("\"frame\": 0", "\"frame\": 7");
