@@ -65,6 +65,12 @@ pub(super) fn page(drive: &Path, files: &SetUpFiles<'_>, args: &SetUpArgs) -> Re
     let footage = Footage::open(name)
         .with_context(|| format!("{name} is no run, which has a frames.jsonl, and no drive"))?;
     let beside = drive.join("camera.toml");
+    if files.camera.is_none() && !beside.is_file() {
+        bail!(
+            "{name} brings no camera.toml; give the camera with --camera: its lens as it is, and a mount that may be rough, as \
+             height_m = 1.5 and pitch_deg = 0.0, which the page sets right (the book has every key, under \"camera.toml\")"
+        );
+    }
     let camera_path = files.camera.unwrap_or(&beside);
     let save = files.save.unwrap_or(Path::new(SAVED_CAMERA)).to_owned();
     output_path::check_file(&save, FileKind::Camera, [camera_path, drive])?;

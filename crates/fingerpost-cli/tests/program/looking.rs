@@ -74,7 +74,9 @@ fn a_camera_is_saved_over_nothing_that_may_be_the_users() {
     fs::write(path("camera.toml"), CAMERA).unwrap();
     fs::write(path("mine.toml"), "# measured by hand").unwrap();
     let (drive, camera) = (path("drive"), path("camera.toml"));
-    let look = format!("look {} --port 0 --camera {}", drive.display(), camera.display());
+    let look = format!("look {} --port 0", drive.display());
+    call_line(&look).refused(1, &["brings no camera.toml", "--camera", "height_m"]);
+    let look = format!("{look} --camera {}", camera.display());
     let saved_as = |name: &str| call_line(&format!("{look} --save {}", path(name).display()));
     saved_as("mine.toml").refused(1, &["mine.toml", "may be yours"]);
     saved_as("camera.toml").refused(1, &["camera.toml"]);

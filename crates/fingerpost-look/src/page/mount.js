@@ -114,10 +114,12 @@ function arrows(slider, step, move) {
 function makeInputs() {
   for (const [name, [words, about, step]] of Object.entries(NUMBERS)) {
     const least = name === "height_m" ? Math.max(0.1, mount[name] - about) : mount[name] - about;
-    const range = { min: least.toFixed(2), max: (mount[name] + about).toFixed(2), step, value: mount[name] };
+    // A file may have more digits than there is room for.
+    const value = Math.round(mount[name] * 1e4) / 1e4;
+    const range = { min: least.toFixed(2), max: (mount[name] + about).toFixed(2), step, value };
     const slider = Object.assign(document.createElement("input"), { type: "range", ...range, step: "any", id: `${name}-slider` });
     slider.setAttribute("aria-label", `${words}, by slider`);
-    const number = Object.assign(document.createElement("input"), { type: "number", step, value: mount[name], id: name });
+    const number = Object.assign(document.createElement("input"), { type: "number", step, value, id: name });
     for (const input of [slider, number]) input.addEventListener("input", () => change({ [name]: input.valueAsNumber }));
     arrows(slider, step, (by) => change({ [name]: mount[name] + by }));
     const label = document.createElement("label");
