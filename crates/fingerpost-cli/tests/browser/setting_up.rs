@@ -225,6 +225,8 @@ fn the_start_is_dragged_along_the_route() {
     let command = page.value("document.getElementById('command').textContent");
     let command = command.as_str().unwrap();
     assert!(command.ends_with(&format!("--start-m {moved_m:.1} --out run")), "{command}");
+    // The fix on the map begins there too.
+    assert!(command.contains(" --near 47.21"), "{command}");
     let [kept, given] = [&saved_route, &route].map(|path| fs::read_to_string(path).unwrap());
     assert_eq!(read_route(&kept).unwrap(), read_route(&given).unwrap());
     let command = command.strip_prefix("fingerpost ").unwrap().strip_suffix("run").unwrap();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use fingerpost_look::{RouteMap, RoutePlace};
-use fingerpost_map::{FeatureKind, Route, RouteFeature, write_route};
+use fingerpost_map::{FeatureKind, LatLon, Route, RouteFeature, write_route};
 
 use super::SetUpArgs;
 use crate::output_path::{self, FileKind};
@@ -21,6 +21,15 @@ pub(super) struct RouteToSave {
     pub(super) path: PathBuf,
     /// What that holds.
     pub(super) text: String,
+    route: Route,
+}
+
+impl RouteToSave {
+    /// The place so far along the route, which tells a run where on the map it begins.
+    pub(super) fn place(&self, start_m: f64) -> Option<LatLon> {
+        let start = self.route.polyline().ok()?.frame_at(start_m).translation.vector;
+        Some(self.route.plane()?.wgs84_from_map(start.into()))
+    }
 }
 
 /// A route as the page shows it, and as it is saved.
@@ -47,7 +56,7 @@ impl DrivenRoute {
         output_path::check_file(&path, FileKind::Route, read.chain(inputs.iter().copied()))?;
         let map = route_map(&route, args)?;
         let text = write_route(&route).with_context(|| route_path.display().to_string())?;
-        Ok(Some(Self { map, start_m, to_save: RouteToSave { map: args.map.clone(), path, text } }))
+        Ok(Some(Self { map, start_m, to_save: RouteToSave { map: args.map.clone(), path, text, route } }))
     }
 }
 

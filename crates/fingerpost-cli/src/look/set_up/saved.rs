@@ -7,6 +7,7 @@ use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::Camera;
 use fingerpost_io::write_file;
 use fingerpost_look::{Kept, SetUpKeeper};
+use fingerpost_map::LatLon;
 use fingerpost_server::Cause;
 
 use super::route::RouteToSave;
@@ -31,6 +32,9 @@ impl SetUpKeeper for SavedFiles {
             files.push(route.path.display().to_string());
             if let Some(map) = &route.map {
                 words.extend(["--map".into(), map.into()]);
+                if let Some(LatLon { lat_deg, lon_deg }) = route.place(start_m) {
+                    words.extend(["--near".into(), format!("{lat_deg:.6},{lon_deg:.6}").into()]);
+                }
             }
             words.extend(["--route".into(), route.path.clone().into()]);
             words.extend(["--start-m".into(), format!("{start_m:.1}").into()]);
