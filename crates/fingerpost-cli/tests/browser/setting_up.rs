@@ -326,6 +326,6 @@ fn a_video_is_set_up() {
     page.wait_for("document.body.dataset.search === 'failed'");
     let said = page.value("document.getElementById('searched').textContent");
     assert!(said.as_str().unwrap().contains("cannot be trusted"), "{said}");
-    assert_eq!(page.value("document.getElementById('pitch_deg').valueAsNumber"), json!(5.729578));
+    assert_eq!(page.value("document.getElementById('pitch_deg').valueAsNumber"), json!(5.7296));
     assert!(page.complaints.is_empty(), "{:?}", page.complaints);
 }
