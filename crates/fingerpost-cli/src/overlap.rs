@@ -4,13 +4,17 @@
 //! Whatever fails, results made before are written, in their order.
 
 use std::panic::resume_unwind;
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread;
+use std::time::Duration;
 
 use anyhow::Result;
 
 /// Results that may wait to be written: enough to go on with while pictures are compressed.
 const WAITING: usize = 8;
+
+/// How often what makes results is looked after while it waits for the writing.
+const LOOKED_AFTER_EVERY: Duration = Duration::from_millis(20);
 
 /// Whether making and writing take turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,25 +37,53 @@ pub(crate) fn each<T: Send>(
         }
         return Ok(());
     }
+    overlapped(results, |_, result, to| to.send(result).is_ok(), write)
+}
+
+/// The same with writing in a thread of its own, where what makes results has to be looked after while it waits for the writing.
+pub(crate) fn each_attended<T: Send, I: Iterator<Item = Result<T>>>(
+    results: I,
+    mut attend: impl FnMut(&mut I),
+    write: impl FnMut(T) -> Result<()> + Send,
+) -> Result<()> {
+    let hand_over = |results: &mut I, mut result: T, to: &SyncSender<T>| loop {
+        match to.try_send(result) {
+            Ok(()) => return true,
+            Err(TrySendError::Disconnected(_)) => return false,
+            Err(TrySendError::Full(back)) => result = back,
+        }
+        attend(results);
+        thread::sleep(LOOKED_AFTER_EVERY);
+    };
+    overlapped(results, hand_over, write)
+}
+
+/// Makes results and hands them over to the writing, until there are no more or the writing has failed, which `hand_over` says.
+fn overlapped<T: Send, I: Iterator<Item = Result<T>>>(
+    mut results: I,
+    mut hand_over: impl FnMut(&mut I, T, &SyncSender<T>) -> bool,
+    write: impl FnMut(T) -> Result<()> + Send,
+) -> Result<()> {
     thread::scope(|scope| {
         let (sender, made) = sync_channel(WAITING);
         let writing = scope.spawn(move || made.into_iter().try_for_each(write));
-        let making = hand_over(results, &sender);
+        let making = loop {
+            match results.next() {
+                Some(Ok(result)) => {
+                    if !hand_over(&mut results, result, &sender) {
+                        // Writing has failed and says why.
+                        break Ok(());
+                    }
+                }
+                Some(Err(cause)) => break Err(cause),
+                None => break Ok(()),
+            }
+        };
         drop(sender);
         let written = writing.join().unwrap_or_else(|fault| resume_unwind(fault));
         // What could not be written comes before what could not be made.
         written.and(making)
     })
-}
-
-fn hand_over<T>(results: impl Iterator<Item = Result<T>>, to: &SyncSender<T>) -> Result<()> {
-    for result in results {
-        if to.send(result?).is_err() {
-            // Writing has failed and says why.
-            break;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -86,6 +118,17 @@ mod tests {
             // Both fail: the earlier result is the one that is missing.
             assert_eq!(written(overlap, 100, 9, 7), ((0..7).collect(), Some("7 not written".to_owned())));
         }
+    }
+
+    #[test]
+    fn making_is_looked_after_while_it_waits() {
+        let mut attended = 0;
+        let slowly = |_| {
+            thread::sleep(Duration::from_millis(30));
+            Ok(())
+        };
+        let all = each_attended((0..2 * WAITING).map(Ok), |_| attended += 1, slowly);
+        assert!(all.is_ok() && attended > 0, "{all:?}, {attended}");
     }
 
     #[test]

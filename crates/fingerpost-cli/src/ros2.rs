@@ -18,7 +18,7 @@ use crate::driver::{Driver, RunSetting, Sequence};
 use crate::examples::examples;
 use crate::interrupt::Interrupt;
 use crate::mount_args::{KnownCamera, MountArgs, PictureKindArgs, check_lens_against_topic};
-use crate::overlap::{self, Overlap};
+use crate::overlap;
 use crate::recorder::{Pictures, Recorder, RecordingWish, RunEnd, Subject, Wishes};
 use crate::run::NEAR_SIGMA_M;
 use crate::watchdog::{Watchdog, WatchdogArgs};
@@ -174,8 +174,12 @@ fn wait_for_camera(
 
 /// Runs on and writes a run folder.
 fn record(mut drive: RosDrive, mut recorder: Recorder, out: &Path) -> Result<()> {
-    let failure = overlap::each(Overlap::Writing, drive.by_ref(), |result| recorder.add(result)).err();
-    drive.stop_vehicle();
+    // A full disk or one that hangs holds the pictures up, and must not hold up the command to stop.
+    let attend = |drive: &mut &mut RosDrive| drive.watch();
+    let failure = overlap::each_attended(&mut drive, attend, |result| recorder.add(result)).err();
+    if failure.is_some() {
+        drive.stop_vehicle();
+    }
     let (frames, unused) = (recorder.frames(), recorder.nothing_used());
     recorder.note_dropped(drive.dropped());
     let end = if failure.is_some() { RunEnd::Interrupted } else { RunEnd::Complete };
@@ -209,7 +213,6 @@ fn only_send(mut drive: RosDrive) -> Result<()> {
         }
         Ok(())
     });
-    drive.stop_vehicle();
     ended?;
     drive.say_what_was_dropped();
     if frames == 0 {

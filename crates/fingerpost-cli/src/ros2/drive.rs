@@ -77,8 +77,8 @@ impl RosDrive {
         thread::sleep(FAREWELL);
     }
 
-    /// Commands it because none have come, once a silence.
-    fn watch(&mut self) {
+    /// Commands it because none could be used for long, once a silence.
+    pub(super) fn watch(&mut self) {
         let Some(silence) = self.watchdog.silence(Instant::now()) else { return };
         // Where it cannot be sent it is tried again.
         if self.node.stop().is_ok() {
@@ -160,9 +160,16 @@ impl Iterator for RosDrive {
     type Item = Result<FrameResult>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.left = self.left.checked_sub(1)?;
-        let arrival = self.wait()?;
-        Some(self.result(arrival))
+        let arrival = self.left.checked_sub(1).and_then(|left| {
+            self.left = left;
+            self.wait()
+        });
+        let result = arrival.map(|arrival| self.result(arrival));
+        // Before the results that still wait are written, which may take long.
+        if !matches!(result, Some(Ok(_))) {
+            self.stop_vehicle();
+        }
+        result
     }
 }
 
