@@ -19,7 +19,6 @@ use self::saved::SavedFiles;
 use self::search::SearchInDrive;
 use super::{area_of, folder_name};
 use crate::arguments::{InputLimit, number};
-use crate::output_path::{self, FileKind};
 use crate::{camera_size, inputs};
 
 /// Where the camera of a drive is saved where nothing else is said.
@@ -72,15 +71,21 @@ pub(super) fn page(drive: &Path, files: &SetUpFiles<'_>, args: &SetUpArgs) -> Re
         );
     }
     let camera_path = files.camera.unwrap_or(&beside);
-    let save = files.save.unwrap_or(Path::new(SAVED_CAMERA)).to_owned();
-    output_path::check_file(&save, FileKind::Camera, [camera_path, drive])?;
     let size_px = footage.picture_size();
     let size_px = size_px.with_context(|| format!("no picture of {name} can be read; give another drive"))?;
     let source = camera_path.display().to_string();
     let camera = camera_size::of_pictures(inputs::camera(camera_path)?, size_px, &source)?;
-    let route = DrivenRoute::open(files.route, args, &[camera_path, drive])?;
+    let route = DrivenRoute::open(files.route, args)?;
     let (route, to_save) =
         route.map(|DrivenRoute { map, start_m, to_save }| ((map, start_m), to_save)).unzip();
+    let inputs = [Some(drive), Some(camera_path), files.route, args.map.as_deref()];
+    let saved = SavedFiles {
+        drive: name.to_owned(),
+        camera: files.save.unwrap_or(Path::new(SAVED_CAMERA)).to_owned(),
+        route: to_save,
+        inputs: inputs.into_iter().flatten().map(Path::to_owned).collect(),
+    };
+    saved.check()?;
     let view = GroundViewConfig::default();
     let area = area_of(&view);
     let frames = DriveFrames { title: folder_name(drive), count: footage.count(), step: footage.step() };
@@ -88,7 +93,7 @@ pub(super) fn page(drive: &Path, files: &SetUpFiles<'_>, args: &SetUpArgs) -> Re
     let sources = DriveSources {
         pictures: Box::new(FootagePictures(Arc::clone(&footage))),
         ground_views: Box::new(FootageViews { footage, view }),
-        keeper: Box::new(SavedFiles { drive: name.to_owned(), camera: save, route: to_save }),
+        keeper: Box::new(saved),
         search: Box::new(SearchInDrive::new(name.to_owned(), source.clone())),
     };
     let Some(page) = MountPage::new(frames, camera, area, sources) else {

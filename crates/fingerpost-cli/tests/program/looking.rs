@@ -63,6 +63,9 @@ fn pictures_and_a_camera_that_are_not_the_runs_are_refused() {
     with("--with", "other").refused(1, &["no frame in common", "one drive"]);
     fs::write(path("mine.toml"), "# Tried on the hill.\n[track]\ndetect_present = 0.7\n").unwrap();
     with("--save", "mine.toml").refused(1, &["mine.toml", "may be yours"]);
+    fs::write(path("config.toml"), "# Written by fingerpost\n").unwrap();
+    with("--save", "config.toml").refused(1, &["config.toml"]);
+    with("--tuned", "nowhere").refused(1, &["front.json"]);
 }
 
 #[test]
@@ -101,6 +104,7 @@ fn a_route_is_saved_over_nothing_that_may_be_the_users_and_begins_on_itself() {
     for (name, word) in [("mine.geojson", "may be yours"), ("route.geojson", "route.geojson")] {
         with(&format!("--save-route {}", path(name).display())).refused(1, &[name, word]);
     }
+    with(&format!("--save-route {}", path("new.toml").display())).refused(1, &["new.toml", "name two files"]);
     let new = path("new.geojson");
     with(&format!("--save-route {} --start-m 1e5", new.display()))
         .refused(1, &["--start-m 100000", "1028 m"]);

@@ -28,11 +28,14 @@ pub(in crate::look) fn open(
     pictures: Option<Box<dyn Pictures>>,
 ) -> Result<Result<FeelPage, String>> {
     let route_path = args.beside_drive(args.route.as_deref(), "route.geojson");
+    let points = args.tuned.as_deref().map(points).transpose()?.unwrap_or_default();
+    let camera_path = args.beside_drive(args.camera.as_deref(), "camera.toml");
+    let of_front = args.tuned.iter().flat_map(|folder| points.iter().map(|point| folder.join(&point.name)));
+    let kept = [args.run.join("config.toml")].into_iter().chain(of_front).collect();
     let file = SettingsFile::at(
         args.save.as_deref().unwrap_or(Path::new(SAVED_SETTINGS)),
-        args.input.as_deref(),
-        args.beside_drive(args.camera.as_deref(), "camera.toml").as_deref(),
-        route_path.as_deref(),
+        kept,
+        [args.input.as_deref(), camera_path.as_deref(), route_path.as_deref()],
     );
     // One that nobody named may be there, as long as nothing is saved.
     if args.save.is_some() {
@@ -58,7 +61,6 @@ pub(in crate::look) fn open(
     let scaling = sampling.map(|sampling| PictureScaling::to_width(camera, sampling.picture_px[0] as usize));
     let scaling = scaling.transpose()?.flatten();
     let camera = scaling.as_ref().map_or(camera, PictureScaling::camera).clone();
-    let points = args.tuned.as_deref().map(points).transpose()?.unwrap_or_default();
     let feelable = Feelable { schema: schema(), values: config.to_json(), points };
     let size_px = (camera.width(), camera.height());
     let run_again = RunAgain {

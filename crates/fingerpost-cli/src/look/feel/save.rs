@@ -17,26 +17,26 @@ use crate::version::WRITTEN_BY;
 #[derive(Debug)]
 pub(in crate::look) struct SettingsFile {
     path: PathBuf,
-    /// What a drive is run from beside them.
+    /// What a drive is run from beside them, and what the page is made from.
     inputs: Vec<PathBuf>,
     /// The arguments of `run` before them.
     arguments: Vec<OsString>,
 }
 
 impl SettingsFile {
-    /// A file of that path; of what a drive is run from, what is known.
+    /// A file of that path, which is none of `kept`; of what a drive is run from, what is known.
     pub(in crate::look) fn at(
         path: &Path,
-        input: Option<&Path>,
-        camera: Option<&Path>,
-        route: Option<&Path>,
+        kept: Vec<PathBuf>,
+        [input, camera, route]: [Option<&Path>; 3],
     ) -> Self {
         let mut arguments = vec![input.unwrap_or(Path::new("DRIVE")).as_os_str().to_owned()];
         for (option, value) in [("--camera", camera), ("--route", route)] {
             arguments
                 .extend(value.into_iter().flat_map(|value| [option.into(), value.as_os_str().to_owned()]));
         }
-        let inputs = [input, camera, route].into_iter().flatten().map(Path::to_owned).collect();
+        let mut inputs = kept;
+        inputs.extend([input, camera, route].into_iter().flatten().map(Path::to_owned));
         Self { path: path.to_owned(), inputs, arguments }
     }
 

@@ -7,7 +7,6 @@ use fingerpost_look::{RouteMap, RoutePlace};
 use fingerpost_map::{FeatureKind, LatLon, Route, RouteFeature, write_route};
 
 use super::SetUpArgs;
-use crate::output_path::{self, FileKind};
 use crate::{inputs, start_check};
 
 /// Where the route of a drive is saved where nothing else is said.
@@ -41,19 +40,13 @@ pub(super) struct DrivenRoute {
 }
 
 impl DrivenRoute {
-    /// Reads route and map; none where there is no route. None of `inputs` is written over.
-    pub(super) fn open(
-        route_path: Option<&Path>,
-        args: &SetUpArgs,
-        inputs: &[&Path],
-    ) -> Result<Option<Self>> {
+    /// Reads route and map; none where there is no route.
+    pub(super) fn open(route_path: Option<&Path>, args: &SetUpArgs) -> Result<Option<Self>> {
         let Some(route_path) = route_path else { return Ok(None) };
         let route = inputs::route(route_path)?;
         let start_m = args.start_m.unwrap_or(0.0);
         start_check::check_on_route(&route.polyline()?, start_m)?;
         let path = args.save_route.clone().unwrap_or_else(|| SAVED_ROUTE.into());
-        let read = [Some(route_path), args.map.as_deref()].into_iter().flatten();
-        output_path::check_file(&path, FileKind::Route, read.chain(inputs.iter().copied()))?;
         let map = route_map(&route, args)?;
         let text = write_route(&route).with_context(|| route_path.display().to_string())?;
         Ok(Some(Self { map, start_m, to_save: RouteToSave { map: args.map.clone(), path, text, route } }))
