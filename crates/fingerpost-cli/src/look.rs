@@ -110,7 +110,10 @@ fn run_page(args: &LookArgs) -> Result<RunPage> {
         let other_run = RunFiles::open(other)?;
         let differences = compare::differences(&run, &other_run)?;
         let recording = RunRecording::open(other, &other_run.overview);
-        Ok((plain_page(args, other_run, recording.as_ref(), camera.clone())?, differences))
+        // Its pictures may have another size.
+        let picture_px = other_run.summary.as_ref().and_then(|summary| summary.picture_px);
+        let camera = self::camera(args, picture_px)?;
+        Ok((plain_page(args, other_run, recording.as_ref(), camera)?, differences))
     });
     let other = other.transpose()?;
     let page = plain_page(args, run, recording.as_ref(), camera)?.with_feel(feel);

@@ -10,11 +10,11 @@ pub(crate) fn page_file(name: &str) -> Answer {
     let text = match name {
         "look.css" => return Answer::text(STYLE, include_str!("page/look.css")),
         "mount.css" => return Answer::text(STYLE, include_str!("page/mount.css")),
+        "parts.css" => return Answer::text(STYLE, include_str!("page/parts.css")),
         "look.js" => include_str!("page/look.js"),
         "frames.js" => include_str!("page/frames.js"),
         "shapes.js" => include_str!("page/shapes.js"),
         "curves.js" => include_str!("page/curves.js"),
-        "parts.css" => return Answer::text("text/css; charset=utf-8", include_str!("page/parts.css")),
         "feel.js" => include_str!("page/feel.js"),
         "compare.js" => include_str!("page/compare.js"),
         "frame_view.js" => include_str!("page/frame_view.js"),

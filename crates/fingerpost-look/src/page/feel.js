@@ -7,6 +7,7 @@ import { Settings } from "./settings.js";
 const $ = (id) => document.getElementById(id);
 let run = null;
 let frames = null;
+let feelable = null;
 let settings = null;
 let index = 0;
 let lastMoved = null;
@@ -64,10 +65,13 @@ function drawBeginning({ frame, duration_s, frames, route_m }) {
     `neither the road's surface nor the camera's direction. GPS, the vehicle's bus, the map and known surfaces are left out. So "before", with the run's own settings, may differ from the run.`;
 }
 
+/// Where what is changed is kept over a reload: another run on the same port begins with its own settings.
+const tried = () => `feel ${run.title} ${JSON.stringify(feelable.values)}`;
+
 function drawChanged() {
   const keys = Object.keys(settings.changed);
   $("changed").replaceChildren();
-  sessionStorage.setItem("feel", JSON.stringify(settings.changed));
+  sessionStorage.setItem(tried(), JSON.stringify(settings.changed));
   if (!keys.length) return;
   const clear = element("button", { textContent: "Reset all" });
   clear.addEventListener("click", () => settings.replace({}));
@@ -146,7 +150,7 @@ async function begin() {
   $("frame").addEventListener("change", () => go(frames.indexOf($("frame").valueAsNumber)));
   $("seek").addEventListener("input", () => go($("seek").valueAsNumber));
   addEventListener("hashchange", () => go(frames.linked()));
-  const feelable = await call("api/feel/settings");
+  feelable = await call("api/feel/settings");
   settings = new Settings($("tables"), feelable, (key) => {
     lastMoved = key;
     drawChanged();
@@ -155,7 +159,7 @@ async function begin() {
   listPoints(feelable.points);
   $("search").addEventListener("input", () => settings.search($("search").value));
   index = frames.linked();
-  settings.replace(JSON.parse(sessionStorage.getItem("feel") ?? "{}"));
+  settings.replace(JSON.parse(sessionStorage.getItem(tried()) ?? "{}"));
   settings.search("");
   go(index);
   document.body.dataset.ready = "yes";

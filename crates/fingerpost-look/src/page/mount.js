@@ -193,7 +193,8 @@ async function begin() {
   $("stage").style.aspectRatio = drive.picture_px.join(" / ");
   ground = new Ground($("ground"), REACH_M, drive.ground_area);
   makeInputs();
-  searchWith(() => mount, change);
+  // The height is not searched for, and may have been changed meanwhile.
+  await searchWith(() => mount, ({ height_m, ...angles }) => change(angles));
   if (drive.route) showRoute();
   await show(0);
   document.body.dataset.ready = "yes";

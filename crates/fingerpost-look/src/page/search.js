@@ -20,21 +20,26 @@ function show(state) {
   document.body.dataset.search = state.is;
 }
 
-/// The button begins a search about `mount()`; what is found goes to `found`.
-export function searchWith(mount, found) {
-  $("search").addEventListener("click", async () => {
-    try {
-      let state = await send("api/search", mount());
-      while (state.is === "running") {
-        show(state);
-        await pause();
-        state = await call("api/search");
-      }
-      if (state.is === "found") found(state.mount);
+/// Follows a search to its end, whoever began it; what is found goes to `found`.
+async function follow(state, found) {
+  try {
+    while (state.is === "running") {
       show(state);
-    } catch (cause) {
-      show({ is: "failed", cause: cause.message });
+      await pause();
+      state = await call("api/search");
     }
-  });
+    if (state.is === "found") found(state.mount);
+    show(state);
+  } catch (cause) {
+    show({ is: "failed", cause: cause.message });
+  }
+}
+
+/// The button begins a search about `mount()`; one that goes on already, as after a reload, is followed.
+export async function searchWith(mount, found) {
+  const fail = (cause) => show({ is: "failed", cause: cause.message });
+  $("search").addEventListener("click", () => send("api/search", mount()).then((state) => follow(state, found), fail));
   $("stop").addEventListener("click", () => send("api/search/stop", {}).catch(() => {}));
+  const state = await call("api/search");
+  if (state.is === "running") follow(state, found);
 }
