@@ -44,6 +44,9 @@ impl Frames {
     }
 }
 
+/// Pictures that are decoded before the first of them is made smaller: enough for all cores, and little memory where they come large.
+const DECODED_TOGETHER: usize = 16;
+
 /// The pictures of one stretch, as the method gets them.
 pub(in crate::look) struct StretchPictures {
     source: Box<dyn Pictures>,
@@ -70,18 +73,20 @@ impl StretchPictures {
         let first = frames.first(index, MOST_BYTES / (3 * width * height).max(1));
         self.loaded.retain(|at, _| (first..=index).contains(at));
         let missing: Vec<usize> = (first..=index).filter(|at| !self.loaded.contains_key(at)).collect();
-        let source = &*self.source;
-        let decoded: Vec<Option<RgbImage>> = missing
-            .par_iter()
-            .map(|at| {
-                let frame = frames.time(*at).frame;
-                let file = source.picture(frame).ok()?;
-                decode_picture(&file.bytes, &PathBuf::from(format!("frame {frame}"))).ok()
-            })
-            .collect();
-        for (at, picture) in missing.into_iter().zip(decoded) {
-            let picture = picture.map(|picture| self.scaled(picture));
-            self.loaded.insert(at, picture);
+        for together in missing.chunks(DECODED_TOGETHER) {
+            let source = &*self.source;
+            let decoded: Vec<Option<RgbImage>> = together
+                .par_iter()
+                .map(|at| {
+                    let frame = frames.time(*at).frame;
+                    let file = source.picture(frame).ok()?;
+                    decode_picture(&file.bytes, &PathBuf::from(format!("frame {frame}"))).ok()
+                })
+                .collect();
+            for (at, picture) in together.iter().zip(decoded) {
+                let picture = picture.map(|picture| self.scaled(picture));
+                self.loaded.insert(*at, picture);
+            }
         }
         Ok(first)
     }
