@@ -155,3 +155,40 @@ fn the_outline_lies_on_the_edge() {
     });
     assert!(pieces > 100, "{pieces}");
 }
+
+#[test]
+fn an_end_is_left_out_only_where_it_is_no_nearer() {
+    let shape = t_junction();
+    let mut unknowns = Unknowns::zeros();
+    (unknowns[WIDTHS], unknowns[WIDTHS + 1]) = (0.5, -0.3);
+    let outline = shape.outline(&unknowns);
+    let mut left_out = 0;
+    for (x, y) in (-20..20).flat_map(|x| (-20..20).map(move |y| (f64::from(x) * 0.7, f64::from(y) * 0.7))) {
+        for (arm, strip) in shape.arms.iter().enumerate() {
+            let beside = strip.beside(Point2::new(x, y));
+            if beside.along_m >= 0.0 {
+                continue;
+            }
+            // The same of first order, by differences: how far beyond the ellipse, by how steeply that grows.
+            let beyond_m = |left_m: f64, along_m: f64| {
+                libm::hypot(left_m, outline.widened[arm] * along_m) - outline.half_m[arm]
+            };
+            let (left_m, along_m, step) = (beside.left_m, beside.along_m, 1e-5);
+            let by_left = beyond_m(left_m + step, along_m) - beyond_m(left_m - step, along_m);
+            let by_along = beyond_m(left_m, along_m + step) - beyond_m(left_m, along_m - step);
+            let expected_m = beyond_m(left_m, along_m) / (libm::hypot(by_left, by_along) / (2.0 * step));
+            let whole_m = outline.distance_from_end(arm, &beside, f64::INFINITY);
+            assert!((whole_m - expected_m).abs() < 1e-3, "{x} {y} {arm}: {whole_m} for {expected_m}");
+            for least_m in [-1.0, 0.0, 0.5, 3.0] {
+                let limited_m = outline.distance_from_end(arm, &beside, least_m);
+                let is_left_out = limited_m.is_infinite() && whole_m >= least_m - 1e-9;
+                assert!(
+                    is_left_out || limited_m.to_bits() == whole_m.to_bits(),
+                    "{x} {y} {arm}: {limited_m} for {whole_m}"
+                );
+                left_out += usize::from(is_left_out);
+            }
+        }
+    }
+    assert!(left_out > 1000, "{left_out}");
+}
