@@ -4,17 +4,13 @@
 //! Whatever fails, results made before are written, in their order.
 
 use std::panic::resume_unwind;
-use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread;
-use std::time::Duration;
 
 use anyhow::Result;
 
 /// Results that may wait to be written: enough to go on with while pictures are compressed.
 const WAITING: usize = 8;
-
-/// How often what makes results is looked after while it waits for the writing.
-const LOOKED_AFTER_EVERY: Duration = Duration::from_millis(20);
 
 /// Whether making and writing take turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,12 +36,19 @@ pub(crate) fn each<T: Send>(
     overlapped(results, |_, result, to| to.send(result).is_ok(), write)
 }
 
+/// How often what makes results is looked after while it waits for the writing.
+#[cfg(feature = "ros2")]
+const LOOKED_AFTER_EVERY: std::time::Duration = std::time::Duration::from_millis(20);
+
 /// The same with writing in a thread of its own, where what makes results has to be looked after while it waits for the writing.
+#[cfg(feature = "ros2")]
 pub(crate) fn each_attended<T: Send, I: Iterator<Item = Result<T>>>(
     results: I,
     mut attend: impl FnMut(&mut I),
     write: impl FnMut(T) -> Result<()> + Send,
 ) -> Result<()> {
+    use std::sync::mpsc::TrySendError;
+
     let hand_over = |results: &mut I, mut result: T, to: &SyncSender<T>| loop {
         match to.try_send(result) {
             Ok(()) => return true,
@@ -120,6 +123,7 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "ros2")]
     #[test]
     fn making_is_looked_after_while_it_waits() {
         let mut attended = 0;
