@@ -110,6 +110,7 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
     let mut feed = feed.context("standard input cannot be read")?;
     loop {
         let frame = feed.next_frame().map_err(no_frame)?;
+        let came = Instant::now();
         let mut adviser = adviser.borrow_mut();
         let record = match frame {
             FedFrame::Good(header, picture) => adviser.answer(&header, picture),
@@ -117,8 +118,8 @@ pub(crate) fn advise(args: &AdviseArgs) -> Result<()> {
             FedFrame::End => return Ok(()),
         };
         say(record)?;
-        if record.error.is_none() {
-            adviser.watchdog.restart(Instant::now());
+        if let Some(taken_s) = record.error.is_none().then_some(record.t_s) {
+            adviser.watchdog.restart(came, taken_s, Instant::now());
         }
     }
 }

@@ -137,7 +137,7 @@ impl RosDrive {
         match &result.outcome {
             Ok(seen) => {
                 node.note(&seen.record, came);
-                self.watchdog.restart(Instant::now());
+                self.watchdog.restart(came, time.t_s, Instant::now());
             }
             Err(cause) => node.refuse(cause),
         }

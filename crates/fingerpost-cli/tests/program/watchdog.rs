@@ -13,7 +13,7 @@ const PAUSE: Duration = Duration::from_millis(700);
 #[test]
 fn a_silence_is_said_once_and_sets_nothing_going_until_a_picture_comes() {
     let frames = drive();
-    let mut advisor = Advisor::start(&[]);
+    let mut advisor = Advisor::start(&["--watchdog-s", "0.5"]);
     let ask = |advisor: &mut Advisor, i: usize| advisor.asked(&header(&frames[i].0), &frames[i].1);
     thread::sleep(PAUSE);
     ask(&mut advisor, 0);
