@@ -137,8 +137,10 @@ impl Outline<'_> {
             beside.left_m -= self.offset_m[i];
             let distance_m = if beside.along_m >= 0.0 {
                 beside.left_m.abs() - self.half_m[i]
+            } else if self.end_is_no_nearer(i, &beside, nearest_m) {
+                f64::INFINITY
             } else {
-                self.distance_from_end(i, &beside, nearest_m)
+                self.end(i, &beside).0
             };
             if distance_m < nearest_m {
                 (nearest, nearest_m) = (i, distance_m);
@@ -183,7 +185,7 @@ impl Outline<'_> {
         let by_place = if beside.along_m >= 0.0 {
             if is_left { beside.left } else { -beside.left }
         } else {
-            self.away_from_end(nearest, &beside)
+            self.end(nearest, &beside).1
         };
         Some(EdgeDistance { distance_m: nearest_m, stretch, by_place, edges, corner: None })
     }
@@ -232,29 +234,27 @@ impl Outline<'_> {
         }
     }
 
-    /// Signed distance of a place behind the node from the end of an arm, or something that is no less than `least_m` where that is no more.
-    /// The end is half of an ellipse as wide as the arm and as deep as the narrowest arm's half width, so that a wide arm does not reach
-    /// across a narrow road; the distance is that of first order (Taubin: Estimation of planar curves, surfaces and nonplanar space
-    /// curves defined by implicit equations, 1991).
-    fn distance_from_end(&self, arm: usize, beside: &Beside, least_m: f64) -> f64 {
-        let widened = self.widened[arm];
+    /// Signed distance of a place behind the node from the end of an arm, and how it changes with the place. The end is half of an
+    /// ellipse as wide as the arm and as deep as the narrowest arm's half width, so that a wide arm does not reach across a narrow
+    /// road; the distance is that of first order (Taubin: Estimation of planar curves, surfaces and nonplanar space curves defined
+    /// by implicit equations, 1991).
+    fn end(&self, arm: usize, beside: &Beside) -> (f64, Vector2<f64>) {
+        let (half_m, widened) = (self.half_m[arm], self.widened[arm]);
         let (left_m, along_m) = (beside.left_m, widened * beside.along_m);
-        let from_node_m = (left_m * left_m + along_m * along_m).sqrt().max(LEAST_LENGTH);
-        let outside_m = from_node_m - self.half_m[arm];
-        // The ellipse is no steeper than it is widened.
-        if outside_m >= least_m.max(0.0) * widened {
-            return f64::INFINITY;
-        }
-        let steep_m = widened * along_m;
-        outside_m * from_node_m / (left_m * left_m + steep_m * steep_m).sqrt().max(LEAST_LENGTH)
+        let from_node_m = libm::hypot(left_m, along_m).max(LEAST_LENGTH);
+        let along = Vector2::new(beside.left.y, -beside.left.x);
+        let slope = (left_m * beside.left + widened * along_m * along) / from_node_m;
+        let steepness = slope.norm().max(LEAST_LENGTH);
+        ((from_node_m - half_m) / steepness, slope / steepness)
     }
 
-    /// How that distance changes with the place.
-    fn away_from_end(&self, arm: usize, beside: &Beside) -> Vector2<f64> {
+    /// Whether that distance is no less than `least_m`, as far as it shows without working it out: the ellipse is nowhere steeper than it
+    /// is widened.
+    fn end_is_no_nearer(&self, arm: usize, beside: &Beside, least_m: f64) -> bool {
         let widened = self.widened[arm];
-        let along = Vector2::new(beside.left.y, -beside.left.x);
-        let slope = beside.left_m * beside.left + widened * widened * beside.along_m * along;
-        slope / slope.norm().max(LEAST_LENGTH)
+        let (left_m, along_m) = (beside.left_m, widened * beside.along_m);
+        let from_node_m = self.half_m[arm] + least_m.max(0.0) * widened;
+        left_m * left_m + along_m * along_m >= from_node_m * from_node_m
     }
 
     /// Gives the outline, piece by piece from the ends of the arms as far as they go, feature frame, metres.
