@@ -124,7 +124,7 @@ pub(crate) fn ros2(args: &Ros2Args) -> Result<()> {
         driver = driver.locating_on(roads, near);
     }
     let subject = Subject { roads, ..driver.subject(run)? };
-    let watchdog = Watchdog::new(args.watchdog);
+    let watchdog = Watchdog::at_any_pace(args.watchdog);
     let drive = RosDrive::new(driver, node, inputs.twist.is_some(), args.frames, watchdog, interrupt);
     match &args.out {
         Some(out) => {

@@ -12,8 +12,8 @@ const USUAL_S: f64 = 0.5;
 /// When a vehicle is told to stop for want of pictures.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct WatchdogArgs {
-    /// Say stop when no new picture has come for so long, seconds, 0.1 to 60; once, until pictures come again. By default 0.5, unless
-    /// pictures come slower than half as fast as they were taken, as from a simulator that is slower than time.
+    /// Say stop when no new picture has come for so long, seconds, 0.1 to 60; once, until pictures come again. By default 0.5, of `advise`
+    /// unless pictures come slower than half as fast as they were taken, as from a simulator that is slower than time.
     #[arg(long, value_name = "S", value_parser = number(0.1, 60.0, "time without a picture", "seconds"))]
     watchdog_s: Option<f64>,
     /// Never say stop for want of pictures: for those that may come as slowly as they like, as a simulator's.
@@ -39,6 +39,12 @@ impl Watchdog {
         let longest = (!args.no_watchdog).then(|| Duration::from_secs_f64(longest_s));
         let pace = args.watchdog_s.is_none().then(Pace::default);
         Self { longest, pace, since: None }
+    }
+
+    /// The same for pictures that come by themselves, however fast.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn at_any_pace(args: WatchdogArgs) -> Self {
+        Self { pace: None, ..Self::new(args) }
     }
 
     /// What was made of a picture that came and was taken at these times, the second in seconds, is said at `now`.
