@@ -103,7 +103,7 @@ fn signals_leave_whole_what_commands_have_written_so_far() {
     fs::write(sequence.join("times.txt"), times).unwrap();
     fs::write(sequence.join("calib.txt"), "P2: 210 0 159.5 44 0 210 119.5 0.2 0 0 1 0.003\n").unwrap();
     for (name, line) in [
-        ("simulated", "simulate --course highway --size 64x64 --length-m 5000".to_owned()),
+        ("simulated", "simulate --course highway --size 640x480 --length-m 5000".to_owned()),
         ("converted", format!("convert kitti {}", sequence.display())),
     ] {
         for signal in ["-TERM", "-INT", "-HUP"] {
