@@ -186,3 +186,37 @@ fn what_was_doubtful_when_the_curve_began_stays_so() {
     assert!(arrived.len() >= 6, "{}", arrived.len());
     assert!(arrived.iter().all(|present| (0.5..0.9).contains(present)), "{arrived:?}");
 }
+
+#[test]
+fn two_side_roads_near_each_other_are_not_taken_for_each_other() {
+    const FIRST_M: f64 = 20.0;
+    const APART_M: f64 = 11.0;
+    let sides = [(FIRST_M, (-60.0, 0.0)), (FIRST_M + APART_M, (-60.0, 0.0))];
+    let route = crate::painted::route_past(&sides, [-60.0, 100.0], WIDTH_M);
+    let roads: [&[Place]; 3] = [
+        &[(0.0, -60.0), (0.0, 100.0)],
+        &[(0.0, FIRST_M), (-60.0, FIRST_M)],
+        &[(0.0, FIRST_M + APART_M), (-60.0, FIRST_M + APART_M)],
+    ];
+    let (world, camera) = (World::new(&roads.map(|road| (road, WIDTH_M))), camera());
+    for start_off_m in [-8.0, -4.0, 0.0, 4.0, 8.0] {
+        let start_m = 60.0 - 10.0 + start_off_m;
+        let config = crate::painted::config();
+        let mut pipeline = Pipeline::new(&config, &camera, Some(&route), Some(start_m)).unwrap();
+        let mut found = [false; 2];
+        for i in 0..80 {
+            let y = -10.0 + 0.5 * f64::from(i);
+            let map_from_vehicle = Isometry2::new(Vector2::new(0.2, y), std::f64::consts::FRAC_PI_2);
+            let frame = world.picture(&camera, &map_from_vehicle);
+            let (output, _) = pipeline.step(&frame, Sensors::default(), &mut |_| {}).unwrap();
+            let Some(followed) = &output.track.followed else { continue };
+            let node = Point2::new(0.0, sides[followed.index].0);
+            let off_m = ((followed.vehicle_from_feature * Point2::origin())
+                - map_from_vehicle.inverse() * node)
+                .norm();
+            assert!(off_m < 2.0, "start {start_off_m}, {y}: {off_m} m off: {}", output.why);
+            found[followed.index] = true;
+        }
+        assert_eq!(found, [true; 2], "start {start_off_m}");
+    }
+}

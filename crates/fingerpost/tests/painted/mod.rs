@@ -145,8 +145,6 @@ pub fn route_past(sides: &[(f64, Place)], [start, end]: [f64; 2], width_m: f64) 
     let at = |x: f64, y: f64| plane.wgs84_from_map(Point2::new(x, y));
     let feature = |i: usize| {
         let (north, side) = sides[i];
-        let before = if i == 0 { start } else { sides[i - 1].0 };
-        let behind = sides.get(i + 1).map_or(end, |next| next.0);
         let arm = |role: ArmRole, (x, y): Place| Arm {
             role,
             bearing_rad: libm::atan2(y - north, x),
@@ -162,8 +160,8 @@ pub fn route_past(sides: &[(f64, Place)], [start, end]: [f64; 2], width_m: f64) 
             kind: FeatureKind::SideRoad,
             turn_rad: 0.0,
             arms: vec![
-                arm(ArmRole::Approach, (0.0, before)),
-                arm(ArmRole::Exit, (0.0, behind)),
+                arm(ArmRole::Approach, (0.0, start)),
+                arm(ArmRole::Exit, (0.0, end)),
                 arm(ArmRole::Side, (side.0, north + side.1)),
             ],
             route_m: north - start,

@@ -17,7 +17,8 @@ use nalgebra::{Isometry2, Matrix3, Point2, Vector2, Vector3};
 use super::along_route::{Expected, expected_at, is_placed};
 use super::fit::{Fit, Fitter, Prior, Start};
 use super::junction_shape::{
-    CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, OFFSETS, PITCH, ROLL, SCALE, Unknowns, WIDTHS,
+    CORNERS, FORWARD, HEADING, JunctionShape, LEFT, MOST_ARMS, Neighbour, OFFSETS, PITCH, ROLL, SCALE,
+    Surroundings, Unknowns, WIDTHS,
 };
 use super::likelihood::{Ground, log_sum, pose_of, set_pose};
 use crate::feature_model::FeatureModel;
@@ -139,6 +140,8 @@ pub(super) struct Workspace {
 pub(super) struct Seen<'a> {
     pub(super) config: &'a TrackConfig,
     pub(super) stop: &'a RouteStop,
+    /// The features before and behind it on the route.
+    pub(super) neighbours: [Option<Neighbour<'a>>; 2],
     pub(super) ground: &'a Ground,
     /// Where the vehicle is along the route, without what this feature says.
     pub(super) progress: &'a Progress,
@@ -146,6 +149,13 @@ pub(super) struct Seen<'a> {
     pub(super) view_m: [f64; 2],
     /// Standard deviations of the camera's pitch and roll, radians.
     pub(super) attitude_sigma_rad: [f64; 2],
+}
+
+impl<'a> Seen<'a> {
+    /// The feature, or the road without it, among those next to it.
+    const fn around(&self, shape: &'a JunctionShape) -> Surroundings<'a> {
+        Surroundings { shape, neighbours: self.neighbours }
+    }
 }
 
 impl FeatureBelief {
@@ -221,7 +231,9 @@ impl FeatureBelief {
             let is_known = |unknowns: &Unknowns| {
                 index >= known && self.places.iter().any(|place| is_same(&place.fit.unknowns, unknowns))
             };
-            let Some(fit) = fitter.fit(ground, &stop.shape, &prior, start, is_known) else { continue };
+            let Some(fit) = fitter.fit(ground, &seen.around(&stop.shape), &prior, start, is_known) else {
+                continue;
+            };
             let place = Place { fit, expected, log_share: f64::NEG_INFINITY, by_ground: 0.0, weight: 0.0 };
             // Where nothing speaks for or against a place, as beyond the view, the feature is not seen, which is weighed as a whole.
             let is_placed = self.carried.is_some() || is_placed(&stop.model, &place.fit, &place.expected);
@@ -236,10 +248,17 @@ impl FeatureBelief {
         }
         self.places.sort_unstable_by(|a, b| b.log_evidence().total_cmp(&a.log_evidence()));
         self.places.truncate(MOST_PLACES);
-        let at_best = self.places.first().map(|best| stop.model.before_m(&pose_of(&best.fit.unknowns)));
+        let at_best = self.places.first().map(|best| ahead_m(&stop.model, &pose_of(&best.fit.unknowns)));
         let plain_at_best = at_best.and_then(|best_m| self.fit_plain(fitter, seen, expected, best_m));
-        let plain =
+        let mut plain =
             plain_at_best.map_or(plain.log_evidence, |other| plain.log_evidence.max(other.log_evidence));
+        // What looks like the feature may be the one next to it, where that is believed to be.
+        for neighbour in seen.neighbours.into_iter().flatten() {
+            let Some(before_m) = neighbour.feature_before_m else { continue };
+            let log_weight = expected_at(seen, expected, before_m).log_weight;
+            let there = self.fit_plain(fitter, seen, expected, before_m);
+            plain = there.map_or(plain, |there| plain.max(there.log_evidence + log_weight));
+        }
         self.place_on_route(seen, log_sum(plain, libm::log(PAVED) + ground.log_likelihood_paved()));
         self.weigh(self.in_view(seen));
         tried
@@ -263,7 +282,7 @@ impl FeatureBelief {
             set_pose(&mut start.unknowns, &pose);
             start
         });
-        fitter.fit(ground, &stop.plain_shape, &prior, &start, |_| false)
+        fitter.fit(ground, &seen.around(&stop.plain_shape), &prior, &start, |_| false)
     }
 
     /// What is known before of a feature whose node is `before_m` ahead along the approach.
@@ -283,13 +302,12 @@ impl FeatureBelief {
             let sigmas = [expected.sigma_m, BESIDE_SIGMA_M, heading_sigma_rad];
             (Isometry2::new(mean, here.rotation.angle()), sigmas)
         });
-        let (mut mean, mut sigma) = (Unknowns::zeros(), Unknowns::repeat(1.0));
+        let (mut mean, mut sigma) = (as_on_map(config), Unknowns::repeat(1.0));
         set_pose(&mut mean, &pose);
         [sigma[FORWARD], sigma[LEFT], sigma[HEADING]] = sigmas;
         for arm in 0..MOST_ARMS {
             sigma[WIDTHS + arm] = config.width_sigma_share;
             sigma[OFFSETS + arm] = OFFSET_SIGMA_M;
-            mean[CORNERS + arm] = libm::log(config.kerb_radius_m.max(LEAST_RADIUS_M));
             sigma[CORNERS + arm] = CORNER_LOG_SIGMA;
         }
         [sigma[PITCH], sigma[ROLL]] = seen.attitude_sigma_rad;
@@ -311,7 +329,7 @@ impl FeatureBelief {
         let (road, of_road) = known.map_or((&stop.plain, plain), |best| (&stop.model, best));
         let pose = pose_of(of_road);
         let (left_m, heading_rad) = (road.left_of_approach_m(&pose), road.heading_off_approach_rad(&pose));
-        let plain_score = ground.score(&stop.plain_shape, plain, SCAN_SOFT_M, SCAN_EVERY);
+        let plain_score = ground.score(&seen.around(&stop.plain_shape), plain, SCAN_SOFT_M, SCAN_EVERY);
         let [nearest_m, farthest_m] = [view_m[0] - EDGE_ROOM_M, view_m[1] - EDGE_ROOM_M];
         let steps = ((farthest_m - nearest_m) / SCAN_STEP_M).floor().max(0.0) as usize;
         scores.clear();
@@ -323,7 +341,7 @@ impl FeatureBelief {
             let mut unknowns = self.prior(seen, &stop.model, &expected, before_m).mean;
             set_pose(&mut unknowns, &pose);
             (unknowns[PITCH], unknowns[ROLL]) = (plain[PITCH], plain[ROLL]);
-            let score = ground.score(&stop.shape, &unknowns, SCAN_SOFT_M, SCAN_EVERY);
+            let score = ground.score(&seen.around(&stop.shape), &unknowns, SCAN_SOFT_M, SCAN_EVERY);
             self.scanned.push((before_m, score - plain_score));
             scores.push((unknowns, score + expected.log_per_m(before_m)));
         }
@@ -409,6 +427,21 @@ impl FeatureBelief {
             edges.push([vehicle_from_feature * from, vehicle_from_feature * to]);
         });
     }
+}
+
+/// How far ahead along the route a feature is, metres; negative behind its node.
+fn ahead_m(model: &FeatureModel, vehicle_from_feature: &Isometry2<f64>) -> f64 {
+    let before_m = model.before_m(vehicle_from_feature);
+    let behind = model.route_m_of_vehicle(vehicle_from_feature).filter(|_| before_m <= 0.0);
+    behind.map_or(before_m, |route_m| model.route_m - route_m)
+}
+
+/// Widths and offsets as the map has them, and corners as they are without having been seen.
+pub(super) fn as_on_map(config: &TrackConfig) -> Unknowns {
+    let mut unknowns = Unknowns::zeros();
+    let log_radius = libm::log(config.kerb_radius_m.max(LEAST_RADIUS_M));
+    (0..MOST_ARMS).for_each(|arm| unknowns[CORNERS + arm] = log_radius);
+    unknowns
 }
 
 impl Place {

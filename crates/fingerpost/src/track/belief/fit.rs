@@ -3,7 +3,7 @@
 use fingerpost_geometry::wrap_angle;
 
 use super::junction_shape::{
-    CORNERS, FORWARD, HEADING, JunctionShape, LEFT, MOST_ARMS, UNKNOWNS, Unknowns, WIDTHS,
+    CORNERS, FORWARD, HEADING, LEFT, MOST_ARMS, Surroundings, UNKNOWNS, Unknowns, WIDTHS,
 };
 use super::likelihood::{Ground, Information, NearGround};
 
@@ -75,14 +75,14 @@ impl Fitter {
     pub(super) fn fit(
         &mut self,
         ground: &Ground,
-        shape: &JunctionShape,
+        around: &Surroundings<'_>,
         prior: &Prior,
         start: &Start,
         is_known: impl Fn(&Unknowns) -> bool,
     ) -> Option<Fit> {
         let Start { unknowns: start, rounds, mut damping } = *start;
         let near = &mut self.near;
-        near.take(ground, shape, &start, NEAR_M);
+        near.take(ground, around, &start, NEAR_M);
         let mut taken_at = start;
         let precision = prior.sigma.map(|sigma| 1.0 / (sigma * sigma));
         let log_prior = |unknowns: &Unknowns| {
@@ -91,8 +91,8 @@ impl Fitter {
         };
         let mut unknowns = start;
         // The first look says which stretches show.
-        near.linearised(shape, &unknowns);
-        let (likelihood, mut gradient, mut information) = near.linearised(shape, &unknowns);
+        near.linearised(around, &unknowns);
+        let (likelihood, mut gradient, mut information) = near.linearised(around, &unknowns);
         let mut posterior = likelihood + log_prior(&unknowns);
         for _ in 0..rounds {
             let slope = gradient - prior.off(&unknowns).component_mul(&precision);
@@ -110,7 +110,7 @@ impl Fitter {
                 break;
             }
             let tried = unknowns + step / far;
-            let (tried_likelihood, tried_gradient, tried_information) = near.linearised(shape, &tried);
+            let (tried_likelihood, tried_gradient, tried_information) = near.linearised(around, &tried);
             let tried_posterior = tried_likelihood + log_prior(&tried);
             if tried_posterior <= posterior {
                 damping *= 8.0;
@@ -124,10 +124,10 @@ impl Fitter {
                 return None;
             }
             if edges_moved_m(&taken_at, &unknowns) > 0.5 * NEAR_M {
-                near.take(ground, shape, &unknowns, NEAR_M);
+                near.take(ground, around, &unknowns, NEAR_M);
                 taken_at = unknowns;
                 let likelihood;
-                (likelihood, gradient, information) = near.linearised(shape, &unknowns);
+                (likelihood, gradient, information) = near.linearised(around, &unknowns);
                 posterior = likelihood + log_prior(&unknowns);
             } else if gain < LEAST_GAIN {
                 break;
@@ -171,7 +171,7 @@ mod tests {
 
     use super::super::ground_memory::{CELL_M, GroundCell};
     use super::super::junction_shape::tests::t_junction;
-    use super::super::junction_shape::{OFFSETS, PITCH, ROLL, SCALE};
+    use super::super::junction_shape::{JunctionShape, OFFSETS, PITCH, ROLL, SCALE};
     use super::super::likelihood::{INSET_ROWS, RowAngles, pose_of};
     use super::*;
     use crate::ground_view::Viewpoint;
@@ -226,10 +226,15 @@ mod tests {
         ground
     }
 
+    /// A feature far from all others.
+    const fn alone(shape: &JunctionShape) -> Surroundings<'_> {
+        Surroundings { shape, neighbours: [None; 2] }
+    }
+
     /// What is most probable after thirty rounds from the prior's mean.
     fn fit(ground: &Ground, shape: &JunctionShape, prior: &Prior) -> Fit {
         let start = Start { rounds: 30, ..Start::new(prior.mean) };
-        Fitter::default().fit(ground, shape, prior, &start, |_| false).unwrap()
+        Fitter::default().fit(ground, &alone(shape), prior, &start, |_| false).unwrap()
     }
 
     fn truth(place: [f64; 3], radii_m: [f64; 3]) -> Unknowns {
@@ -295,7 +300,11 @@ mod tests {
         let (shape, truth) = (t_junction(), truth([13.0, 0.5, 0.0], [4.0; 3]));
         let (ground, prior) = (ground(&truth), prior(1.0));
         let is_known = |unknowns: &Unknowns| (unknowns[FORWARD] - truth[FORWARD]).abs() < 0.7;
-        assert!(Fitter::default().fit(&ground, &shape, &prior, &Start::new(prior.mean), is_known).is_none());
+        assert!(
+            Fitter::default()
+                .fit(&ground, &alone(&shape), &prior, &Start::new(prior.mean), is_known)
+                .is_none()
+        );
     }
 
     #[test]
@@ -305,15 +314,15 @@ mod tests {
         let mut at = truth;
         (at[FORWARD], at[LEFT], at[WIDTHS + 1], at[PITCH], at[SCALE]) = (12.2, 0.3, 0.05, 0.002, 0.01);
         let mut near = NearGround::default();
-        near.take(&ground, &shape, &at, NEAR_M);
-        near.linearised(&shape, &at);
-        let (_, gradient, _) = near.linearised(&shape, &at);
+        near.take(&ground, &alone(&shape), &at, NEAR_M);
+        near.linearised(&alone(&shape), &at);
+        let (_, gradient, _) = near.linearised(&alone(&shape), &at);
         let step = 1e-5;
         for axis in [FORWARD, LEFT, HEADING, WIDTHS, WIDTHS + 1, OFFSETS + 2, CORNERS, PITCH, ROLL, SCALE] {
             let mut likelihood = |by: f64| {
                 let mut moved = at;
                 moved[axis] += by;
-                near.linearised(&shape, &moved).0
+                near.linearised(&alone(&shape), &moved).0
             };
             let by = (likelihood(step) - likelihood(-step)) / (2.0 * step);
             assert!(

@@ -8,6 +8,7 @@
 
 mod arc;
 mod strip;
+mod surroundings;
 mod unknowns;
 
 use std::f64::consts::TAU;
@@ -18,6 +19,7 @@ use nalgebra::{Point2, Vector2};
 use arc::Arc;
 use strip::{Beside, NOWHERE, Strip, pieces};
 
+pub(in crate::track) use surroundings::{Neighbour, Surroundings};
 pub(in crate::track) use unknowns::{
     CORNERS, FORWARD, HEADING, LEFT, OFFSETS, PITCH, ROLL, SCALE, UNKNOWNS, Unknowns, WIDTHS,
 };
@@ -29,8 +31,10 @@ pub(in crate::track) const MOST_ARMS: usize = 6;
 /// Length of a stretch of an arm, metres: a parked car, the shade of a tree; and how many an arm has, of which the last goes on.
 const STRETCH_M: f64 = 5.0;
 const ARM_STRETCHES: usize = 3;
-/// How many stretches there are.
-pub(in crate::track) const STRETCHES: usize = ARM_STRETCHES * MOST_ARMS;
+/// Stretches of a feature's arms.
+const OWN_STRETCHES: usize = ARM_STRETCHES * MOST_ARMS;
+/// How many stretches there are: its own, then those of the features before and behind it.
+pub(in crate::track) const STRETCHES: usize = 3 * OWN_STRETCHES;
 /// Neighbouring arms at a larger angle than this run straight on, radians (150 degrees).
 const STRAIGHT_RAD: f64 = 2.618;
 
@@ -75,6 +79,18 @@ pub(in crate::track) struct EdgeDistance {
     pub(in crate::track) edges: [(usize, f64); 2],
     /// The corner concerned and the derivative by its radius.
     pub(in crate::track) corner: Option<(usize, f64)>,
+    /// How soft the edge is because nobody knows better where it lies, metres.
+    pub(in crate::track) soft_m: f64,
+}
+
+/// What lies at a place, by the outline of a feature.
+enum Look {
+    /// Road or ground beside it, so far from the edge.
+    Edge(EdgeDistance),
+    /// It lies on the route beyond what is the feature's own, before it (0) or behind (1).
+    Beyond(usize),
+    /// Nothing is known of it.
+    Unknown,
 }
 
 impl JunctionShape {
@@ -98,6 +114,11 @@ impl JunctionShape {
                 ArmRole::Exit => behind_m,
                 ArmRole::Side => f64::INFINITY,
             }),
+            leads_to: match arms[i].role {
+                ArmRole::Approach => Some(0),
+                ArmRole::Exit => Some(1),
+                ArmRole::Side => None,
+            },
             corner: corner(i),
         });
         Self { arms: strips.collect() }
@@ -129,6 +150,14 @@ impl JunctionShape {
 impl Outline<'_> {
     /// Signed distance of `p_in_feature` from the edge of the road; none where nothing is known of it.
     pub(in crate::track) fn distance(&self, p_in_feature: Point2<f64>) -> Option<EdgeDistance> {
+        match self.look(p_in_feature) {
+            Look::Edge(edge) => Some(edge),
+            Look::Beyond(_) | Look::Unknown => None,
+        }
+    }
+
+    /// What lies at `p_in_feature`.
+    fn look(&self, p_in_feature: Point2<f64>) -> Look {
         let count = self.arms.len();
         let mut besides = [NOWHERE; MOST_ARMS];
         let (mut nearest, mut nearest_m) = (0, f64::INFINITY);
@@ -150,15 +179,15 @@ impl Outline<'_> {
         let beside = besides[nearest];
         let off_m = beside.left_m;
         if nearest_m == f64::INFINITY {
-            return None;
+            return Look::Unknown;
         }
         let along = (beside.along_m / STRETCH_M).clamp(0.0, (ARM_STRETCHES - 1) as f64) as usize;
         let stretch = ARM_STRETCHES * nearest + along;
         if beside.along_m > self.arms[nearest].reach_m {
-            return None;
+            return self.arms[nearest].leads_to.map_or(Look::Unknown, Look::Beyond);
         }
         if let Some(i) = self.bend() {
-            return Some(self.distance_from_bend((i, 1 - i), &besides, stretch));
+            return Look::Edge(self.distance_from_bend((i, 1 - i), &besides, stretch));
         }
         let is_left = off_m >= 0.0;
         // The corner on the side of the nearest arm on which the place lies.
@@ -170,12 +199,13 @@ impl Outline<'_> {
             let beyond_m = [left_arm.left_m - self.half_m[i], -right_arm.left_m - self.half_m[j]];
             if let Some(arc) = Arc::between(beyond_m, self.radius_m[i], product) {
                 let [by_u, by_v] = arc.by_beyond;
-                return Some(EdgeDistance {
+                return Look::Edge(EdgeDistance {
                     distance_m: arc.distance_m,
                     stretch,
                     by_place: by_u * left_arm.left - by_v * right_arm.left,
                     edges: [(i, by_u), (j, by_v)],
                     corner: Some((i, arc.by_radius * self.radius_m[i])),
+                    soft_m: 0.0,
                 });
             }
         }
@@ -187,7 +217,14 @@ impl Outline<'_> {
         } else {
             self.end(nearest, &beside).1
         };
-        Some(EdgeDistance { distance_m: nearest_m, stretch, by_place, edges, corner: None })
+        Look::Edge(EdgeDistance {
+            distance_m: nearest_m,
+            stretch,
+            by_place,
+            edges,
+            corner: None,
+            soft_m: 0.0,
+        })
     }
 
     /// The arm after which the corner of a bend comes; none of other features.
@@ -221,6 +258,7 @@ impl Outline<'_> {
                 by_place: by_left * one.1 - by_right * other.1,
                 edges: [(i, by_left), (j, by_right)],
                 corner: Some((i, inner.by_radius * self.radius_m[i])),
+                soft_m: 0.0,
             }
         } else {
             let [by_left, by_right] = outer.by_beyond;
@@ -230,6 +268,7 @@ impl Outline<'_> {
                 by_place: by_left * other.1 - by_right * one.1,
                 edges: [(j, by_left), (i, by_right)],
                 corner: Some((j, -outer.by_radius * self.radius_m[j])),
+                soft_m: 0.0,
             }
         }
     }

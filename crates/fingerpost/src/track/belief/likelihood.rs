@@ -11,7 +11,7 @@ use nalgebra::{Isometry2, Point2, SMatrix, Vector2};
 
 use super::ground_memory::{GroundCell, SPEAKS_FOR_M2};
 use super::junction_shape::{
-    FORWARD, HEADING, JunctionShape, LEFT, MOST_ARMS, PITCH, ROLL, SCALE, STRETCHES, UNKNOWNS, Unknowns,
+    FORWARD, HEADING, LEFT, MOST_ARMS, PITCH, ROLL, SCALE, STRETCHES, Surroundings, UNKNOWNS, Unknowns,
 };
 use crate::ground_view::Viewpoint;
 
@@ -19,6 +19,8 @@ use crate::ground_view::Viewpoint;
 const WITNESS_M2: f64 = 1.0;
 /// Softness of an edge of the road surface, metres: cells and pixels at 10 m.
 const SHARP_M: f64 = 0.15;
+/// An edge is felt so many times its softness away: a logistic distribution has a seventh of its mass beyond.
+const FELT_SOFTNESSES: f64 = 2.0;
 /// Width of the ground beside a road that is held for none, metres.
 const BESIDE_M: f64 = 1.5;
 /// Share of the road that looks like none: parked cars, shadows, paint.
@@ -88,7 +90,7 @@ pub(super) struct Ground {
 }
 
 /// The cells that are near an edge, and what the others say.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct NearGround {
     cells: Vec<Witness>,
     /// Log-likelihood of the other squares, by the stretch of an arm that they lie beside.
@@ -132,29 +134,49 @@ impl Ground {
     }
 
     /// Log-likelihood with edges as soft as `soft_m`, by every `every`-th square.
-    pub(super) fn score(&self, shape: &JunctionShape, unknowns: &Unknowns, soft_m: f64, every: usize) -> f64 {
-        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
+    pub(super) fn score(
+        &self,
+        around: &Surroundings<'_>,
+        unknowns: &Unknowns,
+        soft_m: f64,
+        every: usize,
+    ) -> f64 {
+        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), around.outlines(unknowns));
         let mut by_stretch = [0.0; STRETCHES];
         for square in self.squares.iter().step_by(every) {
             let place = feature_from_vehicle * square.whole.at(unknowns);
             let Some(edge) = outline.distance(place) else { continue };
-            by_stretch[edge.stretch] += every as f64 * square.whole.term(edge.distance_m, soft_m).0;
+            by_stretch[edge.stretch] +=
+                every as f64 * square.whole.term(edge.distance_m, soft_m.max(edge.soft_m)).0;
         }
         by_stretch.into_iter().map(|stretch| shown_or_hidden(stretch).0).sum()
+    }
+}
+
+impl Default for NearGround {
+    fn default() -> Self {
+        Self { cells: Vec::new(), rest: [0.0; STRETCHES], shows: [0.0; STRETCHES], blocks: Blocks::default() }
     }
 }
 
 impl NearGround {
     /// Takes the cells of `ground` that are within `near_m` of an edge; the others are held for what they are with these
     /// unknowns.
-    pub(super) fn take(&mut self, ground: &Ground, shape: &JunctionShape, unknowns: &Unknowns, near_m: f64) {
-        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), shape.outline(unknowns));
+    pub(super) fn take(
+        &mut self,
+        ground: &Ground,
+        around: &Surroundings<'_>,
+        unknowns: &Unknowns,
+        near_m: f64,
+    ) {
+        let (feature_from_vehicle, outline) = (pose_of(unknowns).inverse(), around.outlines(unknowns));
         self.rest = [0.0; STRETCHES];
         self.cells.clear();
         for square in &ground.squares {
             let Some(edge) = outline.distance(feature_from_vehicle * square.whole.at(unknowns)) else {
                 continue;
             };
+            let near_m = near_m + FELT_SOFTNESSES * edge.soft_m;
             if edge.distance_m < -near_m {
                 self.rest[edge.stretch] += square.on_road;
             } else if edge.distance_m <= near_m {
@@ -169,11 +191,11 @@ impl NearGround {
     /// the gradients of single witnesses, each as far as its stretch showed at the last look (Berndt, Hall, Hall, Hausman: Estimation and inference in nonlinear structural models, 1974).
     pub(super) fn linearised(
         &mut self,
-        shape: &JunctionShape,
+        around: &Surroundings<'_>,
         unknowns: &Unknowns,
     ) -> (f64, Unknowns, Information) {
         let vehicle_from_feature = pose_of(unknowns);
-        let (feature_from_vehicle, outline) = (vehicle_from_feature.inverse(), shape.outline(unknowns));
+        let (feature_from_vehicle, outline) = (vehicle_from_feature.inverse(), around.outlines(unknowns));
         let (mut by_stretch, mut gradient, mut information) =
             (self.rest, Unknowns::zeros(), Information::zeros());
         for cell in &self.cells {
@@ -181,7 +203,7 @@ impl NearGround {
             let Some(edge) = outline.distance(feature_from_vehicle * place) else { continue };
             let normal = vehicle_from_feature.rotation * edge.by_place;
             let shown_m = edge.distance_m + cell.inset_m * normal.x.abs();
-            let (term, by_distance) = cell.term(shown_m, softness_m(cell.blur_m * normal.x));
+            let (term, by_distance) = cell.term(shown_m, softness_m(cell.blur_m * normal.x, edge.soft_m));
             by_stretch[edge.stretch] += term;
             let by_distance = self.shows[edge.stretch] * by_distance;
             if by_distance.abs() < NEGLIGIBLE * cell.witnesses {
@@ -237,9 +259,9 @@ fn shown_or_hidden(log_likelihood: f64) -> (f64, f64) {
     (sum, shows)
 }
 
-/// Softness of an edge that is blurred by so much besides, metres.
-fn softness_m(blurred_m: f64) -> f64 {
-    (SHARP_M * SHARP_M + blurred_m * blurred_m).sqrt()
+/// Softness of an edge that is blurred by so much besides, and is soft itself, metres.
+fn softness_m(blurred_m: f64, soft_m: f64) -> f64 {
+    (SHARP_M * SHARP_M + blurred_m * blurred_m + soft_m * soft_m).sqrt()
 }
 
 /// Derivatives smaller than this share of a witness move nothing.
@@ -247,8 +269,9 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// Most unknowns that concern one cell: pose, camera, width and offset of two arms, a corner.
 const MOST_PARTS: usize = 12;
 
-/// Most kinds of cells: beside either edge of an arm, and in the corner between two, where one of both edges may not matter.
-const MOST_BLOCKS: usize = 5 * MOST_ARMS;
+/// Most kinds of cells: beside either edge of an arm, in the corner between two, where one of both edges may not matter, and about
+/// another feature.
+const MOST_BLOCKS: usize = 5 * MOST_ARMS + 1;
 
 /// The unknowns that concern a cell, with the derivatives of its distance.
 #[derive(Debug, Default)]

@@ -8,8 +8,9 @@
 use fingerpost_geometry::{Polyline, heading_of, wrap_angle};
 use nalgebra::{Isometry2, Point2};
 
-use super::feature_belief::{FeatureBelief, Seen, Workspace};
-use super::likelihood::Ground;
+use super::feature_belief::{FeatureBelief, Seen, Workspace, as_on_map};
+use super::junction_shape::Neighbour;
+use super::likelihood::{Ground, pose_of};
 use crate::feature_model::FeatureModel;
 use crate::progress::{GpsUse, Progress, Travel};
 use crate::track::{RouteStop, TrackConfig};
@@ -167,13 +168,31 @@ impl RouteBelief {
         for i in 0..self.features.len() {
             let Some(index) = self.features.get(i).map(|feature| feature.index) else { continue };
             let progress = &self.conditioned(stops, |other| other != index);
+            let neighbours = self.neighbours(config, stops, index);
             let Some(feature) = self.features.get_mut(i) else { continue };
             let Some(stop) = stops.get(feature.index) else { continue };
-            let seen = Seen { config, stop, ground, progress, view_m, attitude_sigma_rad };
+            let seen = Seen { config, stop, neighbours, ground, progress, view_m, attitude_sigma_rad };
             tried += feature.belief.update(work, seen);
         }
         self.now = self.conditioned(stops, |_| true);
         tried
+    }
+
+    /// The features before and behind one on the route, as wide as they are believed to be, or else as the map has them.
+    fn neighbours<'a>(
+        &self,
+        config: &TrackConfig,
+        stops: &'a [RouteStop],
+        index: usize,
+    ) -> [Option<Neighbour<'a>>; 2] {
+        [0, 1].map(|side| {
+            let beside = if side == 0 { index.checked_sub(1)? } else { index + 1 };
+            let (stop, other) = (stops.get(index)?, stops.get(beside)?);
+            let in_view = self.features.iter().find(|other| other.index == beside);
+            let believed = in_view.and_then(|other| other.belief.best());
+            let outline = other.shape.outline(believed.unwrap_or(&as_on_map(config)));
+            Neighbour::new(&stop.model, (&other.model, side), outline, believed.map(pose_of).as_ref())
+        })
     }
 
     /// The progress as those features in view have it that count.

@@ -12,6 +12,8 @@ pub(super) struct Strip {
     pub(super) half_width_m: f64,
     /// Distance from the node up to which it is known, metres: the map's course ends there, or the next feature begins.
     pub(super) reach_m: f64,
+    /// Which of the features before and behind it leads to; none of a side arm.
+    pub(super) leads_to: Option<usize>,
     /// Whether an arc joins its left edge and the right one of the next arm, and the product of the normals of the two.
     pub(super) corner: Option<f64>,
 }

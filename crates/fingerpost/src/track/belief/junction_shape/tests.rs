@@ -6,16 +6,20 @@ use super::*;
 
 type Place = (f64, f64);
 
-/// A T-junction that is left to the right: approach from behind, exit to the right, the other arm to the left.
-pub(in crate::track::belief) fn t_junction() -> JunctionShape {
-    let arm = |role, label: &str, x: f64, y: f64| ArmModel {
+/// An arm 6 m wide to a place of the feature frame.
+pub(super) fn arm(role: ArmRole, label: &str, x: f64, y: f64) -> ArmModel {
+    ArmModel {
         role,
         label: label.into(),
         course: Polyline::new([Point2::origin(), Point2::new(x, y)]).unwrap(),
         width_m: 6.0,
         mouth_m: 3.0,
         leaves_after_m: None,
-    };
+    }
+}
+
+/// A T-junction that is left to the right: approach from behind, exit to the right, the other arm to the left.
+pub(in crate::track::belief) fn t_junction() -> JunctionShape {
     let model = FeatureModel {
         id: 1,
         name: String::new(),
