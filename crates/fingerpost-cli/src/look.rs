@@ -1,7 +1,9 @@
 //! `fingerpost look`: a finished run stepped through, felt and compared, or a drive's camera set up, on a local web page.
 
+mod classes;
 mod compare;
 mod feel;
+mod method;
 mod pictures;
 mod run_files;
 mod run_map;
@@ -59,8 +61,9 @@ pub(crate) struct LookArgs {
     /// Folder that `tune` has written: each point of its front is taken over into "Feel" by a click.
     #[arg(long, value_name = "DIR")]
     tuned: Option<PathBuf>,
-    /// Route, as written by `fingerpost route`. Of a run: the one that it followed, to show it on the map and to run parts of it again with other settings; by default
-    /// the route.geojson of --input, where one is. Of a drive: it is drawn into the picture from its start on, which can be moved along it.
+    /// Route, as written by `fingerpost route`. Of a run: the one that it followed, to show it on the map and to run parts of it
+    /// again with other settings; by default the route.geojson of --input, where one is. Of a drive: it is drawn into the picture
+    /// from its start on, which can be moved along it.
     #[arg(long, value_name = "FILE")]
     route: Option<PathBuf>,
     /// File that "Save" writes: of a run the changed settings, fingerpost.toml by default; of a drive the camera, set_up_camera.toml by
@@ -106,6 +109,7 @@ fn run_page(args: &LookArgs) -> Result<RunPage> {
     let picture_px = run.summary.as_ref().and_then(|summary| summary.picture_px);
     let camera = camera(args, picture_px)?;
     let feel = feel::open(args, &run, camera.as_ref(), pictures(args, recording.as_ref())?)?;
+    let classes = classes::open(&run, camera.as_ref(), pictures(args, recording.as_ref())?)?;
     let other = args.with.as_deref().map(|other| -> Result<_> {
         let other_run = RunFiles::open(other)?;
         let differences = compare::differences(&run, &other_run)?;
@@ -116,7 +120,7 @@ fn run_page(args: &LookArgs) -> Result<RunPage> {
         Ok((plain_page(args, other_run, recording.as_ref(), camera)?, differences))
     });
     let other = other.transpose()?;
-    let page = plain_page(args, run, recording.as_ref(), camera)?.with_feel(feel);
+    let page = plain_page(args, run, recording.as_ref(), camera)?.with_feel(feel).with_classes(classes);
     Ok(match other {
         Some((other, differences)) => page.with_comparison(other, differences),
         None => page,

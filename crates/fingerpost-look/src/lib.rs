@@ -10,6 +10,7 @@
 //!
 //! Nothing here opens a file: records come from [`Records`], pictures from [`fingerpost_server::Pictures`].
 
+mod classes;
 mod compare;
 mod curves;
 mod events;
@@ -23,6 +24,7 @@ mod run_page;
 mod shapes;
 mod worst;
 
+pub use classes::{NetworkClasses, SeenClass};
 pub use compare::{Difference, DifferenceKind, Differences, Measure};
 pub use curves::{Curve, Quantity};
 pub use events::{Event, EventKind};

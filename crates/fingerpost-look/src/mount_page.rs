@@ -12,7 +12,7 @@ use serde_json::json;
 
 use self::page_mount::PageMount;
 pub use self::sources::{GroundViews, Kept, MountSearch, SearchState, SetUpKeeper};
-use crate::page_files::page_file;
+use crate::page_files::{markup, page_file};
 use crate::route_map::RouteMap;
 use crate::run_page::GroundArea;
 use crate::shapes::metre_grid;
@@ -204,7 +204,7 @@ impl Handler for MountPage {
     fn answer(&self, request: Request<'_>) -> Answer {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
-            ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/mount.html")),
+            ("GET", [""]) => markup("mount"),
             ("GET", [name]) if name.contains('.') => page_file(name),
             ("GET", ["api", "drive"]) => self.drive(),
             ("GET", ["api", "frames", frame, "picture"]) => {

@@ -7,10 +7,11 @@ use fingerpost_geometry::Camera;
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
 use serde::Serialize;
 
+use crate::classes::{NetworkClasses, PageClasses};
 use crate::compare::Differences;
 use crate::feel::FeelPage;
 use crate::overview::Overview;
-use crate::page_files::page_file;
+use crate::page_files::{markup, page_file};
 use crate::route_map::{PageRunMap, RunMap};
 use crate::shapes::shapes;
 
@@ -41,6 +42,7 @@ pub struct RunPage {
     pictures: Option<Box<dyn Pictures>>,
     ground_views: Option<Box<dyn Pictures>>,
     road_surfaces: Option<Box<dyn Pictures>>,
+    classes: Option<Box<dyn Pictures>>,
     camera: Option<Camera>,
     feel: Result<FeelPage, String>,
     comparison: Option<Comparison>,
@@ -62,6 +64,8 @@ struct Run {
     ground_area: Option<GroundArea>,
     /// Whether the probability of road in that area can be asked for.
     has_road_surfaces: bool,
+    /// What the road network can be asked to see in the pictures.
+    classes: PageClasses,
     /// Width and height of the pictures, pixels; none where the run does not say.
     picture_px: Option<[u32; 2]>,
     #[serde(flatten)]
@@ -86,6 +90,7 @@ impl RunPage {
             has_pictures: false,
             ground_area: None,
             has_road_surfaces: false,
+            classes: PageClasses { legend: Vec::new(), lacking: None },
             picture_px: None,
             overview,
             summary: None,
@@ -99,6 +104,7 @@ impl RunPage {
             pictures: None,
             ground_views: None,
             road_surfaces: None,
+            classes: None,
             camera: None,
             feel,
             comparison: None,
@@ -137,6 +143,19 @@ impl RunPage {
     #[must_use]
     pub fn with_road_surfaces(mut self, surfaces: Box<dyn Pictures>) -> Self {
         (self.run.has_road_surfaces, self.road_surfaces) = (true, Some(surfaces));
+        self
+    }
+
+    /// With what the road network sees in the pictures, or why that cannot be shown.
+    #[must_use]
+    pub fn with_classes(mut self, classes: Result<NetworkClasses, String>) -> Self {
+        match classes {
+            Ok(NetworkClasses { legend, pictures }) => {
+                self.run.classes = PageClasses { legend, lacking: None };
+                self.classes = Some(pictures);
+            }
+            Err(lacking) => self.run.classes.lacking = Some(lacking),
+        }
         self
     }
 
@@ -211,10 +230,8 @@ impl Handler for RunPage {
     fn answer(&self, request: Request<'_>) -> Answer {
         let path: Vec<&str> = request.path.trim_start_matches('/').split('/').collect();
         match (request.method, &path[..]) {
-            ("GET", [""]) => Answer::text("text/html; charset=utf-8", include_str!("page/look.html")),
-            ("GET", ["compare"]) => {
-                Answer::text("text/html; charset=utf-8", include_str!("page/compare.html"))
-            }
+            ("GET", [""]) => markup("look"),
+            ("GET", [part @ ("feel" | "compare")]) => markup(part),
             ("GET", ["api", "differences"]) => {
                 self.compared(|compared| Answer::json(200, &compared.differences))
             }
@@ -222,7 +239,6 @@ impl Handler for RunPage {
                 let path = format!("/api/{}", path.join("/"));
                 compared.other.answer(Request { path: &path, ..request })
             }),
-            ("GET", ["feel"]) => Answer::text("text/html; charset=utf-8", include_str!("page/feel.html")),
             (_, ["api", "feel", path @ ..]) => match &self.feel {
                 Ok(feel) => feel.answer(self.run.overview.frames().len(), request, path),
                 Err(lacking) => Answer::refused(404, lacking),
@@ -238,6 +254,9 @@ impl Handler for RunPage {
             }
             ("GET", ["api", "records", index, "road_surface"]) => {
                 self.with_index(index, |index| self.picture(index, self.road_surfaces.as_deref()))
+            }
+            ("GET", ["api", "records", index, "classes"]) => {
+                self.with_index(index, |index| self.picture(index, self.classes.as_deref()))
             }
             _ => Answer::refused(404, "there is no such page; open / instead"),
         }

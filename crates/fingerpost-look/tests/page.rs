@@ -3,9 +3,9 @@
 // A helper that unwraps is part of the test that calls it.
 #![allow(clippy::unwrap_used)]
 
-use fingerpost_look::{Overview, Records, RunPage};
+use fingerpost_look::{NetworkClasses, Overview, Records, RunPage, SeenClass};
 use fingerpost_server::{Answer, Cause, Handler, Picture, Pictures, Request};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A number with more digits than a float has, to see that records go out as they were written.
 const RECORD: &str = r#"{"frame": 30, "t_s": 0.10, "state": "no_route", "feature": null, "motion": null, "driving_line_m": [[5.00, 0]], "centreline": null, "lanes": null, "fix": null, "stage_ms": {}, "why": "<b>"}"#;
@@ -26,7 +26,7 @@ impl Pictures for NumberedPictures {
     }
 }
 
-fn page() -> RunPage {
+fn page_of_a_run() -> RunPage {
     let mut overview = Overview::default();
     for _ in 0..2 {
         overview.add(&serde_json::from_str(RECORD).unwrap());
@@ -40,18 +40,21 @@ fn ask(page: &RunPage, method: &str, path: &str) -> Answer {
 
 #[test]
 fn a_record_goes_out_as_it_was_written() {
-    let answer = ask(&page(), "GET", "/api/records/0");
+    let answer = ask(&page_of_a_run(), "GET", "/api/records/0");
     assert_eq!(answer.status, 200);
     let text = String::from_utf8(answer.body).unwrap();
     assert!(text.starts_with(&format!("{{\"record\":{RECORD},\"shapes\":[")), "{text}");
     let whole: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(whole["shapes"][0]["kind"], "driving_line");
-    assert_eq!(ask(&page(), "GET", "/api/records/0"), ask(&page(), "GET", "/api/records/0"));
+    assert_eq!(
+        ask(&page_of_a_run(), "GET", "/api/records/0"),
+        ask(&page_of_a_run(), "GET", "/api/records/0")
+    );
 }
 
 #[test]
 fn what_is_not_there_is_said() {
-    let page = page();
+    let page = page_of_a_run();
     for (path, status, word) in [
         ("/api/records/2", 404, "there are 2"),
         ("/api/records/x", 404, "there are 2"),
@@ -69,15 +72,32 @@ fn what_is_not_there_is_said() {
 
 #[test]
 fn pictures_are_asked_for_by_the_frames_number_in_the_input() {
-    let page = page().with_pictures(Box::new(NumberedPictures));
+    let page = page_of_a_run().with_pictures(Box::new(NumberedPictures));
     assert_eq!(ask(&page, "GET", "/api/records/0/picture").body, b"30");
     let run: Value = serde_json::from_slice(&ask(&page, "GET", "/api/run").body).unwrap();
     assert_eq!((&run["has_pictures"], &run["frames"][1]), (&Value::Bool(true), &Value::from(30)));
 }
 
 #[test]
+fn what_the_network_sees_is_told_with_its_colours_or_why_it_is_not_there() {
+    let run =
+        |page: &RunPage| -> Value { serde_json::from_slice(&ask(page, "GET", "/api/run").body).unwrap() };
+    let legend = vec![SeenClass::new("road", [40, 200, 90])];
+    let page =
+        page_of_a_run().with_classes(Ok(NetworkClasses { legend, pictures: Box::new(NumberedPictures) }));
+    assert_eq!(
+        run(&page)["classes"],
+        json!({ "legend": [{ "name": "road", "colour": "#28c85a" }], "lacking": null })
+    );
+    assert_eq!(ask(&page, "GET", "/api/records/1/classes").body, b"30");
+    let page = page_of_a_run().with_classes(Err("no network".to_owned()));
+    assert_eq!(run(&page)["classes"], json!({ "legend": [], "lacking": "no network" }));
+    assert_eq!(ask(&page, "GET", "/api/records/1/classes").status, 404);
+}
+
+#[test]
 fn every_part_of_the_page_is_there() {
-    let page = page();
+    let page = page_of_a_run();
     let text = |path: &str| {
         let answer = ask(&page, "GET", path);
         assert_eq!(answer.status, 200, "{path}");

@@ -29,8 +29,10 @@ pub use html::{ReportInput, Thresholds, report_html};
 pub use interval_plot::{IntervalPlot, IntervalPoint, IntervalSeries, interval_svg};
 pub use key_frames::{ChosenFrame, DrawnFrame, KeyFrame, KeyFrameChoice, KeyFrames, KeyPicture, KeyReason};
 pub use locating::{LocatedDrive, LocatingInput, locating_html};
-pub use palette::{Rgb, road_colour, sub_mask as sub_mask_colour};
-pub use panel::{COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose};
+pub use palette::{NETWORK_CLASSES, NetworkClass, Rgb, road_colour, sub_mask as sub_mask_colour};
+pub use panel::{
+    COMPOSED_HEIGHT_PX, COMPOSED_WIDTH_PX, StagePicture, StagePictures, compose, network_picture,
+};
 pub use plan_view::{PlanView, plan_view_svg};
 pub use road_sheet::{RoadSheetCell, RoadSheetRow, road_sheet};
 pub use scene::{Scene, Setting};

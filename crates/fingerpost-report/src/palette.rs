@@ -37,12 +37,26 @@ pub(crate) const SAMPLE: Rgb = [255, 255, 255];
 /// An edge of the lane.
 pub(crate) const LANE: Rgb = [190, 120, 255];
 
+/// What the road network tells from other things, as it is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct NetworkClass {
+    pub(crate) output: NetworkOutput,
+    /// Its name as people say it.
+    pub name: &'static str,
+    /// Its colour.
+    pub colour: Rgb,
+}
+
 /// What the network sees, what lies over the others last.
-pub(crate) const NETWORK_CLASSES: [(NetworkOutput, Rgb); 4] = [
-    (NetworkOutput::Road, [40, 200, 90]),
-    (NetworkOutput::Raised, [222, 90, 200]),
-    (NetworkOutput::Hidden, REJECTED),
-    (NetworkOutput::Paint, [255, 255, 255]),
+pub const NETWORK_CLASSES: [NetworkClass; 4] = [
+    NetworkClass { output: NetworkOutput::Road, name: "road", colour: [40, 200, 90] },
+    NetworkClass {
+        output: NetworkOutput::Raised,
+        name: "raised ground, as pavements",
+        colour: [222, 90, 200],
+    },
+    NetworkClass { output: NetworkOutput::Hidden, name: "what hides the ground", colour: REJECTED },
+    NetworkClass { output: NetworkOutput::Paint, name: "paint on the road", colour: [255, 255, 255] },
 ];
 
 const DRIVING_LINE: Rgb = [124, 224, 84];

@@ -50,7 +50,7 @@ impl StagePictures {
     pub fn draw(scene: &Scene<'_>) -> Self {
         let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
         let mut pictures = vec![stage("camera", camera::LEGEND, camera_picture(scene))];
-        pictures.extend(classes_picture(scene).map(|picture| stage("network", classes::LEGEND, picture)));
+        pictures.extend(network_picture(scene).map(|picture| stage("network", classes::LEGEND, picture)));
         pictures.extend(
             lane_steps_picture(scene).map(|picture| stage("lane steps", lane_steps::LEGEND, picture)),
         );
@@ -72,7 +72,9 @@ fn lane_steps_picture(scene: &Scene<'_>) -> Option<RgbImage> {
     Some(canvas.into_image())
 }
 
-fn classes_picture(scene: &Scene<'_>) -> Option<RgbImage> {
+/// The camera's picture with what the network sees in it, in the colours of [`NETWORK_CLASSES`](crate::NETWORK_CLASSES); none where no
+/// network was asked.
+pub fn network_picture(scene: &Scene<'_>) -> Option<RgbImage> {
     let classes = Classes::of(scene)?;
     let area = camera_area(scene);
     let mut canvas = Canvas::new(area.width, area.height, palette::BACKGROUND);

@@ -1,5 +1,7 @@
 // Records beside one another: the same number of each in a row, marked where two differ.
 
+import { element } from "./dom.js";
+
 const isGroup = (value) => value !== null && typeof value === "object" && !Array.isArray(value);
 
 /// All numbers and texts of a record by their names, a group's with its name before.
@@ -23,10 +25,9 @@ function text(value) {
 
 /// A table of records, which may be null, under their names; `marked` are the two columns that are held against each other.
 export function columns(names, records, keys, marked) {
-  const table = document.createElement("table");
-  table.className = "columns";
+  const table = element("table", { className: "columns" });
   const head = table.createTHead().insertRow();
-  for (const name of ["", ...names]) head.append(Object.assign(document.createElement("th"), { scope: "col", textContent: name }));
+  for (const name of ["", ...names]) head.append(element("th", { scope: "col" }, name));
   const known = records.map((record) => new Map(record ? leaves(record) : []));
   const body = table.createTBody();
   for (const key of keys) {
@@ -34,7 +35,7 @@ export function columns(names, records, keys, marked) {
     if (values.every((value) => value === "–")) continue;
     const row = body.insertRow();
     row.dataset.name = key;
-    row.append(Object.assign(document.createElement("th"), { scope: "row", textContent: key }));
+    row.append(element("th", { scope: "row" }, key));
     for (const value of values) row.insertCell().textContent = value;
     const [one, other] = marked;
     if (records[one] && records[other] && values[one] !== values[other]) row.className = "differs";
@@ -45,11 +46,7 @@ export function columns(names, records, keys, marked) {
 /// Why each record decided so, under its name; the same words once.
 export function reasons(names, records) {
   const by = Map.groupBy(names.filter((_, index) => records[index]), (name) => records[names.indexOf(name)].why);
-  return [...by].map(([why, names]) => {
-    const said = document.createElement("p");
-    said.append(Object.assign(document.createElement("b"), { textContent: `${names.join(", ")}: ` }), why);
-    return said;
-  });
+  return [...by].map(([why, names]) => element("p", {}, element("b", {}, `${names.join(", ")}: `), why));
 }
 
 /// The names of what differs between two records, times of stages aside, and not among `known`.

@@ -2,11 +2,11 @@
 
 import { KEY_NUMBERS, columns, differing, leaves, reasons } from "./columns.js";
 import { Curves } from "./curves.js";
+import { $, element, svgElement } from "./dom.js";
 import { Frames, call, linkParts } from "./frames.js";
 import { FrameView, reach } from "./frame_view.js";
 import { legend } from "./shapes.js";
 
-const $ = (id) => document.getElementById(id);
 let differences = null;
 /// The frames that both have: their numbers and times.
 let common = null;
@@ -18,17 +18,10 @@ let index = 0;
 let asked = 0;
 
 const say = (text) => ($("message").textContent = text);
-const element = (name, properties, ...children) => {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
-};
 
 /// What shows one run's frame.
 function makeSide(name, run, frames, reach_m) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("class", "on-picture");
-  svg.setAttribute("role", "img");
+  const svg = svgElement("svg", { class: "on-picture", role: "img" });
   const stage = element("div", { className: "camera-stage" }, new Image(), svg);
   const roadSvg = svg.cloneNode();
   roadSvg.removeAttribute("class");

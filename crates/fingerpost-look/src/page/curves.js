@@ -1,6 +1,6 @@
 // Curves over the run, with its events and the moment that is shown.
 
-import { element } from "./shapes.js";
+import { element, svgElement } from "./dom.js";
 
 /// Width and height that a curve is drawn in before it is stretched to its place.
 const WIDTH = 1000;
@@ -43,21 +43,16 @@ export class Curves {
       const most = unit ? known.reduce((a, b) => Math.max(a, b), least + 1e-3) : 1;
       const y = (value) => HEIGHT - 1 - ((HEIGHT - 2) * (value - least)) / (most - least);
       const marks = Object.entries(Object.groupBy(events, ({ kind }) => kind)).map(([kind, of]) =>
-        element("path", { class: `mark ${kind}`, d: of.map(({ index }) => `M${x(index).toFixed(2)} 0V${HEIGHT}`).join("") }),
+        svgElement("path", { class: `mark ${kind}`, d: of.map(({ index }) => `M${x(index).toFixed(2)} 0V${HEIGHT}`).join("") }),
       );
       // Beside the drawing, which then is not drawn anew with every step.
-      const now = Object.assign(document.createElement("i"), { className: "now" });
+      const now = element("i", { className: "now" });
       const label = `${name} over the run, ${shown(least)} to ${shown(most)} ${unit}`;
-      const svg = element("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img", "aria-label": label });
-      svg.append(...marks, element("path", { d: path(values, x, y) }));
-      const plot = Object.assign(document.createElement("div"), { className: "plot" });
-      plot.append(svg, now);
-      const number = document.createElement("b");
-      const words = Object.assign(document.createElement("div"), { className: "words" });
-      words.append(name, number, `${shown(least)} to ${shown(most)} ${unit}`);
-      const row = Object.assign(document.createElement("div"), { className: "curve" });
-      row.append(words, plot);
-      box.append(row);
+      const svg = svgElement("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img", "aria-label": label });
+      svg.append(...marks, svgElement("path", { d: path(values, x, y) }));
+      const number = element("b");
+      const words = element("div", { className: "words" }, name, number, `${shown(least)} to ${shown(most)} ${unit}`);
+      box.append(element("div", { className: "curve" }, words, element("div", { className: "plot" }, svg, now)));
       return { values, unit, now, number, svg };
     });
     const unknown = curves.filter((curve) => !isKnown(curve)).map(({ name }) => name);

@@ -1,10 +1,10 @@
 // Settings moved, and the last seconds up to a frame run again with them: each stage before and after.
 
 import { KEY_NUMBERS, columns, differing, reasons } from "./columns.js";
+import { $, element } from "./dom.js";
 import { Frames, call, linkParts, picture, send } from "./frames.js";
 import { Settings } from "./settings.js";
 
-const $ = (id) => document.getElementById(id);
 let run = null;
 let frames = null;
 let feelable = null;
@@ -16,11 +16,6 @@ let isStale = false;
 let opened = false;
 
 const say = (text) => ($("message").textContent = text);
-const element = (name, properties, ...children) => {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
-};
 
 /// One stage's picture under a name; of a stage that is not there, that.
 async function shot(stage, name) {
@@ -31,11 +26,12 @@ async function shot(stage, name) {
 }
 
 /// A stage before and after, or once where both are the same.
-async function drawStage(name, before, after, isChanged) {
+async function drawStage(name, stages) {
+  const [before, after] = stages;
   const isSame = before && after && !after.picture;
-  const shots = [shot(before, isSame ? "before and after: the same picture" : "before")];
-  if (isChanged && !isSame) shots.push(shot(after, "after"));
-  const about = element("details", {}, element("summary", { textContent: "what it shows" }), (before ?? after).legend);
+  const names = isSame ? ["before and after: the same picture"] : ["before", "after"].slice(0, stages.length);
+  const shots = names.map((when, index) => shot(stages[index], when));
+  const about = element("details", {}, element("summary", {}, "what it shows"), (before ?? after).legend);
   const article = element("article", { className: "stage" }, element("h3", { textContent: name }));
   article.append(element("div", { className: "shots" }, ...(await Promise.all(shots))), about);
   article.dataset.same = isSame;
@@ -43,9 +39,9 @@ async function drawStage(name, before, after, isChanged) {
 }
 
 async function drawStages({ before, after }) {
-  const names = [...new Set([...before.stages, ...(after?.stages ?? [])].map(({ name }) => name))];
-  const of = (stretch, name) => stretch?.stages.find((stage) => stage.name === name);
-  const drawn = names.map((name) => drawStage(name, of(before, name), of(after, name), !!after));
+  const stretches = after ? [before, after] : [before];
+  const names = [...new Set(stretches.flatMap(({ stages }) => stages.map(({ name }) => name)))];
+  const drawn = names.map((name) => drawStage(name, stretches.map(({ stages }) => stages.find((stage) => stage.name === name))));
   $("stages").replaceChildren(...(await Promise.all(drawn)));
 }
 
@@ -77,7 +73,7 @@ function drawChanged() {
   clear.addEventListener("click", () => settings.replace({}));
   const save = element("button", { id: "save", textContent: "Save" });
   save.addEventListener("click", () => keep().catch(refuse));
-  $("changed").append(element("p", { textContent: `${keys.length} changed: ${keys.join(", ")}` }), save, " ", clear, element("p", { id: "saved", className: "hint" }));
+  $("changed").append(element("p", {}, `${keys.length} changed: ${keys.join(", ")}`), save, " ", clear, element("p", { id: "saved", className: "hint" }));
 }
 
 async function keep() {

@@ -1,7 +1,7 @@
 // Where a run has the vehicle on the map, frame by frame, with the way that it has come and its protection level.
 
 import { MapView, drawnAt, points } from "./map_view.js";
-import { element } from "./shapes.js";
+import { svgElement } from "./dom.js";
 
 /// Width of the map at first, metres.
 const WIDE_M = 120;
@@ -19,8 +19,8 @@ function stretches(places) {
 export class FixMap extends MapView {
   /// Draws into an SVG, and says a frame's fix in words.
   constructor(svg, words, { route, fixes_m }) {
-    const track = stretches(fixes_m).map((line) => element("polyline", { class: "track", points: points(line) }));
-    const bound = element("circle", { class: "bound" });
+    const track = stretches(fixes_m).map((line) => svgElement("polyline", { class: "track", points: points(line) }));
+    const bound = svgElement("circle", { class: "bound" });
     super(svg, route ?? { line_m: [], roads_m: [], places: [] }, WIDE_M, [...track, bound]);
     Object.assign(this, { words, fixes_m, bound });
     this.at = fixes_m.find((place) => place);

@@ -28,6 +28,8 @@ export class FrameView {
     const next = shown.picture || new Image();
     Object.assign(next, { id: before.id, alt: shown.picture ? `Camera's picture of frame ${number}` : "", hidden: !shown.picture });
     before.replaceWith(next);
+    this.stage.querySelector(".classes")?.remove();
+    if (shown.classes) next.after(Object.assign(shown.classes, { className: "classes", alt: "What the network sees over it" }));
     this.missing.textContent = shown.missing;
     this.ground.lay(shown.groundViews);
   }

@@ -40,12 +40,12 @@ export class Frames {
     this.run = run;
     this.base = base;
     this.kept = new Map();
-    this.withSurface = false;
+    this.layers = [];
   }
 
-  /// Whether the probability of road is asked for as well.
-  showSurface(isWanted) {
-    this.withSurface = isWanted;
+  /// Which pictures are asked for beside those that each frame has: "road_surface", "classes".
+  askFor(layers) {
+    this.layers = layers;
     this.kept.clear();
   }
 
@@ -68,13 +68,17 @@ export class Frames {
   async load(index) {
     const { has_pictures, ground_area } = this.run;
     const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
-    const [said, shown, ground, surface] = await Promise.all([
-      call(`${this.base}/records/${index}`),
-      has_pictures ? picture(`${this.base}/records/${index}/picture`) : nothing,
-      ground_area ? picture(`${this.base}/records/${index}/ground_view`) : nothing,
-      this.withSurface ? picture(`${this.base}/records/${index}/road_surface`) : nothing,
+    const record = `${this.base}/records/${index}`;
+    const layer = (name) => (this.layers.includes(name) ? picture(`${record}/${name}`) : { picture: null, missing: "" });
+    const [said, shown, ground, surface, classes] = await Promise.all([
+      call(record),
+      has_pictures ? picture(`${record}/picture`) : nothing,
+      ground_area ? picture(`${record}/ground_view`) : nothing,
+      layer("road_surface"),
+      layer("classes"),
     ]);
-    return { ...said, ...shown, groundViews: [ground.picture, surface.picture].filter((one) => one) };
+    const missing = shown.missing || classes.missing;
+    return { ...said, picture: shown.picture, classes: classes.picture, missing, groundViews: [ground.picture, surface.picture].filter((one) => one) };
   }
 
   /// Asks for the neighbours, so that the next step finds them.

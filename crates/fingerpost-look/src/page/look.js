@@ -2,6 +2,7 @@
 
 import { Curves } from "./curves.js";
 import { FixMap } from "./fix_map.js";
+import { $, element } from "./dom.js";
 import { Frames, call, linkParts } from "./frames.js";
 import { FrameView, reach } from "./frame_view.js";
 import { showNumbers } from "./numbers.js";
@@ -10,7 +11,8 @@ import { legend } from "./shapes.js";
 /// A browser takes so many changes of an address in a time; the link of a frame that is passed over is wanted by nobody.
 const LINK_AFTER_MS = 250;
 
-const $ = (id) => document.getElementById(id);
+/// Pictures beside those that each frame has, with the part of the page that has their box.
+const LAYERS = { road_surface: "surface", classes: "classes" };
 const opened = new Set();
 let run = null;
 let frames = null;
@@ -86,16 +88,13 @@ function event(direction) {
 
 function listEvents() {
   eventButtons = run.events.map(({ index, frame, kind, text }) => {
-    const button = document.createElement("button");
-    button.textContent = `${run.times_s[index].toFixed(1)} s, frame ${frame}: ${text}`;
+    const button = element("button", {}, `${run.times_s[index].toFixed(1)} s, frame ${frame}: ${text}`);
     button.addEventListener("click", () => step(index));
-    const item = Object.assign(document.createElement("li"), { className: kind });
-    item.append(button);
-    $("events").append(item);
+    $("events").append(element("li", { className: kind }, button));
     return button;
   });
   const nothing = "Nothing: no feature was found, lost or in doubt, and the camera was clear.";
-  if (!run.events.length) $("events").append(Object.assign(document.createElement("li"), { textContent: nothing }));
+  if (!run.events.length) $("events").append(element("li", {}, nothing));
 }
 
 function showRun() {
@@ -110,6 +109,25 @@ function showRun() {
   $("settings").querySelector("pre").textContent = run.config_toml;
 }
 
+/// Asks for the layers whose boxes are ticked.
+function changeLayers() {
+  frames.askFor(Object.keys(LAYERS).filter((layer) => $(LAYERS[layer]).querySelector("input")?.checked));
+  step(index);
+}
+
+/// What the network's colours say, and a box that lays them over the picture; or why there are none.
+function showClasses({ legend, lacking }) {
+  $("classes").classList.toggle("hint", !legend.length);
+  if (!legend.length) return $("classes").append(lacking ?? "");
+  const box = element("label", {}, element("input", { type: "checkbox" }), " what the network sees over it:");
+  const names = legend.map(({ name, colour }) => {
+    const swatch = element("i");
+    swatch.style.background = colour;
+    return element("span", {}, swatch, name);
+  });
+  $("classes").append(box, ...names);
+}
+
 const actions = {
   back: () => step(index - 1),
   forward: () => step(index + 1),
@@ -119,10 +137,7 @@ const actions = {
 for (const [id, action] of Object.entries(actions)) $(id).addEventListener("click", action);
 $("frame").addEventListener("change", () => step(frames.indexOf($("frame").valueAsNumber)));
 $("seek").addEventListener("input", () => step($("seek").valueAsNumber));
-$("surface").addEventListener("change", ({ target }) => {
-  frames.showSurface(target.checked);
-  step(index);
-});
+for (const id of Object.values(LAYERS)) $(id).addEventListener("change", changeLayers);
 addEventListener("hashchange", () => step(frames.linked()));
 
 addEventListener("keydown", (event) => {
@@ -157,6 +172,7 @@ async function begin() {
   view = new FrameView({ stage: $("stage"), missing: $("no-picture"), ground: $("ground") }, run, reach([run]));
   chosen = legend($("legend"), drawShapes);
   $("surface").hidden = !run.has_road_surfaces;
+  showClasses(run.classes);
   if (run.map) showMap();
   listEvents();
   showRun();

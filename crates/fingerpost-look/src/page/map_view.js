@@ -1,6 +1,6 @@
 // A map from above: roads, a route with its features, and an arrow, which stays in the middle.
 
-import { element } from "./shapes.js";
+import { svgElement } from "./dom.js";
 
 /// Widths of the map, metres: as near as a place can be told, and as far as a town reaches.
 const SPANS_M = [60, 120, 250, 500, 1000, 2000, 5000, 10000, 20000];
@@ -16,13 +16,13 @@ export class MapView {
   constructor(svg, { line_m, roads_m, places }, wide_m, above = []) {
     this.svg = svg;
     this.zoom = Math.max(0, SPANS_M.findIndex((span) => span >= wide_m));
-    this.arrow = element("path", { class: "start" });
+    this.arrow = svgElement("path", { class: "start" });
     this.places = places.map(({ at_m, label }) => {
       const [cx, cy] = drawnAt(at_m);
-      return element("circle", { class: "feature", cx, cy }, element("title", {}, label));
+      return svgElement("circle", { class: "feature", cx, cy }, svgElement("title", {}, label));
     });
-    const roads = roads_m.map((road) => element("polyline", { class: "map-road", points: points(road) }));
-    svg.replaceChildren(...roads, element("polyline", { class: "route", points: points(line_m) }), ...this.places, ...above, this.arrow);
+    const roads = roads_m.map((road) => svgElement("polyline", { class: "map-road", points: points(road) }));
+    svg.replaceChildren(...roads, svgElement("polyline", { class: "route", points: points(line_m) }), ...this.places, ...above, this.arrow);
   }
 
   get width_m() {

@@ -1,6 +1,7 @@
 // A drive set up: a mount changed by dragging, by sliders and by calibration, and the start of a route. Horizon, grid, ground view and what of
 // the route is seen, the program says.
 
+import { $, element } from "./dom.js";
 import { call, picture, send } from "./frames.js";
 import { RouteMap } from "./route_map.js";
 import { searchWith } from "./search.js";
@@ -18,7 +19,6 @@ const REACH_M = 25;
 /// What of the map is drawn on it.
 const ON_GROUND = ["road", "route", "feature"];
 
-const $ = (id) => document.getElementById(id);
 const inputs = {};
 let drive = null;
 let ground = null;
@@ -117,14 +117,12 @@ function makeInputs() {
     // A file may have more digits than there is room for.
     const value = Math.round(mount[name] * 1e4) / 1e4;
     const range = { min: least.toFixed(2), max: (mount[name] + about).toFixed(2), step, value };
-    const slider = Object.assign(document.createElement("input"), { type: "range", ...range, step: "any", id: `${name}-slider` });
+    const slider = element("input", { type: "range", ...range, step: "any", id: `${name}-slider` });
     slider.setAttribute("aria-label", `${words}, by slider`);
-    const number = Object.assign(document.createElement("input"), { type: "number", step, value, id: name });
+    const number = element("input", { type: "number", step, value, id: name });
     for (const input of [slider, number]) input.addEventListener("input", () => change({ [name]: input.valueAsNumber }));
     arrows(slider, step, (by) => change({ [name]: mount[name] + by }));
-    const label = document.createElement("label");
-    label.append(words, number);
-    $("numbers-of-mount").append(label, slider);
+    $("numbers-of-mount").append(element("label", {}, words, number), slider);
     inputs[name] = [slider, number];
   }
 }

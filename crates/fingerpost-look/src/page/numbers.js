@@ -1,5 +1,7 @@
 // A record as tables: one for what stands alone, one a group.
 
+import { element } from "./dom.js";
+
 /// Longest list that is written out in its cell.
 const SHORT = 6;
 
@@ -15,30 +17,19 @@ function rows(group, before = "") {
 }
 
 function cell(value, name, opened) {
-  const made = document.createElement("td");
-  if (isShort(value)) {
-    made.textContent = text(value);
-    return made;
-  }
-  const list = document.createElement("details");
-  list.open = opened.has(name);
-  list.addEventListener("toggle", () => opened[list.open ? "add" : "delete"](name));
-  const head = document.createElement("summary");
-  head.textContent = `${value.length} entries`;
+  if (isShort(value)) return element("td", {}, text(value));
   const items = value.map((item) => (isGroup(item) ? rows(item).map(([key, of]) => `${key} ${text(of)}`).join(", ") : text(item)));
-  list.append(head, items.join(" · "));
-  made.append(list);
-  return made;
+  const head = element("summary", {}, `${value.length} entries`);
+  const list = element("details", { open: opened.has(name) }, head, items.join(" · "));
+  list.addEventListener("toggle", () => opened[list.open ? "add" : "delete"](name));
+  return element("td", {}, list);
 }
 
 function table(name, entries, opened) {
-  const made = document.createElement("table");
-  const caption = made.createCaption();
-  caption.textContent = name;
+  const made = element("table", {}, element("caption", {}, name));
   for (const [key, value] of entries) {
     const row = made.insertRow();
-    const head = Object.assign(document.createElement("th"), { scope: "row", textContent: key });
-    row.append(head, cell(value, `${name}.${key}`, opened));
+    row.append(element("th", { scope: "row" }, key), cell(value, `${name}.${key}`, opened));
     row.dataset.name = `${name}.${key}`;
   }
   return made;

@@ -1,11 +1,11 @@
 // The search for the mount in the whole drive: begun, followed and taken over.
 
+import { $, element } from "./dom.js";
 import { call, send } from "./frames.js";
 
 /// How often it is asked how far the search is.
 const ASK_MS = 100;
 
-const $ = (id) => document.getElementById(id);
 const pause = () => new Promise((done) => setTimeout(done, ASK_MS));
 
 function show(state) {
@@ -16,7 +16,7 @@ function show(state) {
   // Who has the page read aloud is told of the end, not of every frame.
   $("searching").textContent = runs ? `frame ${state.frames}${state.of ? ` of ${state.of}` : ""}` : "";
   const end = { running: [], idle: ["Stopped: the mount is as it was."], failed: [state.cause], found: state.said }[state.is];
-  $("searched").replaceChildren(...end.map((text) => Object.assign(document.createElement("p"), { textContent: text })));
+  $("searched").replaceChildren(...end.map((text) => element("p", {}, text)));
   document.body.dataset.search = state.is;
 }
 

@@ -1,13 +1,9 @@
 // The settings as their schema declares them, each with what changes it.
 
+import { element } from "./dom.js";
+
 /// How far a slider goes from the value where it began, as a factor: declared ranges reach to what is possible at all.
 const SLIDER_FACTOR = 3;
-
-function made(name, properties, ...children) {
-  const one = Object.assign(document.createElement(name), properties);
-  one.append(...children);
-  return one;
-}
 
 export const at = (values, key) => key.split(".").reduce((group, name) => group?.[name], values);
 const shown = (value) => (value === null ? "none" : typeof value === "string" ? `"${value}"` : JSON.stringify(value));
@@ -26,12 +22,12 @@ const meaning = (text) => text.replaceAll(/ \(\[`\w+`\](; [^)]*)?\)/g, (_, rest)
 function inputs(key, schema, value, changed) {
   if (schema.oneOf || schema.type === "boolean") {
     const choices = schema.oneOf?.map((choice) => choice.const) ?? [true, false];
-    const select = made("select", { id: key }, ...choices.map((choice) => made("option", { value: String(choice), textContent: String(choice) })));
+    const select = element("select", { id: key }, ...choices.map((choice) => element("option", { value: String(choice), textContent: String(choice) })));
     select.addEventListener("change", () => changed(choices[select.selectedIndex]));
     return { all: [select], show: (value) => (select.selectedIndex = choices.indexOf(value)) };
   }
   if (schema.type !== "number" && schema.type !== "integer") {
-    const field = made("input", { id: key, type: "text" });
+    const field = element("input", { id: key, type: "text" });
     field.addEventListener("change", () => {
       try {
         changed(schema.type === "array" ? JSON.parse(`[${field.value}]`) : field.value || null);
@@ -45,8 +41,8 @@ function inputs(key, schema, value, changed) {
   const { minimum = -Infinity, maximum = Infinity } = schema;
   const near = value > 0 ? [Math.max(minimum, value / SLIDER_FACTOR), Math.min(maximum, value * SLIDER_FACTOR)] : [minimum, maximum];
   const [least, most] = whole ? [Math.ceil(near[0]), Math.floor(near[1])] : near;
-  const number = made("input", { id: key, type: "number", step: "any" });
-  const slider = made("input", { type: "range", min: least, max: most, step: whole ? 1 : (most - least) / 200 });
+  const number = element("input", { id: key, type: "number", step: "any" });
+  const slider = element("input", { type: "range", min: least, max: most, step: whole ? 1 : (most - least) / 200 });
   slider.setAttribute("aria-label", `${key} by slider`);
   number.addEventListener("change", () => changed(number.valueAsNumber));
   // Numbers of a slider are as fine as its steps.
@@ -69,8 +65,8 @@ export class Settings {
     const fields = Object.entries(schema.properties);
     const own = fields.filter(([, inner]) => !inner.properties);
     if (own.length) {
-      const table = made("details", { className: "settings" }, made("summary", { textContent: path.join(".") }));
-      if (schema.description) table.append(made("p", { className: "hint", textContent: meaning(schema.description) }));
+      const table = element("details", { className: "settings" }, element("summary", { textContent: path.join(".") }));
+      if (schema.description) table.append(element("p", { className: "hint", textContent: meaning(schema.description) }));
       for (const [name, inner] of own) table.append(this.row([...path, name].join("."), inner));
       box.append(table);
       this.tables.push(table);
@@ -83,15 +79,15 @@ export class Settings {
     const { all, show } = inputs(key, schema, value, (value) => this.set(key, value));
     show(value);
     const unit = schema["x-unit"] ?? schema.items?.["x-unit"] ?? "";
-    const label = made("label", { htmlFor: key, textContent: key });
-    const reset = made("button", { textContent: "Reset", hidden: true });
+    const label = element("label", { htmlFor: key, textContent: key });
+    const reset = element("button", { textContent: "Reset", hidden: true });
     reset.setAttribute("aria-label", `Reset ${key}`);
     reset.addEventListener("click", () => this.reset(key));
     const facts = [unit, allowed(schema), `default ${shown(schema.default)}`].filter(Boolean).join(" · ");
-    const words = made("p", { className: "hint", id: `${key}-hint`, textContent: `${meaning(schema.description)} ${facts}` });
-    const error = made("p", { className: "refused", role: "alert" });
+    const words = element("p", { className: "hint", id: `${key}-hint`, textContent: `${meaning(schema.description)} ${facts}` });
+    const error = element("p", { className: "refused", role: "alert" });
     for (const input of all) input.setAttribute("aria-describedby", words.id);
-    const row = made("div", { className: "setting" }, label, reset, made("div", { className: "inputs" }, ...all), error, words);
+    const row = element("div", { className: "setting" }, label, reset, element("div", { className: "inputs" }, ...all), error, words);
     this.rows.set(key, { row, show, reset, error, text: `${key} ${words.textContent}`.toLowerCase() });
     return row;
   }

@@ -1,5 +1,7 @@
 // Shapes of a frame over the camera's picture and on the road from above. What they are and where, the program says.
 
+import { element, svgElement } from "./dom.js";
+
 /// What is drawn, in the order of the legend, in people's words.
 export const KINDS = {
   driving_line: "driving line",
@@ -14,24 +16,17 @@ export const KINDS = {
 /// What of the road lies behind the rear axle and is shown, metres.
 const BEHIND_M = 3;
 
-export function element(name, attributes = {}, ...children) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
-}
-
 /// One shape's pieces: a place as a ring, a line as it is, each on a dark rim where it lies on a picture.
 function drawn({ kind, label }, pieces, ring, rims) {
   return pieces.flatMap((piece) =>
     rims.map((rim) => {
       const made =
         piece.length === 1
-          ? element("circle", { cx: piece[0][0], cy: piece[0][1], r: ring })
-          : element("polyline", { points: piece.map((place) => place.join(",")).join(" ") });
+          ? svgElement("circle", { cx: piece[0][0], cy: piece[0][1], r: ring })
+          : svgElement("polyline", { points: piece.map((place) => place.join(",")).join(" ") });
       made.setAttribute("class", rim ? "rim" : kind);
       made.dataset.kind = kind;
-      made.append(element("title", {}, label));
+      made.append(svgElement("title", {}, label));
       return made;
     }),
   );
@@ -62,22 +57,22 @@ export class Ground {
     box.style.aspectRatio = `${width} / ${height}`;
     box.style.maxWidth = `${(80 * width) / height}vh`;
     this.svg.classList.toggle("on-picture", !!area);
-    this.shapes = element("g");
+    this.shapes = svgElement("g");
     this.svg.replaceChildren(this.grid(), this.shapes);
   }
 
   /// Lines every five metres and the vehicle, whose rear axle is the origin.
   grid() {
     const { half_m, reach_m } = this;
-    const back = element("g", { "aria-hidden": "true" });
-    const line = (x1, y1, x2, y2) => back.append(element("line", { class: "grid", x1, y1, x2, y2 }));
+    const back = svgElement("g", { "aria-hidden": "true" });
+    const line = (x1, y1, x2, y2) => back.append(svgElement("line", { class: "grid", x1, y1, x2, y2 }));
     for (let x = -Math.floor(half_m / 5) * 5; x <= half_m; x += 5) line(x, BEHIND_M, x, -reach_m);
     this.size_m = reach_m / 30;
     for (let ahead = 0; ahead < reach_m; ahead += 5) {
       line(-half_m, -ahead, half_m, -ahead);
-      if (ahead) back.append(element("text", { x: 0.2 - half_m, y: -ahead - 0.2, "font-size": this.size_m }, `${ahead} m`));
+      if (ahead) back.append(svgElement("text", { x: 0.2 - half_m, y: -ahead - 0.2, "font-size": this.size_m }, `${ahead} m`));
     }
-    back.append(element("rect", { class: "vehicle", x: -0.9, y: -3.5, width: 1.8, height: 4.4, rx: 0.4 }));
+    back.append(svgElement("rect", { class: "vehicle", x: -0.9, y: -3.5, width: 1.8, height: 4.4, rx: 0.4 }));
     return back;
   }
 
@@ -108,13 +103,10 @@ export class Ground {
 /// Boxes that show and hide a kind.
 export function legend(box, changed) {
   for (const [kind, name] of Object.entries(KINDS)) {
-    const check = Object.assign(document.createElement("input"), { type: "checkbox", checked: true });
+    const check = element("input", { type: "checkbox", checked: true });
     check.dataset.kind = kind;
     check.addEventListener("change", changed);
-    const swatch = Object.assign(document.createElement("i"), { className: kind });
-    const label = document.createElement("label");
-    label.append(check, swatch, name);
-    box.append(label);
+    box.append(element("label", {}, check, element("i", { className: kind }), name));
   }
   return (shapes) => shapes.filter(({ kind }) => box.querySelector(`input[data-kind="${kind}"]`).checked);
 }

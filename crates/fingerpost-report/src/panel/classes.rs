@@ -81,10 +81,10 @@ impl<'a> Classes<'a> {
     /// A pixel of the camera's picture with the classes over it.
     fn tinted(&self, u: usize, v: usize) -> Rgb {
         let shown = self.picture.get(u, v).unwrap_or_default();
-        palette::NETWORK_CLASSES.iter().fold(shown, |under, &(output, colour)| {
-            let step = self.logit(output, u, v).map(|logit| (logit + 128.5) as usize);
+        palette::NETWORK_CLASSES.iter().fold(shown, |under, class| {
+            let step = self.logit(class.output, u, v).map(|logit| (logit + 128.5) as usize);
             let p = step.and_then(|step| self.probability.get(step)).copied().unwrap_or(0.0);
-            mixed(under, colour, STRENGTH * p)
+            mixed(under, class.colour, STRENGTH * p)
         })
     }
 

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use anyhow::Result;
-use fingerpost::Config;
 use fingerpost_format::{FrameRecord, TrackState};
 use fingerpost_geometry::Camera;
 use fingerpost_look::{FeelPage, Feelable};
@@ -14,8 +13,8 @@ use super::front::points;
 use super::{Frames, Kept, RunAgain, SettingsFile, StretchPictures, schema};
 use crate::inputs;
 use crate::look::LookArgs;
+use crate::look::method::Method;
 use crate::look::run_files::RunFiles;
-use crate::picture_scaling::PictureScaling;
 
 /// Where settings are saved where nothing else is said.
 const SAVED_SETTINGS: &str = "fingerpost.toml";
@@ -42,11 +41,9 @@ pub(in crate::look) fn open(
         file.check()?;
     }
     let lacking = |what: &str| Ok(Err(format!("To feel settings, {what}.")));
-    let Some(config) = run.config_toml.as_deref().and_then(|text| Config::from_toml(text).ok()) else {
-        return lacking("the run needs a config.toml of this version of the program");
-    };
-    let Some(camera) = camera else {
-        return lacking("give the calibration with --camera");
+    let method = match Method::of(run, camera) {
+        Ok(method) => method,
+        Err(what) => return lacking(what),
     };
     let Some(pictures) = pictures else {
         return lacking("say where the pictures are with --input");
@@ -57,10 +54,9 @@ pub(in crate::look) fn open(
     if first.state != TrackState::NoRoute && route.is_none() {
         return lacking("give the route that the run followed with --route");
     }
-    let sampling = run.summary.as_ref().and_then(|summary| summary.sampling);
-    let scaling = sampling.map(|sampling| PictureScaling::to_width(camera, sampling.picture_px[0] as usize));
-    let scaling = scaling.transpose()?.flatten();
-    let camera = scaling.as_ref().map_or(camera, PictureScaling::camera).clone();
+    let scaling = method.scaling()?;
+    let camera = method.scaled_camera(scaling.as_ref());
+    let config = method.config;
     let feelable = Feelable { schema: schema(), values: config.to_json(), points };
     let size_px = (camera.width(), camera.height());
     let run_again = RunAgain {
