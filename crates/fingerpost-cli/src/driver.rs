@@ -18,7 +18,6 @@ use fingerpost_record::recording::{FrameRecorder, RecordedFrame};
 use fingerpost_record::{FrameTime, feature_identities, frame_record};
 use fingerpost_report::{DrawnFrame, KeyFrameChoice, Scene, Setting, Thresholds, compose};
 use fingerpost_vision::picture::RgbImage;
-use fingerpost_vision::road_network::RoadNetwork;
 
 use crate::parts::parts;
 use crate::picture_order::OutOfOrder;
@@ -195,11 +194,6 @@ impl Driver {
     /// The surfaces that are known by now.
     pub(crate) fn known_surfaces(&self) -> Option<SurfaceFile> {
         self.pipeline.road_detector().known_surfaces()
-    }
-
-    /// The network that looked at the last frame; none of a road detector that asks none.
-    pub(crate) fn road_network(&self) -> Option<&RoadNetwork> {
-        self.pipeline.road_detector().network()
     }
 
     /// What is advised after the last frame, and what state the method is in.

@@ -194,7 +194,7 @@ impl Lane {
 }
 
 /// How the lane was found.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct LaneEvidence {
     /// Rows searched, and the sections.
     pub region: LaneRegion,

@@ -3,22 +3,26 @@
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use fingerpost_format::{FrameRecord, TriedSettings};
-use fingerpost_server::{Answer, Cause, Picture, Request};
+use fingerpost_server::{Answer, Cause, Limits, Picture, Request};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Stretches with changed settings whose pictures are kept: pages may still be asking for them.
 const KEPT: usize = 8;
+/// What of the time that the server grants a request stretches may take; the rest is for what their pictures take.
+const SHARE_OF_REQUEST: f64 = 0.8;
 
 /// Runs the last seconds up to a frame again.
 pub trait Reruns: Send + Sync {
-    /// Runs the stretch up to the record at `index` again, with these settings in place of the run's.
+    /// Runs the stretch up to the record at `index` again, with these settings in place of the run's. It is given up at the deadline.
     ///
     /// # Errors
-    /// [`Refusal`] says what it cannot be run with.
-    fn run_again(&self, index: usize, changed: &TriedSettings) -> Result<Stretch, Refusal>;
+    /// [`Refusal`] says what it cannot be run with, or how far it came.
+    fn run_again(&self, index: usize, changed: &TriedSettings, deadline: Instant)
+    -> Result<Stretch, Refusal>;
 
     /// Saves settings that differ from the run's, and gives the command line that runs a drive with them.
     ///
@@ -156,8 +160,9 @@ impl FeelPage {
     }
 
     fn felt(&self, index: usize, changed: &TriedSettings) -> Result<Answer, Refusal> {
-        let before = self.before(index)?;
-        let after = if changed.is_empty() { None } else { Some(self.after(index, changed)?) };
+        let deadline = Instant::now() + Limits::default().request_time.mul_f64(SHARE_OF_REQUEST);
+        let before = self.before(index, deadline)?;
+        let after = if changed.is_empty() { None } else { Some(self.after(index, changed, deadline)?) };
         let shown = json!({
             "beginning": before.stretch.beginning,
             "before": before.shown(&[]),
@@ -167,19 +172,24 @@ impl FeelPage {
     }
 
     /// The stretch with the run's own settings, run once a frame.
-    fn before(&self, index: usize) -> Result<Arc<NumberedStretch>, Refusal> {
+    fn before(&self, index: usize, deadline: Instant) -> Result<Arc<NumberedStretch>, Refusal> {
         if let Some((_, known)) = self.kept().before.as_ref().filter(|(of, _)| *of == index) {
             return Ok(Arc::clone(known));
         }
-        let stretch = self.reruns.run_again(index, &TriedSettings::new())?;
+        let stretch = self.reruns.run_again(index, &TriedSettings::new(), deadline)?;
         let mut kept = self.kept();
         let made = kept.numbered(stretch);
         kept.before = Some((index, Arc::clone(&made)));
         Ok(made)
     }
 
-    fn after(&self, index: usize, changed: &TriedSettings) -> Result<Arc<NumberedStretch>, Refusal> {
-        let stretch = self.reruns.run_again(index, changed)?;
+    fn after(
+        &self,
+        index: usize,
+        changed: &TriedSettings,
+        deadline: Instant,
+    ) -> Result<Arc<NumberedStretch>, Refusal> {
+        let stretch = self.reruns.run_again(index, changed, deadline)?;
         let mut kept = self.kept();
         let made = kept.numbered(stretch);
         if kept.after.len() == KEPT {

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use fingerpost_format::{FrameRecord, TriedSettings};
 use fingerpost_look::{
@@ -29,7 +30,7 @@ impl Records for OneRecord {
 struct Counted(Arc<AtomicUsize>);
 
 impl Reruns for Counted {
-    fn run_again(&self, _: usize, changed: &TriedSettings) -> Result<Stretch, Refusal> {
+    fn run_again(&self, _: usize, changed: &TriedSettings, _: Instant) -> Result<Stretch, Refusal> {
         self.0.fetch_add(1, Ordering::Relaxed);
         if let Some(key) = changed.keys().find(|key| key.as_str() == "wrong") {
             return Err(Refusal { key: Some(key.clone()), cause: "give another".into() });

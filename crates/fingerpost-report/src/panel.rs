@@ -12,6 +12,7 @@ mod masks;
 mod road_surface;
 
 use fingerpost_vision::picture::{Rect, RgbImage};
+use rayon::prelude::*;
 
 use crate::draw::Canvas;
 use crate::palette;
@@ -46,20 +47,19 @@ pub struct StagePictures {
 }
 
 impl StagePictures {
-    /// Draws them.
+    /// Draws them, each on a core of its own where there are so many.
     pub fn draw(scene: &Scene<'_>) -> Self {
         let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
-        let mut pictures = vec![stage("camera", camera::LEGEND, camera_picture(scene))];
-        pictures.extend(network_picture(scene).map(|picture| stage("network", classes::LEGEND, picture)));
-        pictures.extend(
-            lane_steps_picture(scene).map(|picture| stage("lane steps", lane_steps::LEGEND, picture)),
-        );
-        pictures.extend([
-            stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw)),
-            stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw)),
-            stage("masks", masks::LEGEND, ground_picture(scene, masks::draw)),
-            stage("flow", flow::LEGEND, ground_picture(scene, flow::draw)),
-        ]);
+        let drawings: [&(dyn Fn() -> Option<StagePicture> + Sync); 7] = [
+            &|| Some(stage("camera", camera::LEGEND, camera_picture(scene))),
+            &|| Some(stage("network", classes::LEGEND, network_picture(scene)?)),
+            &|| Some(stage("lane steps", lane_steps::LEGEND, lane_steps_picture(scene)?)),
+            &|| Some(stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw))),
+            &|| Some(stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw))),
+            &|| Some(stage("masks", masks::LEGEND, ground_picture(scene, masks::draw))),
+            &|| Some(stage("flow", flow::LEGEND, ground_picture(scene, flow::draw))),
+        ];
+        let pictures = drawings.par_iter().filter_map(|draw| draw()).collect();
         Self { pictures }
     }
 }

@@ -1,18 +1,16 @@
 //! Settings felt on a run: its last seconds up to a frame are run again.
 
+mod ahead;
 mod front;
 mod open;
-mod remembered_road;
 mod save;
 mod stretch;
 
-use std::mem;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, ScopedJoinHandle};
+use std::time::Instant;
 
 use anyhow::{Context, Error, Result, bail};
-use fingerpost::pipeline::Parts;
-use fingerpost::road_surface::RoadDetector;
 use fingerpost::{Config, ConfigError, PipelineError, Sensors};
 use fingerpost_format::{FrameRecord, TriedSettings};
 use fingerpost_geometry::Camera;
@@ -22,23 +20,21 @@ use fingerpost_record::FrameTime;
 use fingerpost_report::{Scene, StagePicture, StagePictures};
 use fingerpost_server::Picture;
 use fingerpost_vision::jpeg::{ChromaSampling, jpeg_file};
+use rayon::prelude::*;
 use serde_json::Value;
 
 use super::run_files::RecordFile;
 use crate::changed_settings::with_changes;
 use crate::driver::{Driver, RunSetting, Sequence};
-use crate::parts;
 use crate::recorder::Wishes;
 
+use self::ahead::{AheadTask, FoundAhead};
 pub(super) use self::open::open;
-use self::remembered_road::{FoundRoad, NotedRoad, RepeatedRoad, RoadNotes, leave_the_road};
 use self::save::SettingsFile;
-use self::stretch::{Frames, StretchPictures};
+use self::stretch::{Deadline, Frames, StretchFrame, StretchPictures};
 
 /// JPEG quality of the stages' pictures.
 const STAGE_QUALITY: u8 = 85;
-/// How long a stretch may take: settings that make a frame take more are not felt but waited for.
-const LONGEST: Duration = Duration::from_secs(20);
 /// Settings that name files, and those of what a stretch is run without: a page changes none of them.
 const NOT_FELT: [&str; 2] = ["road_surface.onnx", "can"];
 
@@ -51,7 +47,7 @@ struct RunAgain {
     route: Option<Route>,
     frames: Frames,
     records: RecordFile,
-    /// One stretch at a time: each takes a core for itself, and decoding all of them.
+    /// One stretch at a time: each takes two cores for itself, and decoding all of them.
     kept: Mutex<Kept>,
     file: SettingsFile,
 }
@@ -59,8 +55,8 @@ struct RunAgain {
 /// What is the same in every stretch up to the same frame.
 struct Kept {
     pictures: StretchPictures,
-    /// What its road was by the run's settings, by the index of the last frame.
-    road: Option<(usize, Arc<FoundRoad>)>,
+    /// What is found ahead in it by the run's settings, by the index of the last frame.
+    ahead: Option<(usize, FoundAhead)>,
 }
 
 impl RunAgain {
@@ -88,26 +84,21 @@ impl RunAgain {
         Ok(record.route_m.map(|route_m| [route_m, sigma_m.unwrap_or(start_sigma_m)]))
     }
 
-    fn stretch(&self, index: usize, mut config: Config, changed: &TriedSettings) -> Result<Stretch> {
+    fn stretch(
+        &self,
+        index: usize,
+        mut config: Config,
+        changed: &TriedSettings,
+        deadline: Deadline,
+    ) -> Result<Stretch> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        let first = kept.pictures.load_up_to(index, &self.frames)?;
+        let first = kept.pictures.load_up_to(index, &self.frames, deadline)?;
         let route_m = self.route_m(first)?.filter(|_| self.route.is_some());
         if let Some([_, sigma_m]) = route_m
             && !changed.contains_key("route_progress.start_sigma_m")
         {
             config.route_progress.start_sigma_m = sigma_m;
         }
-        let notes = RoadNotes::default();
-        let known = kept.road.as_ref().filter(|(of, _)| *of == index && leave_the_road(changed));
-        let detector: Box<dyn RoadDetector> = match known {
-            Some((_, road)) => Box::new(RepeatedRoad::of(Arc::clone(road))),
-            None if changed.is_empty() => Box::new(NotedRoad {
-                detector: parts::road_detector(&config.road_surface)?,
-                notes: Arc::clone(&notes),
-            }),
-            None => parts::road_detector(&config.road_surface)?,
-        };
-        let parts = Parts { road_detector: Some(detector), ..parts::parts(&config)? };
         let setting = RunSetting {
             config: &config,
             camera: &self.camera,
@@ -115,37 +106,66 @@ impl RunAgain {
             start_m: route_m.map(|[route_m, _]| route_m),
             sequence: Sequence::Drive,
         };
-        let mut driver =
-            Driver::with_parts(setting, &Wishes::records_alone(), None, parts)?.without_key_frames();
-        let started = Instant::now();
-        let mut frames = 0;
-        let mut last = None;
-        for (at, picture) in kept.pictures.loaded() {
-            if started.elapsed() > LONGEST {
-                bail!("the stretch takes more than {} s with this; give a coarser one", LONGEST.as_secs());
+        let task = match kept.ahead.as_ref().filter(|(of, _)| *of == index) {
+            Some((_, known)) => AheadTask::with_changes(known, changed),
+            None => AheadTask::whole(),
+        };
+        let loaded: Vec<StretchFrame<'_>> = kept.pictures.loaded(&self.frames).collect();
+        let followed = thread::scope(|scope| {
+            let find = || task.run(&config, &self.camera, &loaded, deadline);
+            let ahead = (!task.is_done()).then(|| scope.spawn(find));
+            let followed = follow(setting, &task.found, &loaded, deadline);
+            match ahead.map(ScopedJoinHandle::join) {
+                None | Some(Ok(Ok(()))) => followed,
+                Some(Ok(Err(cause))) => Err(cause),
+                Some(Err(_)) => bail!("the program failed at this stretch; its standard error says why"),
             }
-            let time = self.frames.time(at);
-            let mut drawn = None;
-            let mut draw = |scene: &Scene<'_>| drawn = (at == index).then(|| StagePictures::draw(scene));
-            let result = driver.step_showing(time, picture, Sensors::default(), &mut draw)?;
-            if let Ok(seen) = result.outcome {
-                frames += 1;
-                last = Some(seen.record).zip(drawn);
-            }
-        }
+        })?;
         if changed.is_empty() {
-            let mut road = mem::take(&mut *notes.lock().unwrap_or_else(PoisonError::into_inner));
-            road.network = driver.road_network().cloned();
-            kept.road = Some((index, Arc::new(road)));
+            kept.ahead = Some((index, task.found));
         }
         let of = self.frames.time(index);
+        let last = followed.last.filter(|(record, _)| record.frame == of.frame);
         let (record, drawn) =
             last.with_context(|| format!("frame {} cannot be used; choose another", of.frame))?;
         let FrameTime { frame, t_s } = self.frames.time(first);
-        let beginning = Beginning { frame, duration_s: of.t_s - t_s, frames, route_m };
-        let stages = drawn.pictures.into_iter().map(stage_view).collect::<Result<_>>()?;
+        let beginning = Beginning { frame, duration_s: of.t_s - t_s, frames: followed.frames, route_m };
+        let stages = drawn.pictures.into_par_iter().map(stage_view).collect::<Result<_>>()?;
         Ok(Stretch { beginning, record, stages })
     }
+}
+
+/// What came of a stretch.
+struct Followed {
+    /// Its frames that could be used.
+    frames: usize,
+    /// The record of its last frame, with its pictures; none where that could not be used.
+    last: Option<(FrameRecord, StagePictures)>,
+}
+
+/// Follows the route through a stretch of which the stages ahead are known, or found meanwhile.
+fn follow(
+    setting: RunSetting<'_>,
+    ahead: &FoundAhead,
+    frames: &[StretchFrame<'_>],
+    deadline: Deadline,
+) -> Result<Followed> {
+    let parts = ahead.repeating_parts(setting.config)?;
+    let wishes = Wishes::records_alone();
+    let mut driver = Driver::with_parts(setting, &wishes, None, parts)?.without_key_frames();
+    let mut followed = Followed { frames: 0, last: None };
+    for (index, frame) in frames.iter().enumerate() {
+        deadline.check(index, frames.len())?;
+        let is_last = index + 1 == frames.len();
+        let mut drawn = None;
+        let mut draw = |scene: &Scene<'_>| drawn = is_last.then(|| StagePictures::draw(scene));
+        let result = driver.step_showing(frame.time, frame.picture, Sensors::default(), &mut draw)?;
+        if let Ok(seen) = result.outcome {
+            followed.frames += 1;
+            followed.last = Some(seen.record).zip(drawn);
+        }
+    }
+    Ok(followed)
 }
 
 fn stage_view(StagePicture { stage, legend, picture }: StagePicture) -> Result<StageView> {
@@ -163,9 +183,14 @@ fn refusal(error: Error) -> Refusal {
 }
 
 impl Reruns for RunAgain {
-    fn run_again(&self, index: usize, changed: &TriedSettings) -> Result<Stretch, Refusal> {
+    fn run_again(
+        &self,
+        index: usize,
+        changed: &TriedSettings,
+        deadline: Instant,
+    ) -> Result<Stretch, Refusal> {
         let config = self.changed(changed)?;
-        self.stretch(index, config, changed).map_err(refusal)
+        self.stretch(index, config, changed, Deadline(deadline)).map_err(refusal)
     }
 
     fn save(&self, changed: &TriedSettings) -> Result<SavedSettings, Refusal> {

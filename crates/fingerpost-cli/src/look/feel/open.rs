@@ -65,7 +65,7 @@ pub(in crate::look) fn open(
         route: route.filter(|_| first.state != TrackState::NoRoute),
         frames: Frames::of(&run.overview),
         records,
-        kept: Mutex::new(Kept { pictures: StretchPictures::new(pictures, size_px, scaling), road: None }),
+        kept: Mutex::new(Kept { pictures: StretchPictures::new(pictures, size_px, scaling), ahead: None }),
         file,
     };
     Ok(Ok(FeelPage::new(feelable, Box::new(run_again))))

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fingerpost_io::decode_picture;
 use fingerpost_look::Overview;
 use fingerpost_record::FrameTime;
@@ -17,6 +18,33 @@ use crate::picture_scaling::PictureScaling;
 const DURATION_S: f64 = 5.0;
 /// What its pictures may take in memory, bytes: five seconds of 20 pictures of 1280 x 720 are 276 MB.
 const MOST_BYTES: usize = 512 << 20;
+
+/// When a stretch has to be there: the page waits no longer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Deadline(pub(super) Instant);
+
+impl Deadline {
+    fn is_over(self) -> bool {
+        Instant::now() >= self.0
+    }
+
+    /// Refuses to go on with the frame after so many of a stretch where it is over.
+    pub(super) fn check(self, done: usize, of: usize) -> Result<()> {
+        if self.is_over() {
+            bail!(
+                "the stretch takes too long with these settings: of its {of} frames {done} were done in time; give coarser ones"
+            );
+        }
+        Ok(())
+    }
+}
+
+/// A frame of a stretch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StretchFrame<'a> {
+    pub(super) time: FrameTime,
+    pub(super) picture: &'a RgbImage,
+}
 
 /// The frames of a run.
 #[derive(Debug)]
@@ -68,12 +96,19 @@ impl StretchPictures {
     }
 
     /// Loads those of the stretch up to `index` that are not there yet, drops the others, and says where it begins.
-    pub(super) fn load_up_to(&mut self, index: usize, frames: &Frames) -> Result<usize> {
+    pub(super) fn load_up_to(&mut self, index: usize, frames: &Frames, deadline: Deadline) -> Result<usize> {
         let (width, height) = self.size_px;
         let first = frames.first(index, MOST_BYTES / (3 * width * height).max(1));
         self.loaded.retain(|at, _| (first..=index).contains(at));
         let missing: Vec<usize> = (first..=index).filter(|at| !self.loaded.contains_key(at)).collect();
         for together in missing.chunks(DECODED_TOGETHER) {
+            if deadline.is_over() {
+                let of = index + 1 - first;
+                bail!(
+                    "reading pictures takes long: {} of {of} are read and kept; change a setting again to go on",
+                    self.loaded.len()
+                );
+            }
             let source = &*self.source;
             let decoded: Vec<Option<RgbImage>> = together
                 .par_iter()
@@ -101,8 +136,10 @@ impl StretchPictures {
         picture
     }
 
-    /// Index and picture of each frame that can be read, in the order of the run.
-    pub(super) fn loaded(&self) -> impl Iterator<Item = (usize, &RgbImage)> {
-        self.loaded.iter().filter_map(|(at, picture)| Some((*at, picture.as_ref()?)))
+    /// Each frame whose picture can be read, in the order of the run.
+    pub(super) fn loaded(&self, frames: &Frames) -> impl Iterator<Item = StretchFrame<'_>> {
+        self.loaded.iter().filter_map(|(at, picture)| {
+            Some(StretchFrame { time: frames.time(*at), picture: picture.as_ref()? })
+        })
     }
 }
