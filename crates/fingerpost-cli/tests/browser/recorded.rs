@@ -3,12 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use fingerpost_format::camera_from_toml;
-use fingerpost_geometry::{Camera, View};
 use tempfile::TempDir;
 
 use crate::chromium::Page;
 use crate::served::Served;
+use crate::set_up_page::{mount, read_camera};
 use crate::simulated_drive::call;
 
 /// The camera of KITTI odometry 00 by its calibration, as if it were level.
@@ -17,14 +16,11 @@ const LEVEL_CAMERA: &str = "[image]\nwidth = 1241\nheight = 376\n\
     [mount]\nheight_m = 1.65\npitch_deg = 0.0\nx_m = 1.5\n";
 /// Of its camera, by the alignment of its ground views: 0.6 to 0.9.
 const PITCH_DEG: f64 = 0.75;
+
 fn data(name: &str) -> PathBuf {
     let path = PathBuf::from(std::env::var("FINGERPOST_DATA").unwrap()).join(name);
     assert!(path.exists(), "{} is missing", path.display());
     path
-}
-
-fn read_camera(path: &Path) -> Camera {
-    camera_from_toml(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
 /// The number of the page's pitch.
@@ -65,8 +61,7 @@ fn the_pitch_of_a_recorded_drive_is_dragged_right() {
     page.value("document.getElementById('keep').click()");
     page.wait_for("!document.getElementById('command').hidden");
 
-    let View::Calibrated { mount, .. } = *read_camera(&saved).view() else { panic!("a camera with a mount") };
-    let dragged_deg = mount.pitch_rad.to_degrees();
+    let dragged_deg = mount(&read_camera(&saved)).pitch_rad.to_degrees();
     println!("dragged to a pitch of {dragged_deg:.3} degrees");
     assert!((dragged_deg - PITCH_DEG).abs() < 0.1, "{dragged_deg}");
     let command = page.value("document.getElementById('command').textContent");
