@@ -51,8 +51,8 @@ pub(crate) struct LookArgs {
     /// recorded in run.mcap.
     #[arg(long, value_name = "DRIVE")]
     input: Option<PathBuf>,
-    /// Calibration of the camera. Of a run: to draw places on the road into its pictures; by default the camera.toml of --input,
-    /// where one is. Of a drive: its lens, and what its mount begins as, which may be rough; by default the camera.toml in it.
+    /// Calibration of the camera. Of a run: to draw places on the road into its pictures, and to ask the road network about them;
+    /// by default the camera.toml of --input, where one is. Of a drive: its lens, and what its mount begins as, which may be rough; by default the camera.toml in it.
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
     /// Another run of the same drive, to compare the two frame by frame.

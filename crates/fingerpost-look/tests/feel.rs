@@ -12,7 +12,7 @@ use fingerpost_look::{
     Beginning, FeelPage, Feelable, Overview, Records, Refusal, Reruns, RunPage, SavedSettings, StageView,
     Stretch,
 };
-use fingerpost_server::{Answer, Cause, Handler, Picture, Request};
+use fingerpost_server::{Answer, Cause, Handler, Limits, Picture, Request};
 use serde_json::{Value, json};
 
 const RECORD: &str = r#"{"frame": 0, "t_s": 0, "state": "no_route", "feature": null, "motion": null, "driving_line_m": [],
@@ -30,7 +30,9 @@ impl Records for OneRecord {
 struct Counted(Arc<AtomicUsize>);
 
 impl Reruns for Counted {
-    fn run_again(&self, _: usize, changed: &TriedSettings, _: Instant) -> Result<Stretch, Refusal> {
+    fn run_again(&self, _: usize, changed: &TriedSettings, deadline: Instant) -> Result<Stretch, Refusal> {
+        // The server cuts off what takes longer than it grants.
+        assert!(deadline < Instant::now() + Limits::default().request_time);
         self.0.fetch_add(1, Ordering::Relaxed);
         if let Some(key) = changed.keys().find(|key| key.as_str() == "wrong") {
             return Err(Refusal { key: Some(key.clone()), cause: "give another".into() });

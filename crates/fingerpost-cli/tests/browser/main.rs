@@ -8,6 +8,7 @@ mod comparing;
 mod feeling;
 mod looking;
 mod marking;
+mod network_classes;
 mod painted_drive;
 mod recorded;
 mod served;

@@ -1,6 +1,7 @@
 //! The program with a page of its.
 
 use std::ffi::OsStr;
+use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
@@ -26,6 +27,14 @@ impl Served {
             .next()
             .unwrap();
         Self { program, address }
+    }
+
+    /// Processor time that it has taken so far, on all cores together, seconds; Linux counts it in hundredths.
+    pub(crate) fn processor_s(&self) -> f64 {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap();
+        // Its name, in brackets, may hold spaces; then user and system time are the 12th and 13th.
+        let numbers = stat.rsplit(')').next().unwrap().split_whitespace().skip(11).take(2);
+        numbers.map(|ticks| ticks.parse::<f64>().unwrap() / 100.0).sum()
     }
 
     /// The first line of the answer to a request, in which PORT stands for the server's.

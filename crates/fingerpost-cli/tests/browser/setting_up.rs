@@ -5,7 +5,6 @@ use std::path::Path;
 
 use fingerpost_format::camera_to_toml;
 use fingerpost_geometry::Mount;
-use serde_json::json;
 use tempfile::TempDir;
 
 use crate::chromium::Page;

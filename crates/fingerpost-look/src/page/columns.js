@@ -1,6 +1,6 @@
 // Records beside one another: the same number of each in a row, marked where two differ.
 
-import { element } from "./dom.js";
+import { breakable, element } from "./dom.js";
 
 const isGroup = (value) => value !== null && typeof value === "object" && !Array.isArray(value);
 
@@ -35,8 +35,8 @@ export function columns(names, records, keys, marked) {
     if (values.every((value) => value === "–")) continue;
     const row = body.insertRow();
     row.dataset.name = key;
-    row.append(element("th", { scope: "row" }, key));
-    for (const value of values) row.insertCell().textContent = value;
+    row.append(element("th", { scope: "row" }, ...breakable(key)));
+    for (const value of values) row.append(element("td", {}, ...breakable(value)));
     const [one, other] = marked;
     if (records[one] && records[other] && values[one] !== values[other]) row.className = "differs";
   }

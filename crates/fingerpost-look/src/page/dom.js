@@ -16,3 +16,6 @@ export function svgElement(name, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
+
+/// A name that breaks behind its dots and underscores, where its place is narrow.
+export const breakable = (name) => name.split(/(?<=[._])(?=[a-z])/).flatMap((part) => [part, element("wbr")]);

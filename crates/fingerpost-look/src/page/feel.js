@@ -22,7 +22,8 @@ async function shot(stage, name) {
   const image = stage?.picture && (await picture(stage.picture)).picture;
   if (image) image.alt = `${stage.name}, ${name}: ${stage.legend}`;
   const nothing = element("p", { className: "hint", textContent: "not there" });
-  return element("figure", {}, image || nothing, element("figcaption", { textContent: name }));
+  const whole = image && element("a", { href: stage.picture, target: "_blank", title: "In full size, in a tab of its own" }, image);
+  return element("figure", {}, whole || nothing, element("figcaption", { textContent: name }));
 }
 
 /// A stage before and after, or once where both are the same.

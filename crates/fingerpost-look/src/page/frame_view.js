@@ -29,7 +29,7 @@ export class FrameView {
     Object.assign(next, { id: before.id, alt: shown.picture ? `Camera's picture of frame ${number}` : "", hidden: !shown.picture });
     before.replaceWith(next);
     this.stage.querySelector(".classes")?.remove();
-    if (shown.classes) next.after(Object.assign(shown.classes, { className: "classes", alt: "What the network sees over it" }));
+    if (shown.classes) next.after(Object.assign(shown.classes, { className: "classes", alt: "What the network sees in it" }));
     this.missing.textContent = shown.missing;
     this.ground.lay(shown.groundViews);
   }

@@ -119,7 +119,7 @@ function changeLayers() {
 function showClasses({ legend, lacking }) {
   $("classes").classList.toggle("hint", !legend.length);
   if (!legend.length) return $("classes").append(lacking ?? "");
-  const box = element("label", {}, element("input", { type: "checkbox" }), " what the network sees over it:");
+  const box = element("label", {}, element("input", { type: "checkbox" }), " what the network sees:");
   const names = legend.map(({ name, colour }) => {
     const swatch = element("i");
     swatch.style.background = colour;

@@ -15,8 +15,8 @@ function allowed({ minimum, maximum, oneOf, items }) {
   return least === undefined || most === undefined ? "" : `${least} to ${most}`;
 }
 
-/// Names of items of the source are for its readers alone.
-const meaning = (text) => text.replaceAll(/ \(\[`\w+`\](; [^)]*)?\)/g, (_, rest) => (rest ? ` (${rest.slice(2)})` : ""));
+/// Names of items of the source are for its readers alone, and so are the marks about names.
+const meaning = (text) => text.replaceAll(/ \(\[`\w+`\](; [^)]*)?\)/g, (_, rest) => (rest ? ` (${rest.slice(2)})` : "")).replaceAll("`", "");
 
 /// One setting's inputs. `changed` is called with a new value; `show` puts one in.
 function inputs(key, schema, value, changed) {

@@ -143,3 +143,18 @@ impl StretchPictures {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn what_is_not_there_in_time_says_how_far_it_came() {
+        let now = Instant::now();
+        assert!(Deadline(now + Duration::from_secs(60)).check(3, 100).is_ok());
+        let cause = Deadline(now).check(3, 100).unwrap_err().to_string();
+        assert!(cause.contains("of its 100 frames 3 were done"), "{cause}");
+    }
+}
