@@ -46,21 +46,30 @@ pub struct StagePictures {
     pub pictures: Vec<StagePicture>,
 }
 
+/// What draws each stage, in the order of the data; none where a frame has no such stage.
+const DRAWINGS: [fn(&Scene<'_>) -> Option<StagePicture>; 7] = [
+    |scene| Some(stage("camera", camera::LEGEND, camera_picture(scene))),
+    |scene| Some(stage("network", classes::LEGEND, network_picture(scene)?)),
+    |scene| Some(stage("lane steps", lane_steps::LEGEND, lane_steps_picture(scene)?)),
+    |scene| Some(stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw))),
+    |scene| Some(stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw))),
+    |scene| Some(stage("masks", masks::LEGEND, ground_picture(scene, masks::draw))),
+    |scene| Some(stage("flow", flow::LEGEND, ground_picture(scene, flow::draw))),
+];
+
+const fn stage(stage: &'static str, legend: &'static str, picture: RgbImage) -> StagePicture {
+    StagePicture { stage, legend, picture }
+}
+
 impl StagePictures {
-    /// Draws them, each on a core of its own where there are so many.
+    /// Draws them.
     pub fn draw(scene: &Scene<'_>) -> Self {
-        let stage = |stage, legend, picture| StagePicture { stage, legend, picture };
-        let drawings: [&(dyn Fn() -> Option<StagePicture> + Sync); 7] = [
-            &|| Some(stage("camera", camera::LEGEND, camera_picture(scene))),
-            &|| Some(stage("network", classes::LEGEND, network_picture(scene)?)),
-            &|| Some(stage("lane steps", lane_steps::LEGEND, lane_steps_picture(scene)?)),
-            &|| Some(stage("ground view", ground_view::LEGEND, ground_picture(scene, ground_view::draw))),
-            &|| Some(stage("road surface", road_surface::LEGEND, ground_picture(scene, road_surface::draw))),
-            &|| Some(stage("masks", masks::LEGEND, ground_picture(scene, masks::draw))),
-            &|| Some(stage("flow", flow::LEGEND, ground_picture(scene, flow::draw))),
-        ];
-        let pictures = drawings.par_iter().filter_map(|draw| draw()).collect();
-        Self { pictures }
+        Self { pictures: DRAWINGS.iter().filter_map(|draw| draw(scene)).collect() }
+    }
+
+    /// Draws the same on all cores, where somebody waits for it.
+    pub fn draw_on_all_cores(scene: &Scene<'_>) -> Self {
+        Self { pictures: DRAWINGS.par_iter().filter_map(|draw| draw(scene)).collect() }
     }
 }
 

@@ -158,7 +158,7 @@ fn follow(
         deadline.check(index, frames.len())?;
         let is_last = index + 1 == frames.len();
         let mut drawn = None;
-        let mut draw = |scene: &Scene<'_>| drawn = is_last.then(|| StagePictures::draw(scene));
+        let mut draw = |scene: &Scene<'_>| drawn = is_last.then(|| StagePictures::draw_on_all_cores(scene));
         let result = driver.step_showing(frame.time, frame.picture, Sensors::default(), &mut draw)?;
         if let Ok(seen) = result.outcome {
             followed.frames += 1;
