@@ -1,6 +1,7 @@
 //! What the road network sees in a frame of a run: asked when it is to be shown, as no run records it.
 
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result, anyhow};
 use fingerpost::Sensors;
@@ -42,18 +43,22 @@ pub(super) fn open(
         return Ok(Err(cause.to_owned()));
     }
     let legend = NETWORK_CLASSES.iter().map(|class| SeenClass::new(class.name, class.colour)).collect();
-    Ok(Ok(NetworkClasses { legend, pictures: Box::new(AskedNetwork { method, pictures }) }))
+    let asked = AskedNetwork { method, pictures, asking: Mutex::new(()) };
+    Ok(Ok(NetworkClasses { legend, pictures: Box::new(asked) }))
 }
 
 /// A network that is asked about one frame at a time: what it sees in one does not depend on those before.
 struct AskedNetwork {
     method: Method,
     pictures: Box<dyn Pictures>,
+    /// One frame at a time, so that a slider that is dragged leaves the other answers a core.
+    asking: Mutex<()>,
 }
 
 impl Pictures for AskedNetwork {
     fn picture(&self, frame: u64) -> Result<Picture, Cause> {
         let file = self.pictures.picture(frame)?;
+        let _asking = self.asking.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(self.seen(frame, &file.bytes)?)
     }
 }

@@ -22,7 +22,7 @@ export function linkParts(frame) {
 }
 
 /// A picture that cannot be shown takes nothing else with it.
-export async function picture(path) {
+export async function picture(path, lacking = "No picture") {
   const picture = new Image();
   picture.src = path;
   try {
@@ -30,7 +30,7 @@ export async function picture(path) {
     return { picture, missing: "" };
   } catch {
     const missing = await call(path).catch((cause) => cause.message);
-    return { picture: null, missing: `No picture: ${typeof missing === "string" ? missing : "it is damaged"}` };
+    return { picture: null, missing: `${lacking}: ${typeof missing === "string" ? missing : "it is damaged"}` };
   }
 }
 
@@ -69,20 +69,22 @@ export class Frames {
     const { has_pictures, ground_area } = this.run;
     const nothing = { picture: null, missing: "No pictures: say where they are with --input." };
     const record = `${this.base}/records/${index}`;
-    const layer = (name) => (this.layers.includes(name) ? picture(`${record}/${name}`) : { picture: null, missing: "" });
+    const layer = (name, lacking) =>
+      this.layers.includes(name) ? picture(`${record}/${name}`, lacking) : { picture: null, missing: "" };
     const [said, shown, ground, surface, classes] = await Promise.all([
       call(record),
       has_pictures ? picture(`${record}/picture`) : nothing,
       ground_area ? picture(`${record}/ground_view`) : nothing,
       layer("road_surface"),
-      layer("classes"),
+      layer("classes", "Nothing of what the network sees"),
     ]);
     const missing = shown.missing || classes.missing;
     return { ...said, picture: shown.picture, classes: classes.picture, missing, groundViews: [ground.picture, surface.picture].filter((one) => one) };
   }
 
-  /// Asks for the neighbours, so that the next step finds them.
+  /// Asks for the neighbours, so that the next step finds them; the network is asked only about frames that are looked at.
   prepare(index) {
+    if (this.layers.includes("classes")) return;
     for (const near of [index + 1, index - 1]) if (near >= 0 && near < this.length) this.get(near).catch(() => {});
   }
 

@@ -32,7 +32,7 @@ impl Deadline {
     pub(super) fn check(self, done: usize, of: usize) -> Result<()> {
         if self.is_over() {
             bail!(
-                "the stretch takes too long with these settings: of its {of} frames {done} were done in time; give coarser ones"
+                "the stretch was not done in time, {done} of its {of} frames were; try again, or give coarser settings"
             );
         }
         Ok(())
