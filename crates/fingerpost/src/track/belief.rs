@@ -77,7 +77,7 @@ pub struct BeliefTracker {
 
 /// Distance driven after which the ground has more to say, metres: a cell of its map.
 const NEWS_M: f64 = 0.25;
-/// Probability from which a hypothesis is followed, and below which it is no more.
+/// Probability from which a hypothesis is followed, and below which it is no more while it leads through a feature.
 const SURE: f64 = 0.9;
 const STILL_SURE: f64 = 0.5;
 /// A hypothesis less probable than this is given up: two features where it expects them would hardly bring it back.
@@ -190,7 +190,8 @@ impl BeliefTracker {
     /// Whether the likeliest hypothesis is sure enough to follow; says what it is not sure against.
     fn believe(&mut self) -> Option<Decision> {
         let first = self.hypotheses.first()?;
-        let needed = if self.believed == Some(first.first) { STILL_SURE } else { SURE };
+        let is_under_way = first.route.features().iter().any(|feature| feature.stage != Stage::Sought);
+        let needed = if is_under_way && self.believed == Some(first.first) { STILL_SURE } else { SURE };
         let rival = self.hypotheses.get(1).filter(|_| first.weight < needed);
         self.believed = rival.is_none().then_some(first.first);
         rival.map(|rival| Decision::NextUnknown {
