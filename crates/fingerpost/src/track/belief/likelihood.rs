@@ -19,7 +19,7 @@ use crate::ground_view::Viewpoint;
 const WITNESS_M2: f64 = 1.0;
 /// Softness of an edge of the road surface, metres: cells and pixels at 10 m.
 const SHARP_M: f64 = 0.15;
-/// An edge is felt so many times its softness away: a logistic distribution has a seventh of its mass beyond.
+/// An edge is felt so many times its softness away: a logistic distribution has an eighth of its mass beyond, on either side.
 const FELT_SOFTNESSES: f64 = 2.0;
 /// Width of the ground beside a road that is held for none, metres.
 const BESIDE_M: f64 = 1.5;
