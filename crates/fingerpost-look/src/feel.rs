@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::Duration;
 
 use fingerpost_format::{FrameRecord, TriedSettings};
 use fingerpost_server::{Answer, Cause, Limits, Picture, Request};
@@ -12,16 +12,16 @@ use serde_json::{Value, json};
 
 /// Stretches with changed settings whose pictures are kept: pages may still be asking for them.
 const KEPT: usize = 8;
-/// What of the time that the server grants a request stretches may take; the rest is for what their pictures take.
-const SHARE_OF_REQUEST: f64 = 0.8;
+/// What of the time that the server grants a request each of its two stretches may take; the rest is for what their pictures take.
+const SHARE_OF_REQUEST: f64 = 0.4;
 
 /// Runs the last seconds up to a frame again.
 pub trait Reruns: Send + Sync {
-    /// Runs the stretch up to the record at `index` again, with these settings in place of the run's. It is given up at the deadline.
+    /// Runs the stretch up to the record at `index` again, with these settings in place of the run's. What takes longer than `longest` is given up.
     ///
     /// # Errors
     /// [`Refusal`] says what it cannot be run with, or how far it came.
-    fn run_again(&self, index: usize, changed: &TriedSettings, deadline: Instant)
+    fn run_again(&self, index: usize, changed: &TriedSettings, longest: Duration)
     -> Result<Stretch, Refusal>;
 
     /// Saves settings that differ from the run's, and gives the command line that runs a drive with them.
@@ -160,9 +160,9 @@ impl FeelPage {
     }
 
     fn felt(&self, index: usize, changed: &TriedSettings) -> Result<Answer, Refusal> {
-        let deadline = Instant::now() + Limits::default().request_time.mul_f64(SHARE_OF_REQUEST);
-        let before = self.before(index, deadline)?;
-        let after = if changed.is_empty() { None } else { Some(self.after(index, changed, deadline)?) };
+        let longest = Limits::default().request_time.mul_f64(SHARE_OF_REQUEST);
+        let before = self.before(index, longest)?;
+        let after = if changed.is_empty() { None } else { Some(self.after(index, changed, longest)?) };
         let shown = json!({
             "beginning": before.stretch.beginning,
             "before": before.shown(&[]),
@@ -172,11 +172,11 @@ impl FeelPage {
     }
 
     /// The stretch with the run's own settings, run once a frame.
-    fn before(&self, index: usize, deadline: Instant) -> Result<Arc<NumberedStretch>, Refusal> {
+    fn before(&self, index: usize, longest: Duration) -> Result<Arc<NumberedStretch>, Refusal> {
         if let Some((_, known)) = self.kept().before.as_ref().filter(|(of, _)| *of == index) {
             return Ok(Arc::clone(known));
         }
-        let stretch = self.reruns.run_again(index, &TriedSettings::new(), deadline)?;
+        let stretch = self.reruns.run_again(index, &TriedSettings::new(), longest)?;
         let mut kept = self.kept();
         let made = kept.numbered(stretch);
         kept.before = Some((index, Arc::clone(&made)));
@@ -187,9 +187,9 @@ impl FeelPage {
         &self,
         index: usize,
         changed: &TriedSettings,
-        deadline: Instant,
+        longest: Duration,
     ) -> Result<Arc<NumberedStretch>, Refusal> {
-        let stretch = self.reruns.run_again(index, changed, deadline)?;
+        let stretch = self.reruns.run_again(index, changed, longest)?;
         let mut kept = self.kept();
         let made = kept.numbered(stretch);
         if kept.after.len() == KEPT {

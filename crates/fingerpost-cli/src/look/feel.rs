@@ -8,7 +8,7 @@ mod stretch;
 
 use std::sync::{Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Error, Result, bail};
 use fingerpost::{Config, ConfigError, PipelineError, Sensors};
@@ -187,10 +187,10 @@ impl Reruns for RunAgain {
         &self,
         index: usize,
         changed: &TriedSettings,
-        deadline: Instant,
+        longest: Duration,
     ) -> Result<Stretch, Refusal> {
         let config = self.changed(changed)?;
-        self.stretch(index, config, changed, Deadline(deadline)).map_err(refusal)
+        self.stretch(index, config, changed, Deadline(Instant::now() + longest)).map_err(refusal)
     }
 
     fn save(&self, changed: &TriedSettings) -> Result<SavedSettings, Refusal> {
