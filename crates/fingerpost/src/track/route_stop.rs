@@ -53,7 +53,7 @@ pub struct TrackerSetting<'a> {
 }
 
 /// How far from its node another feature's road is its own, metres: a half width of 4 m and corners of as much.
-const MOUTH_M: f64 = 8.0;
+pub(in crate::track) const MOUTH_M: f64 = 8.0;
 /// However near the next feature is, so much of the route is a feature's own, metres.
 const LEAST_OWN_M: f64 = 5.0;
 

@@ -140,7 +140,7 @@ pub(super) struct Workspace {
 pub(super) struct Seen<'a> {
     pub(super) config: &'a TrackConfig,
     pub(super) stop: &'a RouteStop,
-    /// The features before and behind it on the route.
+    /// The features before and behind it on the route, where their mouths meet its own.
     pub(super) neighbours: [Option<Neighbour<'a>>; 2],
     pub(super) ground: &'a Ground,
     /// Where the vehicle is along the route, without what this feature says.

@@ -13,6 +13,7 @@ use super::junction_shape::Neighbour;
 use super::likelihood::{Ground, pose_of};
 use crate::feature_model::FeatureModel;
 use crate::progress::{GpsUse, Progress, Travel};
+use crate::track::route_stop::MOUTH_M;
 use crate::track::{RouteStop, TrackConfig};
 
 /// Most features that are weighed at a time: what a view of 20 m can hold, and one that a doubt about the progress adds.
@@ -178,7 +179,8 @@ impl RouteBelief {
         tried
     }
 
-    /// The features before and behind one on the route, as wide as they are believed to be, or else as the map has them.
+    /// The features before and behind one on the route whose mouths meet its own, as wide as they are believed to be, or else as the map has
+    /// them: those farther off are told from it by its own road.
     fn neighbours<'a>(
         &self,
         config: &TrackConfig,
@@ -188,6 +190,9 @@ impl RouteBelief {
         [0, 1].map(|side| {
             let beside = if side == 0 { index.checked_sub(1)? } else { index + 1 };
             let (stop, other) = (stops.get(index)?, stops.get(beside)?);
+            if (other.model.route_m - stop.model.route_m).abs() >= 2.0 * MOUTH_M {
+                return None;
+            }
             let in_view = self.features.iter().find(|other| other.index == beside);
             let believed = in_view.and_then(|other| other.belief.best());
             let outline = other.shape.outline(believed.unwrap_or(&as_on_map(config)));
